@@ -134,7 +134,7 @@ def sweep(
 
         try:
             # so that no chunk is submitted unnoticed, and a process starts without the caller's script
-            with deferred_interrupt() as came, _without_main():
+            with deferred_interrupt() as came, _without_main(), _blocked_interrupt():
                 for chunk in chunks:
                     waiting.add(executor.submit(run_chunk, plan, chunk, through))
             if came():
@@ -143,8 +143,8 @@ def sweep(
                 take_rows(future)
         except BaseException as error:
             stop()
-            begun = [future for future in waiting if not future.cancel()]
             if isinstance(error, KeyboardInterrupt):
+                begun = [future for future in waiting if not future.cancel()]
                 for future in begun:  # they end after their current run
                     if future.exception() is None:
                         take_rows(future)
@@ -291,6 +291,19 @@ def _without_main() -> Iterator[None]:
         yield
     finally:
         sys.modules["__main__"] = main
+
+
+@contextmanager
+def _blocked_interrupt() -> Iterator[None]:
+    """Keep Ctrl-C from processes that start here: they inherit the mask, before they can ignore it."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

@@ -12,6 +12,7 @@ import zipfile
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -465,6 +466,25 @@ def test_an_interrupt_waits_for_the_run_under_way_alone(monkeypatch: pytest.Monk
     assert result.stderr.lstrip() == said
     (journal,) = Path("out/sweeps").glob(".sweep.*.journal")
     assert len(journal.read_text().splitlines()) == 1 + 3
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="not on this platform: no signal masks")
+def test_a_process_that_only_starts_survives_ctrl_c(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A terminal sends it to all processes; if one ended of it, the others would break, or hang."""
+    (tmp_path / "startled.py").write_text("""
+import os, signal
+from phaseplane.scenarios.sweeps.running import _begin_worker
+
+def begin(receiver):
+    os.kill(os.getpid(), signal.SIGINT)
+    _begin_worker(receiver)
+""")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(running, "_begin_worker", import_module("startled").begin)
+    made, _ = sweep(load_plan(written(GRID)), tmp_path / "journal", workers=2)
+    assert len(made) == 6
 
 
 def test_a_process_that_is_killed_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
