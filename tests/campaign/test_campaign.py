@@ -123,6 +123,12 @@ def test_contact_and_gap_that_contradict_each_other_are_found() -> None:
         assert any(line.startswith(f"{what} at 0.1 s") for line in lines), what
 
 
+@pytest.mark.parametrize("seed", range(24))
+def test_what_must_not_matter_does_not(seed: int) -> None:
+    """Units, up and down, the order of elements, steps of the host, axles that are decoupled."""
+    assert judging.examine(draws.draw(seed), "symmetries")["failures"] == []
+
+
 @pytest.mark.parametrize("seed", [1310, 1412])
 def test_what_counts_as_rest_or_as_a_jump_goes_with_the_units(seed: int) -> None:
     """A ramp whose end meets the flat road to rounding, and slip that comes to rest."""

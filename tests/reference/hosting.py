@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import importlib.util
+import json
 import os
 import shutil
 import signal
 import subprocess
+import sys
 import sysconfig
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic, sleep
+from typing import Any
 
+import numpy as np
 import pytest
 
 SOURCES = Path(__file__).parents[1] / "vehicle_fmus"
@@ -41,6 +46,37 @@ def libpython() -> Path:
     if path.suffix == ".a":
         pytest.skip("not on this platform: this Python has no shared library")
     return path
+
+
+def needs(host: str) -> Any:
+    """A host as a parameter of tests, which are skipped where it is not installed."""
+    found = importlib.util.find_spec(host) is not None
+    return pytest.param(host, marks=pytest.mark.skipif(not found, reason=f"no {host}"))
+
+
+MASTERS = [needs("libcosimpy"), needs("ecospy")]
+
+
+def in_master(host: str, jobs: list[dict[str, Any]], folder: Path) -> list[np.ndarray]:
+    """Run jobs of `masters.py` in another process: these hosts end it where an FMU raises."""
+    file = folder / "jobs.json"
+    file.write_text(json.dumps(jobs))
+    done = subprocess.run(
+        [sys.executable, str(SOURCES / "masters.py"), host, str(file)],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr[-2000:]
+    lines = [line for line in done.stdout.splitlines() if line.startswith("[[")]
+    return [np.array(rows) for rows in json.loads(lines[-1])]
+
+
+def difference(found: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """The largest difference in each column, relative to its peak."""
+    assert found.shape == wanted.shape
+    peaks = np.abs(wanted).max(axis=0)
+    apart: np.ndarray = np.abs(found - wanted).max(axis=0) / np.where(peaks > 0.0, peaks, 1.0)
+    assert not np.isnan(apart).any()
+    return apart
 
 
 def wait_until(holds: Callable[[], object], process: subprocess.Popen[str] | None = None) -> None:

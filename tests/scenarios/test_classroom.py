@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import json
 import os
 import re
@@ -18,6 +17,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
+import notebooks
 import pytest
 from hosting import HANGS
 from matplotlib.figure import Figure
@@ -123,19 +123,8 @@ for name in ("own", "ap57", "h83_example28"):
 
 @pytest.mark.slow
 def test_the_notebook_runs_from_top_to_bottom() -> None:
-    cells = json.loads((PAGE / "dry_friction.ipynb").read_text(encoding="utf-8"))["cells"]
-    scope: dict[str, Any] = {}
-    shown = None
-    for cell in cells:
-        if cell["cell_type"] == "code":
-            tree = ast.parse("".join(cell["source"]))
-            last = tree.body[-1]
-            exec(compile(ast.Module(tree.body[:-1], []), "cell", "exec"), scope)
-            if isinstance(last, ast.Expr):  # what a notebook shows below the cell
-                shown = eval(compile(ast.Expression(last.value), "cell", "eval"), scope) or shown
-            else:
-                exec(compile(ast.Module([last], []), "cell", "exec"), scope)
-    assert isinstance(shown, Figure)
+    scope, shown = notebooks.run(PAGE / "dry_friction.ipynb")
+    assert isinstance(next(filter(None, reversed(shown))), Figure)
     assert "turned in the wrong direction" in scope["marks"].marks[-1].said
 
 

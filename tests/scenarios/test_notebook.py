@@ -1,10 +1,8 @@
 """The engineer's notebook, from measured tables to an optimum and its FMU."""
 
-import ast
-import json
 from pathlib import Path
-from typing import Any
 
+import notebooks
 import pytest
 
 NOTEBOOK = Path(__file__).parents[2] / "docs" / "desk" / "own_car.ipynb"
@@ -12,17 +10,7 @@ NOTEBOOK = Path(__file__).parents[2] / "docs" / "desk" / "own_car.ipynb"
 
 @pytest.mark.slow
 def test_the_notebook_runs_from_top_to_bottom():
-    scope: dict[str, Any] = {}
-    shown: list[object] = []
-    for cell in json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]:
-        if cell["cell_type"] == "code":
-            tree = ast.parse("".join(cell["source"]))
-            last = tree.body[-1]
-            if isinstance(last, ast.Expr):  # what a notebook shows below the cell
-                exec(compile(ast.Module(tree.body[:-1], []), "cell", "exec"), scope)
-                shown.append(eval(compile(ast.Expression(last.value), "cell", "eval"), scope))
-            else:
-                exec(compile(tree, "cell", "exec"), scope)
+    scope, shown = notebooks.run(NOTEBOOK)
     pictures = [one for one in shown if hasattr(one, "_repr_png_")]
     assert len(pictures) == 2
     assert all(picture._repr_png_().startswith(b"\x89PNG") for picture in pictures)

@@ -1,4 +1,4 @@
-"""Stability watched: steps that are too long, energy from nowhere, interrupts, and extreme cases."""
+"""Stability watched: steps that are too long, energy from nowhere, interrupts, what takes for ever."""
 
 from __future__ import annotations
 
@@ -46,13 +46,6 @@ def drawn(rng: np.random.Generator) -> System:
         rebound_stop__stiffness=between(1e4, 1e6), road__height=between(0.02, 0.2),
         road__length=between(0.3, 3.0), speed=between(3.0, 40.0),
     )  # fmt: skip
-
-
-def final(system: System, until: float, **options: object) -> list[float]:
-    integrator = Integrator(system, **options)
-    assert integrator.advance(until, True) == 0
-    integrator.sample(until)
-    return list(integrator.sample_q)
 
 
 def test_a_step_beyond_the_stable_one_is_taken_in_equal_parts() -> None:
@@ -206,35 +199,6 @@ def test_a_session_keeps_a_log_of_its_events_and_its_whole_state() -> None:
     assert other.snapshot() != kept
 
 
-# -- extreme cases: the default against exact propagation --------------------------------------------
-
-HARD = {
-    "bump_stop__gap": 0.02, "bump_stop__stiffness": 1e9,
-    "rebound_stop__gap": 0.02, "rebound_stop__stiffness": 1e9,
-}  # fmt: skip
-OVERDAMPED = {"damper__rebound_rate": 4e7, "damper__bump_rate": 4e7}
-
-
-@pytest.mark.parametrize(
-    "parameters",
-    [
-        {**HARD, "road__height": 0.1},
-        {"unsprung_mass": 1e-3},
-        OVERDAMPED,
-        pytest.param({**OVERDAMPED, "unsprung_mass": 1e-3}, marks=pytest.mark.slow),
-        {"damper__rebound_rate": 0.0, "damper__bump_rate": 0.0, "tyre__damping": 0.0},
-        {"friction": 2000.0, "unsprung_mass": 1e-3},
-        {"road__height": 1.0},
-        {"speed": 1000.0 / 3.6},
-    ],
-)
-def test_extreme_cars_move_as_exact_propagation_says(parameters: dict[str, object]) -> None:
-    system = car(**parameters)
-    found = np.array([final(system, t) for t in (0.02, 0.06, 0.3)])
-    truth = np.array([final(system, t, method="exact", tolerance=1e-9) for t in (0.02, 0.06, 0.3)])
-    assert np.abs(found - truth).max() < 3e-6 * np.abs(truth).max()
-
-
 def test_a_wheel_of_a_gram_does_not_lift_off_where_a_heavy_one_stays() -> None:
     """Over a low swell nothing leaves the road; a light wheel least of all."""
     swell = {"road__shape": "sine", "road__height": 0.01, "road__length": 5.0, "speed": 10.0}
@@ -284,11 +248,6 @@ def test_steps_chosen_by_the_error_are_as_long_as_damping_allows(
     assert integrator.sample_q[0] == pytest.approx(
         np.cos(integrator.time), abs=options["tolerance"]
     )
-
-
-def test_no_mass_is_refused() -> None:
-    with pytest.raises(ParameterError, match="unsprung_mass = 0: must be greater than 0"):
-        car(unsprung_mass=0.0)
 
 
 def test_a_million_fixed_steps_keep_an_undamped_amplitude() -> None:

@@ -6,7 +6,6 @@ all of them behind the fence of `fence.c`. Valgrind sees it, too.
 
 from __future__ import annotations
 
-import importlib.util
 import shutil
 import signal
 import subprocess
@@ -18,7 +17,7 @@ from typing import Any
 
 import pytest
 from fmpy import extract, read_model_description
-from hosting import compiled, fence, hosted, libpython
+from hosting import MASTERS, compiled, fence, hosted, libpython
 from phaseplane.scenarios.simulate.fmu_cache import FOLDER_VARIABLE
 from phaseplane.suspension.models import FILES
 from phaseplane.vehicle_fmus import build as packing
@@ -30,11 +29,6 @@ SIX = sorted(FILES, key=lambda model: model == "QuarterCar")  # the last is to r
 EVERY, SOME, NONE = len(SIX), 2, 0  # how many are freed
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="not on this platform: no ELF")
-
-
-def needs(host: str) -> Any:
-    found = importlib.util.find_spec(host) is not None
-    return pytest.param(host, marks=pytest.mark.skipif(not found, reason=f"no {host}"))
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +91,7 @@ def test_the_fence_finds_what_is_mended(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("host", ["fmpy", needs("libcosimpy"), needs("ecospy")])
+@pytest.mark.parametrize("host", ["fmpy", *MASTERS])
 def test_the_fence_finds_it_in_every_host(
     host: str, fenced: Path, unmended: Path, tmp_path: Path
 ) -> None:
@@ -118,7 +112,7 @@ def test_a_host_in_c(ending: str, in_c: Any, fenced: Path, folders: dict[str, st
 
 @pytest.mark.slow
 @pytest.mark.parametrize("ending", ["done", "refused", "interrupted"])
-@pytest.mark.parametrize("host", ["fmpy", needs("libcosimpy"), needs("ecospy")])
+@pytest.mark.parametrize("host", ["fmpy", *MASTERS])
 def test_a_host_in_python(
     host: str, ending: str, fenced: Path, fmus: dict[str, Path], tmp_path: Path
 ) -> None:

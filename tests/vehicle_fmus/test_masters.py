@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-import json
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -13,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from fmpy.ssp.simulation import simulate_ssp
+from hosting import MASTERS, difference, in_master
 from phaseplane.suspension.models import FILES
 from phaseplane.suspension.road_source import RoadSource
 from phaseplane.suspension.session import Session
@@ -28,35 +25,6 @@ START = {
 }  # fmt: skip
 
 
-def needs(host: str) -> Any:
-    found = importlib.util.find_spec(host) is not None
-    return pytest.param(host, marks=pytest.mark.skipif(not found, reason=f"no {host}"))
-
-
-HOSTS = [needs("libcosimpy"), needs("ecospy")]
-
-
-def drive(host: str, jobs: list[dict[str, Any]], folder: Path) -> list[np.ndarray]:
-    """Run jobs in another process: these hosts end it where an FMU raises."""
-    file = folder / "jobs.json"
-    file.write_text(json.dumps(jobs))
-    done = subprocess.run(
-        [sys.executable, str(Path(__file__).parent / "masters.py"), host, str(file)],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr[-2000:]
-    lines = [line for line in done.stdout.splitlines() if line.startswith("[[")]
-    return [np.array(rows) for rows in json.loads(lines[-1])]
-
-
-def difference(found: np.ndarray, expected: np.ndarray) -> list[float]:
-    """For each column the largest difference, relative to its peak."""
-    peaks = np.abs(expected).max(axis=0)
-    apart: np.ndarray = np.abs(found - expected).max(axis=0) / np.where(peaks > 0.0, peaks, 1.0)
-    assert not np.isnan(apart).any()
-    return list(apart)
-
-
 def real_outputs(vehicle: Any) -> list[str]:
     return [
         v.name
@@ -66,7 +34,7 @@ def real_outputs(vehicle: Any) -> list[str]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("master", HOSTS)
+@pytest.mark.parametrize("master", MASTERS)
 def test_another_master_gives_what_fmpy_gives(
     master: str, fmus: dict[str, Path], folders: dict[str, str], host: Any, tmp_path: Path
 ) -> None:
@@ -86,9 +54,9 @@ def test_another_master_gives_what_fmpy_gives(
         expected.append(np.array(rows))
         jobs.append({"file": str(fmus[model]), "step": STEP, "steps": STEPS, "start": start,
                      "outputs": names})  # fmt: skip
-    for job, fmpys, theirs in zip(jobs, expected, drive(master, jobs, tmp_path), strict=True):
+    for job, fmpys, theirs in zip(jobs, expected, in_master(master, jobs, tmp_path), strict=True):
         apart = difference(theirs, fmpys)
-        assert max(apart) < 1e-9, job["outputs"][apart.index(max(apart))]
+        assert apart.max() < 1e-9, job["outputs"][apart.argmax()]
         assert np.abs(fmpys).max() > 0.04
 
 
@@ -126,7 +94,7 @@ def ssps(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("master", HOSTS)
+@pytest.mark.parametrize("master", MASTERS)
 def test_a_system_runs_as_its_parts_do(master: str, ssps: dict[str, Path], tmp_path: Path) -> None:
     jobs = []
     for model, ssp in ssps.items():
@@ -134,9 +102,9 @@ def test_a_system_runs_as_its_parts_do(master: str, ssps: dict[str, Path], tmp_p
             zipfile.ZipFile(ssp).extractall(tmp_path / model)
         file = tmp_path / model if master == "libcosimpy" else ssp
         jobs.append({"file": str(file), "step": 1e-3, "steps": 200, "outputs": SHOWN[model]})
-    for model, theirs in zip(ssps, drive(master, jobs, tmp_path), strict=True):
+    for model, theirs in zip(ssps, in_master(master, jobs, tmp_path), strict=True):
         ours = on_road(model, 1e-3, 200, {})
-        assert max(difference(theirs, ours)) < 1e-9
+        assert difference(theirs, ours).max() < 1e-9
 
 
 def test_fmpy_runs_a_system(
@@ -146,7 +114,7 @@ def test_fmpy_runs_a_system(
     for model, ssp in ssps.items():
         result = simulate_ssp(str(ssp), stop_time=0.2, step_size=1e-3)
         found = np.array([result[f"vehicle.{name}"] for name in SHOWN[model]]).T
-        assert max(difference(found, on_road(model, 1e-3, 200, {}))) < 1e-9
+        assert difference(found, on_road(model, 1e-3, 200, {})).max() < 1e-9
 
 
 @pytest.mark.parametrize("model", SHOWN)

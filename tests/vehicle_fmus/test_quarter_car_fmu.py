@@ -166,30 +166,6 @@ def test_a_road_that_ends_before_the_experiment_reaches_the_log(
 # -- whole state -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("parameters", [{}, {"road__shape": "input"}])
-def test_state_in_mid_flight_continues_to_the_bit(car: Any, parameters: dict[str, str]) -> None:
-    times = [0.05, 0.06, 0.0731, 0.2]
-    names = (*MOTION, "contact_force", "airborne_time", "energy_residual", "step_count")
-    with car.instance():
-        car.start(**parameters)
-        if parameters:
-            car.set(road_elevation=0.05, road_velocity=-3.0)
-        car.step(0.0, 0.05)
-        assert car.get("airborne")
-        state = car.fmu.getFMUstate()
-        kept = car.fmu.serializeFMUstate(state)
-        through = walk(car, times, *names)
-        car.fmu.setFMUstate(state)
-        assert walk(car, times, *names) == through
-        car.fmu.freeFMUstate(state)
-    with car.instance():  # another instance, started otherwise
-        car.start(sprung_mass=100.0)
-        restored = car.fmu.deSerializeFMUstate(kept)
-        car.fmu.setFMUstate(restored)
-        assert car.get("sprung_mass") == MODELS["QuarterCar"][0].start
-        assert walk(car, times, *names) == through
-
-
 def test_a_state_brings_a_failed_run_back(car: Any) -> None:
     with car.instance():
         car.start()

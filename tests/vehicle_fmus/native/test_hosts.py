@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-import json
 import re
 import shutil
 import subprocess
@@ -11,12 +9,12 @@ import sys
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from fmpy import read_model_description
 from fmpy.simulation import simulate_fmu
+from hosting import MASTERS, difference, in_master
 from phaseplane.suspension.models import FILES
 from phaseplane.suspension.variables import variables
 from phaseplane.vehicle_fmus.native import compilers, pack
@@ -78,22 +76,13 @@ def in_fmpy(fmu: Path, names: list[str]) -> np.ndarray:
     return np.array([list(row)[1:] for row in result[1:]])
 
 
-def difference(found: np.ndarray, wanted: np.ndarray) -> float:
-    """The largest difference of two runs, of the peak of its column."""
-    assert found.shape == wanted.shape
-    peaks = np.abs(wanted).max(axis=0)
-    apart: float = (np.abs(found - wanted) / np.where(peaks > 0.0, peaks, 1.0)).max()
-    assert not np.isnan(apart)
-    return apart
-
-
 @pytest.mark.parametrize("model", ["QuarterCar", "Road"])
 def test_a_host_in_c_sees_what_fmpy_sees(
     model: str, c_host: Callable[[Path], CHost], native_fmu: Packer
 ) -> None:
     host = c_host(native_fmu(model))
     theirs = in_fmpy(native_fmu(model), [v.name for v in host.outputs])
-    assert difference(host.rows(), theirs) < AGREE
+    assert difference(host.rows(), theirs).max() < AGREE
 
 
 def test_a_host_in_c_is_refused_a_bad_value_and_goes_on(
@@ -111,13 +100,8 @@ def test_ten_thousand_instances_leave_nothing_behind(
     assert after == before > 0
 
 
-def needs(module: str) -> Any:
-    found = importlib.util.find_spec(module) is not None
-    return pytest.param(module, marks=pytest.mark.skipif(not found, reason=f"no {module}"))
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("master", [needs("libcosimpy"), needs("ecospy")])
+@pytest.mark.parametrize("master", MASTERS)
 def test_other_masters_see_what_fmpy_sees(master: str, native_fmu: Packer, tmp_path: Path) -> None:
     jobs, expected = [], []
     for model in FILES:
@@ -127,15 +111,8 @@ def test_other_masters_see_what_fmpy_sees(master: str, native_fmu: Packer, tmp_p
                  and v.name != "stable_step"]  # fmt: skip  # it jumps where a host rounds its time
         jobs.append({"file": str(fmu), "step": STEP, "steps": STEPS, "start": {}, "outputs": names})
         expected.append(in_fmpy(fmu, names))
-    (tmp_path / "jobs.json").write_text(json.dumps(jobs))
-    done = subprocess.run(
-        [sys.executable, str(HERE.parent / "masters.py"), master, str(tmp_path / "jobs.json")],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr[-2000:]
-    (line,) = (line for line in done.stdout.splitlines() if line.startswith("[["))
-    for theirs, ours in zip(json.loads(line), expected, strict=True):
-        assert difference(np.array(theirs), ours) < AGREE
+    for theirs, ours in zip(in_master(master, jobs, tmp_path), expected, strict=True):
+        assert difference(theirs, ours).max() < AGREE
 
 
 # -- other platforms -------------------------------------------------------------------------------
@@ -170,7 +147,7 @@ def test_other_platforms_give_the_same_numbers(
         fmu, [program, *command[1:], compiled_host(tmp_path, zig, name)], tmp_path / "other",
         target.folder(2),
     )  # fmt: skip
-    assert difference(other.rows(), c_host(fmu).rows()) <= allowed
+    assert difference(other.rows(), c_host(fmu).rows()).max() <= allowed
 
 
 @pytest.mark.slow
