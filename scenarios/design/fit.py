@@ -48,7 +48,8 @@ class Fit:
     ----------
     task : what was fitted
     values : the parameters, SI
-    errors : half widths of their intervals of 95 % confidence, SI
+    errors : half widths of their intervals of 95 % confidence, SI; infinite if the signals do not
+        depend on the parameter
     correlation : of the parameters with each other
     before, columns : the outputs with the scene's parameters and with the fitted ones
     residual : root mean square of the difference over that of the signal, by output
@@ -149,6 +150,7 @@ def fit(task: Task, journal: Path, progress: Callable[[float], None] | None = No
         freedom = max(len(left) - count, 1)
         deviations = np.sqrt(np.diag(covariance))
         scale = np.where(deviations > 0.0, deviations, 1.0)
+        deviations[~found.jac.any(axis=0)] = np.inf
         fitted, unfitted = (_apart(runs.at(x)[0], task) for x in (found.x, before))
         return Fit(
             task, space.values(found.x),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -278,17 +279,21 @@ def _fit_told(found: Fit) -> dict[str, Any]:
 def _format_fit(found: Fit) -> list[str]:
     space = found.task.space
     given: Mapping[str, Value] = space.plan.scene.all_parameters
-    rows = [("parameter", "before", "fitted", "within (95 %)")]
+    rows: list[tuple[str, ...]] = [("parameter", "before", "fitted", "within (95 %)")]
     for k, key in enumerate(space.plan.keys):
         unit, size = space.plan.shown[k]
-        rows.append(
-            (key, _value(space, k, float(given[key])), _value(space, k, float(found.values[k])),
-             f"+- {found.errors[k] / size:.2g} {unit if unit != '1' else ''}".rstrip())
-        )  # fmt: skip
+        within = f"+- {found.errors[k] / size:.2g} {unit if unit != '1' else ''}".rstrip()
+        values = (_value(space, k, float(x)) for x in (given[key], found.values[k]))
+        rows.append((key, *values, within if isfinite(found.errors[k]) else "not known"))
     left = [("signal", "difference left")]
     left += [(name, f"{100.0 * share:.3g} %") for name, share in found.residual.items()]
     lines = [*aligned(rows), "", *aligned(left)]
     lines += [f"{name} ends at a bound of its range" for name in found.at_bound]
+    lines += [
+        f"{key} is not known: the signals do not depend on it"
+        for key, error in zip(space.plan.keys, found.errors, strict=True)
+        if not isfinite(error)
+    ]
     lines += [
         f"the signals hardly distinguish {a} and {b}: their correlation is {r:.3f}"
         for a, b, r in found.alike()

@@ -215,6 +215,20 @@ def test_parameters_that_do_the_same_are_said_to_be_alike(folder):
     assert "hardly distinguish" in found.report
 
 
+def test_a_parameter_that_the_signals_do_not_depend_on_is_said_to_be_unknown(folder):
+    """An end stop that is never reached: an interval of zero would say that its gap is exact."""
+    measured(folder, 0.0)
+    text = FIT.replace(
+        "damper.bump_rate = {", "bump_stop.gap = { from = 0.2, to = 0.4 }\ndamper.bump_rate = {"
+    )
+    Path("car.toml").write_text(CAR + "bump_stop = { gap = 0.3, stiffness = 1e5 }\n")
+    found = phaseplane.fit_parameters(study(text))
+    assert read_summary(found.folder)["half_widths"]["bump_stop.gap"] is None
+    (row,) = [line for line in found.report.splitlines() if line.startswith("bump_stop.gap  ")]
+    assert row.endswith("  not known")
+    assert "bump_stop.gap is not known: the signals do not depend on it" in found.report
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
