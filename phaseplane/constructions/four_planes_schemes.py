@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from phaseplane.constructions.primitives import Scheme
-from phaseplane.constructions.schemes import marks, scheme, strokes, turn_arcs
+from phaseplane.constructions.schemes import marks, scheme, strokes, turns
 
 _AXLES = ("1", "2")
 
@@ -39,21 +39,20 @@ def half_car_scheme(flying: tuple[bool, ...], linear_tyres: tuple[bool, ...]) ->
         strokes("construction", each("Pi1-Ai1 Ai1-Ai1* Pi2-Ai2 Ai2-Ai2*")),
     )
     road = (
-        "From A12* and A22* along their y axes by the road's h2/c2, averaged over the step: B12, "
-        "B22.",
+        "From A12*, A22* along the y axes by the roads' mean h2/c2: B12, B22.",
         marks("excitation", each("Bi2", linear)),
         strokes("excitation", each("Ai2*-Bi2", linear)),
     )
     weight = (
-        "In flight B10 or B20, b x2st from Q of the wheel against its y axis, replaces B. The static "
-        "load gives the distance of D of the strut from its A*.",
+        "From Q of a wheel in flight against its y axis by b x2st: B10 or B20, for B. By the static "
+        "load from A* of its strut: D.",
         marks("excitation", each("Bi0", in_flight)),
         marks("projection", each("Di1", in_flight)),
         strokes("excitation", each("Qi2-Bi0 Ai1*-Di1", in_flight)),
     )
     projection = (
         "In each axle the line from A* of the strut to B of the wheel cuts lines I and II in C. Q of "
-        "the strut through C gives D of the wheel, and Q of the wheel gives D of the strut.",
+        "either through C gives D of the other.",
         marks("projection", each("Ci1") + " " + each("Ci2 Di1", in_contact)),
         marks("projection", each("Di2", others)),
         marks("normal", each("Di2", linear)),
@@ -84,8 +83,5 @@ def half_car_scheme(flying: tuple[bool, ...], linear_tyres: tuple[bool, ...]) ->
         inertia,
         shift,
         ("The normals of the integral curves.", strokes("normal", normals)),
-        (
-            "Their lengths on the common arm of the turn angles: the arcs are the lengths of the steps.",
-            turn_arcs(("11", "12", "21", "22")),
-        ),
+        turns("11", "12", "21", "22"),
     )

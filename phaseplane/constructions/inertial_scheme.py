@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from phaseplane.constructions.primitives import Scheme
-from phaseplane.constructions.schemes import marks, scheme, strokes, turn_arcs
+from phaseplane.constructions.schemes import marks, scheme, strokes, turns
 
 
 def inertial_scheme() -> Scheme:
@@ -37,8 +37,5 @@ def inertial_scheme() -> Scheme:
             "H1P1 and H2P2 are the normals of the integral curves.",
             strokes("normal", "H1-P1 H2-P2"),
         ),
-        (
-            "Their lengths on the common arm of the turn angles: the arcs are the lengths of the steps.",
-            turn_arcs(("1", "2")),
-        ),
+        turns("1", "2"),
     )

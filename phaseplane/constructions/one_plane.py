@@ -15,7 +15,7 @@ from functools import cached_property
 from phaseplane.constructions.construction import Construction, Window
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.primitives import Curve, Plane, Scheme
-from phaseplane.constructions.schemes import marks, scheme, strokes, turn_arcs
+from phaseplane.constructions.schemes import marks, scheme, strokes, turns
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import Frame
 
@@ -42,10 +42,7 @@ def one_plane_scheme(excitation: str, letter: str = "y") -> Scheme:
         ),
         (excitation, marks("normal", "D"), strokes("excitation", "A*-D")),
         ("DP is the normal of the integral curve.", strokes("normal", "D-P")),
-        (
-            "Its length on the arm of the turn angle: the arc is the length of the step.",
-            turn_arcs(("",)),
-        ),
+        turns(""),
     )
 
 

@@ -21,9 +21,14 @@ def strokes(role: str, ends: str) -> Iterator[Stroke]:
     return (Stroke(role, start, end, 0) for start, end in lines)
 
 
-def turn_arcs(numbers: tuple[str, ...]) -> Iterator[Arc]:
-    """Return the arcs of the turn angles, one for each plane."""
-    return (Arc("arc", "W", f"N{n}", f"N{n}'", 0) for n in numbers)
+def turns(*numbers: str) -> tuple[str, Iterator[Part]]:
+    """Return the stage that lays off the normals on the common arm of the turn angles of the planes."""
+    words = (
+        "Its length on the arm of the turn angle: the arc of the step."
+        if len(numbers) == 1
+        else "Their lengths on the arm of the turn angles: the arcs of the steps."
+    )
+    return words, (Arc("arc", "W", f"N{n}", f"N{n}'", 0) for n in numbers)
 
 
 def scheme(*stages: tuple[str, *tuple[Iterator[Part], ...]]) -> Scheme:

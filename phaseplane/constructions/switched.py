@@ -16,7 +16,7 @@ from phaseplane.constructions.construction import CONTACT, Window
 from phaseplane.constructions.one_plane import OnePlane
 from phaseplane.constructions.primitives import Scheme
 from phaseplane.constructions.rules import SUCCESSOR
-from phaseplane.constructions.schemes import Part, marks, scheme, strokes, turn_arcs
+from phaseplane.constructions.schemes import Part, marks, scheme, strokes, turns
 from phaseplane.constructions.steps import Points, States
 from phaseplane.equations.switching import Mode, Switching
 
@@ -38,10 +38,7 @@ def on_switch_schemes() -> dict[str, Scheme]:
                 strokes("excitation", "A*-D"),
             ),
             ("DP is the normal of the integral curve.", strokes("normal", "D-P")),
-            (
-                "Its length on the arm of the turn angle: the arc is the length of the step.",
-                turn_arcs(("",)),
-            ),
+            turns(""),
         ),
         REST: _on_switch(
             (

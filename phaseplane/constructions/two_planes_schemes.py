@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from phaseplane.constructions.primitives import Scheme
-from phaseplane.constructions.schemes import marks, scheme, strokes, turn_arcs
+from phaseplane.constructions.schemes import marks, scheme, strokes, turns
 
 _NORMALS = "are the normals of the integral curves."
-_TURN = "Their lengths on the common arm of the turn angles: the arcs are the lengths of the steps."
 
 
 def axle_scheme(*, flies: bool, linear_tyre: bool = True, sticks: bool = False) -> Scheme:
@@ -95,5 +94,5 @@ def axle_scheme(*, flies: bool, linear_tyre: bool = True, sticks: bool = False) 
         )
         if sticks
         else (f"D1P1 and {foot}P2 {_NORMALS}", strokes("normal", f"D1-P1 {foot}-P2")),
-        (_TURN, turn_arcs(("1", "2"))),
+        turns("1", "2"),
     )

@@ -10,16 +10,16 @@ import re
 from collections.abc import Mapping
 from functools import lru_cache
 from operator import mul
+from textwrap import wrap
 from unicodedata import normalize
 
 from phaseplane.constructions.primitives import Axis, Drawing, Plane, Scheme
 from phaseplane.constructions.sheet import Event, events_of
 from phaseplane.constructions.storage import Frame
 
-from .quantities import Quantity, unit_text
+from .quantities import Quantity, rate_of, unit_text
 
 MINUS = "\N{MINUS SIGN}"
-_HEAD = "| read off the sheet | |\n|---|---|\n"
 _BAR, _DOT, _DOTS = "\N{COMBINING MACRON}", "\N{COMBINING DOT ABOVE}", "\N{COMBINING DIAERESIS}"
 _INDICES = {ord(plain): index for plain, index in zip("0123456789m", "₀₁₂₃₄₅₆₇₈₉ₘ", strict=True)}
 _GREEK = {"dtau": "Δτ", "tau": "τ", "xi": "ξ", "Omega": "Ω", "kappa": "κ"}
@@ -36,6 +36,8 @@ _EVENTS = {
     "sticking": "Dry friction holds the {}suspension (F).",
     "jolt": "The road jumps, and so do the state points.",
 }
+# characters of a row and rows of a protocol in the pane of the text in a window of 1366x768
+_ROW, _MOST_ROWS = 68, 20
 LETTER_OF_EVENT = {"lift_off": "U", "touchdown": "V", "jolt": "J", "sticking": "F"}
 
 
@@ -129,23 +131,45 @@ def _row(name: str) -> str:
 
 
 def readings_table(readings: Mapping[str, float], quantities: Mapping[str, Quantity | None]) -> str:
-    """Return the readings as a Markdown table."""
+    """Return the readings as a Markdown table, a displacement and its rates in a row."""
     if not readings:
         return ""
-    form, factors = _table_form(tuple((name, quantities.get(name)) for name in readings))
-    return _HEAD + (form % tuple(map(mul, factors, readings.values()))).replace("-", MINUS)
+    head, form, order, factors = _table_form(tuple((n, quantities.get(n)) for n in readings))
+    values = map(mul, factors, map(readings.__getitem__, order))
+    return head + (form % tuple(values)).replace("-", MINUS)
 
 
 @lru_cache
 def _table_form(
-    rows: tuple[tuple[str, Quantity | None], ...],
-) -> tuple[str, tuple[float, ...]]:
-    """Return the rows of a table with a place for each value, and the factors of the values."""
-    lines = [
-        f"| {_row(name).replace('%', '%%')} | %.4g {quantity.unit if quantity else ''} |"
-        for name, quantity in rows
-    ]
-    return "\n".join(lines), tuple(q.factor if q else 1.0 for _, q in rows)
+    known: tuple[tuple[str, Quantity | None], ...],
+) -> tuple[str, str, list[str], list[float]]:
+    """Return head and rows of the table, with a place for each value, and names and factors of these."""
+    quantities = dict(known)
+    units = {name: quantity.unit if quantity else "" for name, quantity in known}
+    rows: list[list[str]] = []
+    for name in units:
+        if not any(name in row for row in rows):
+            rate = rate_of(name)
+            of = [name, rate, re.sub("velocity$|rate$", "acceleration", rate), f"{name}_drift"]
+            rows.append([other if other in units else "" for other in of])
+    columns = [i for i in range(4) if any(row[i] for row in rows)]
+    heads = [next(units[row[i]] for row in rows if all(row[:i])) for i in columns]
+    if 3 in columns:
+        heads[-1] = "drift"
+    lines = []
+    for row in rows:
+        cells = [
+            f"%.4g {'' if i or units[row[i]] == heads[0] else units[row[i]]}".rstrip()
+            if row[i]
+            else ""
+            for i in columns
+        ]
+        part = re.sub("_(displacement|deflection)$", "", row[0]) if row[1] else row[0]
+        lines.append(" | ".join([f"| {_row(part).replace('%', '%%')}", *cells]) + " |")
+    head = " | ".join(["| read off the sheet", *heads]) + " |\n" + "|---" * (len(heads) + 1) + "|\n"
+    order = [name for row in rows for name in row if name]
+    found = [quantities[name] for name in order]
+    return head, "\n".join(lines), order, [q.factor if q else 1.0 for q in found]
 
 
 def step_head(drawing: Drawing, frame: Frame) -> str:
@@ -166,27 +190,37 @@ def step_text(drawing: Drawing, frame: Frame, quantities: Mapping[str, Quantity 
 def protocol(
     drawing: Drawing, frame: Frame, present: int, units: Mapping[str, tuple[str, float]]
 ) -> str:
-    """Return the present stage with what was measured, then all stages, the present one bold.
+    """Return all stages, the present one bold, each with the lengths measured in it so far.
 
-    The present stage is on top because a pane may cut the list off.
+    Where the text would be too long for its pane, the lengths of the first stages are left out, and
+    then stages far from the present one.
 
     Parameters
     ----------
     units : display unit of each plane's displacement, and its number in one unit of the axis
     """
     scheme = drawing.schemes[frame.scheme]
-    words = [markdown(typeset(stage)) for stage in scheme.stages]
-    found = [
-        markdown("; ".join(measured(drawing, scheme, frame, stage, units)))
-        for stage in range(len(words))
+    bold = ["**" if stage == present else "" for stage in range(len(scheme.stages))]
+    lines = [
+        f"{stage + 1}. {mark}{markdown(typeset(words))}{mark}"
+        for stage, (mark, words) in enumerate(zip(bold, scheme.stages, strict=True))
     ]
-    lines = []
-    for stage, text in enumerate(words):
-        lines.append(f"{stage + 1}. **{text}**" if stage == present else f"{stage + 1}. {text}")
-        # four planes have so many lengths that the list would be lost in them
-        if found[stage] and stage < present and len(drawing.planes) <= 2:
-            lines[-1] += f"\n   {found[stage]}"
-    return f"**{words[present]}** {found[present]}".rstrip() + "\n\n" + "\n".join(lines)
+    for stage in range(present, -1, -1):
+        found = markdown("; ".join(measured(drawing, scheme, frame, stage, units)))
+        longer = [*lines[:stage], f"{lines[stage]} {found}".rstrip(), *lines[stage + 1 :]]
+        if stage < present and sum(map(_rows, longer)) > _MOST_ROWS:
+            break
+        lines = longer
+    first, last = 0, len(lines)
+    while sum(map(_rows, lines[first:last])) + (last < len(lines)) > _MOST_ROWS:
+        first, last = (first, last - 1) if last > present + 1 else (first + 1, last)
+    more = [f"{last + 1}. …"] if last < len(lines) else []
+    return "\n".join(lines[first:last] + more)
+
+
+def _rows(line: str) -> int:
+    """Return the rows that an item of a list takes up in a pane of `_ROW` characters."""
+    return len(wrap(re.sub(r"^\d+\. |\*\*|\\", "", line), _ROW))
 
 
 def measured(
@@ -237,15 +271,15 @@ def _turns(scheme: Scheme, plane: Plane, stage: int) -> bool:
 
 def _state(plane: Plane, z: complex, unit: tuple[str, float]) -> list[str]:
     axis, rate = plane.displacement, plane.scaled_velocity
-    number_of = plane.number
+    foot = f"Q{plane.number}"
     y, y_bar = ((z - axis.origin) * a.direction.conjugate() for a in (axis, rate))
     speed = plane.angular_frequency * y_bar.real / rate.scale
     per_second = "m/s" if axis.unit == "m" else "1/s"
     return [
-        f"{_pair('O' + number_of, 'Q' + number_of)} = {_centimetres(y.real)} gives "
+        f"{_pair(f'O{plane.number}', foot)} = {_centimetres(y.real)}: "
         f"{typeset(axis.label)} = {_shown_value(axis, z, unit)}",
-        f"{_pair('Q' + number_of, plane.state)} = {_centimetres(y_bar.real)} gives its rate "
-        f"{number(speed, 4)} {per_second}",
+        f"{_pair(foot, plane.state)} = {_centimetres(y_bar.real)}: "
+        f"{_rate(plane, 1)} = {number(speed, 4)} {per_second}",
     ]
 
 
@@ -265,10 +299,17 @@ def _acceleration(plane: Plane, frame: Frame) -> str:
     value = axis.read(foot) - axis.read(point)
     unit = "m/s²" if axis.unit == "m" else "1/s²"
     length = _centimetres(axis.scale * value)
-    letter = typeset(f"{axis.label[0]}{plane.number}''")
     return (
-        f"{_pair('Q' + plane.number, plane.foot)} = {length} gives {letter} = "
+        f"{_pair('Q' + plane.number, plane.foot)} = {length}: {_rate(plane, 2)} = "
         f"{number(plane.angular_frequency**2 * value, 4)} {unit}"
+    )
+
+
+def _rate(plane: Plane, order: int) -> str:
+    """Return the letter of a derivative of a plane's displacement."""
+    accent = _DOT if order == 1 else _DOTS
+    return (normalize("NFC", plane.displacement.label[0] + accent) + plane.number).translate(
+        _INDICES
     )
 
 

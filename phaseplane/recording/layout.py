@@ -42,7 +42,7 @@ def blueprint(content: Content, recorder: Recorder) -> rrb.Blueprint:
         left.append((below, _lanes()))
     right: list[tuple[float, rrb.View | rrb.Container]] = []
     if recorder.words:
-        right.append((5.6, rrb.TextDocumentView(origin=WORDS, name="construction step")))
+        right.append((6.6, rrb.TextDocumentView(origin=WORDS, name="construction step")))
     beside: list[rrb.View] = []
     vehicle = vehicle_of(content)
     if vehicle is not None:

@@ -152,15 +152,15 @@ def test_a_story_in_order() -> None:
         before = tick.time
 
 
-def test_the_present_stage_is_on_top_and_in_the_units_of_the_axes() -> None:
+def test_the_present_stage_is_bold_and_in_the_units_of_the_axes() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=30)
     stays = pages_of(Content("quarter car", made))[0]
     ticks = list(story_of(made, stays, arms_page(made), {}, (12,)))
     stages = made.schemes["contact"].stages
     told = [tick.text.split("\n\n") for tick in ticks if tick.step == 12]
     assert len(told) == len(stages)
-    for stage, (_, present, *_) in zip(stages, told, strict=True):
-        assert present.startswith(f"**{markdown(typeset(stage))}**")
+    for i, (stage, (_, listed)) in enumerate(zip(stages, told, strict=True)):
+        assert listed.split("\n")[i].startswith(f"{i + 1}. **{markdown(typeset(stage))}**")
     unit, factor = stays.units["wheel_displacement"]
     value = factor * made.frames[12].readings["wheel_displacement"]
     assert f"y₂ = {value:.4g} {unit}" in told[0][1]

@@ -322,7 +322,7 @@ def test_a_step_in_words(recorded: Recorded) -> None:
     assert "Step 30 (0 to 59)" in text
     assert "flight" in text
     assert "t = 0.07500 s, lasts 2.5 ms" in text
-    assert "| wheel displacement | \N{MINUS SIGN}1.23 cm |" in text
+    assert "| wheel displacement | \N{MINUS SIGN}1.23 |" in text
     assert "| contact force | 3236 N |" in text
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import asdict
-from itertools import combinations
+from itertools import combinations, product
+from textwrap import wrap
 
 import numpy as np
 import pytest
+import rerun as rr
 from phaseplane.scenarios.draw.constructions import draw_construction
 from phaseplane.scenarios.draw.planes import CONSTRUCTED
 from phaseplane.scenarios.draw.recording_content import readings
@@ -14,6 +17,7 @@ from phaseplane.scenarios.errors import DrawingError, InputError
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.names import case_names
 
+from phaseplane.constructions import RULES
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.figures.canvas import new_page
 from phaseplane.figures.planes import step_page
@@ -21,12 +25,14 @@ from phaseplane.figures.style import PLAIN
 from phaseplane.picture.letters import NEAR
 from phaseplane.picture.page import Arrow, Page
 from phaseplane.picture.story import FEWEST, MOST, arms_page, story_of, told_steps
-from phaseplane.picture.text import typeset
+from phaseplane.picture.text import step_text, typeset
 from phaseplane.picture.views import frame_at
 from phaseplane.recording import Content
 from phaseplane.recording.columns import legible
 from phaseplane.recording.histories import panels
+from phaseplane.recording.layout import blueprint
 from phaseplane.recording.motion import pages_of, state_planes
+from phaseplane.recording.recorder import Recorder
 from phaseplane.recording.steps import free_letters
 
 LONGEST = 1.0  # s of each case
@@ -36,12 +42,33 @@ DRAWN = sorted({*case_names()} - SYSTEMS_OF_ONES_OWN - {*REFUSED})
 PANES = ((880, 640), (1680, 1340))  # of the sheet in windows of 1366 x 768 and 2560 x 1440
 
 
-def drawing_of(name: str, longest: float = LONGEST) -> Drawing:
+def drawing_of(name: str, longest: float = LONGEST, rule: str | None = None) -> Drawing:
     """The construction of a case, or of its first second."""
-    scene = load_scene(name, [], expect=False)
+    scene = load_scene(name, [f"construction.rule={rule}"] if rule else [], expect=False)
     time = min(scene.construction_time, longest)
     settings = asdict(scene.construction)
     return draw_construction(scene.fmu.model, scene.all_parameters, settings, time)
+
+
+def text_height(text: str) -> float:
+    """The height of Markdown in the viewer's text pane of a window of 1366 pixels, in pixels.
+
+    As seen in the viewer: a row of text is 15 pixels high and a row of a table 23; a list begins with
+    a blank row.
+    """
+    height, listed = 0.0, False
+    for line in text.split("\n"):
+        plain = re.sub(r"\*\*|\\", "", line)
+        if line.startswith("|"):
+            height += 0 if line.startswith("|---") else 23
+        elif line.startswith("# "):
+            height += 25 * len(wrap(plain, 40))
+        elif found := re.match(r"\d+\. ", plain):
+            height += 15 * len(wrap(plain[found.end() :], 68)) + (0 if listed else 15)
+            listed = True
+        else:
+            height += 15 * max(1, len(wrap(plain, 75)))
+    return height + (8 if "|" in text else 0)
 
 
 def test_what_cannot_be_drawn_is_refused_in_words() -> None:
@@ -80,13 +107,32 @@ def test_letters_are_legible_and_the_sheet_fills_its_pane(name: str) -> None:
     for tick in ticks:
         check_letters(tick.page, stays)
         assert "?" not in legible(tick.text)  # a character that the viewer cannot show
-
     others = [np.array(c.vertices) for c in drawing.curves if c.role == "trail"]
     motion = np.concatenate(stays.motions + others)
     curves = complex(np.ptp(motion.real), np.ptp(motion.imag))
     for width, height in PANES:
         scale = min(width / stays.view.half.real, height / stays.view.half.imag) / 2.0
         assert scale * max(curves.real, curves.imag) >= 0.45 * min(width, height)
+
+
+@pytest.mark.parametrize(
+    ("name", "rule"),
+    [*((name, None) for name in DRAWN), *product(["ap57", "half_car_pitch", "leaf_spring"], RULES)],
+)
+def test_the_text_fits_its_pane(name: str, rule: str | None) -> None:
+    """The present line of a protocol and what was measured in it are seen without scrolling."""
+    drawing = drawing_of(name, rule=rule)
+    shown = Content(name, drawing, readings(drawing))
+    recorder = Recorder(rr.RecordingStream("layout"), shown)
+    column = blueprint(shown, recorder).root_container.contents[-1]
+    room = (768.0 - 65.0) * column.row_shares[0] / sum(column.row_shares) - 53.0
+    steps = [step_text(drawing, frame, recorder.quantities) for frame in drawing.frames[:200]]
+    for text in [tick.text for tick in recorder.ticks] + steps:
+        assert text_height(text) <= room, text
+    for tick in recorder.ticks:
+        bold = re.search(r"^\d+\. \*\*.*", tick.text, re.MULTILINE)
+        if bold and "successor" in bold[0]:
+            assert " = " in bold[0].rpartition("**")[2]
 
 
 @pytest.mark.parametrize("name", ["ap57", "half_car_pitch", "half_car_rigid_tyres"])
