@@ -106,10 +106,8 @@ def _written(target: Path) -> Iterator[Path]:
     with replace_file(target) as draft:
         try:
             yield draft
-        except OSError as error:
-            raise type(error)(f"cannot write {target}: {error.strerror}") from error
         except RuntimeError as error:
-            raise OSError(f"cannot write {target}: {_why_unwritable(draft)}") from error
+            raise OSError(_why_unwritable(draft)) from error
 
 
 def _why_unwritable(draft: Path) -> str:

@@ -140,8 +140,13 @@ class Commands(click.Group):
         except InputError as error:
             complain(error)
             status = BAD_INPUT
-        except (RunError, OSError) as error:
+        except RunError as error:
             complain(error)
+            status = FAILED
+        except OSError as error:
+            complain(
+                f"{error.filename}: {error.strerror}" if error.filename else error.strerror or error
+            )
             status = FAILED
         except click.Abort as abort:  # raised by click from the interrupt, which may carry a text
             complain(f"interrupted {abort.__cause__ or ''}")
@@ -153,7 +158,8 @@ class Commands(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         try:
             status = super().invoke(ctx)
-            sys.stdout.flush()
+            if sys.stdout is not None:  # where it is closed
+                sys.stdout.flush()
         except BrokenPipeError:
             with suppress(OSError, ValueError):  # so that the flush at exit is silent
                 os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
 from phaseplane.suspension.variables import Variable
+
+from phaseplane.picture.files import replace_file
 
 from ..errors import InputError, one_line
 from ..scene.fmus import fmu_named
@@ -31,12 +34,12 @@ def write_template(path: Path, model: str) -> None:
     """
     try:
         text = "\n".join(_lines(model)) + "\n"
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError:
-        raise InputError(one_line(f"{path} already exists; give another name")) from None
+        if os.path.lexists(path):
+            raise InputError(one_line(f"{path} already exists; give another name"))
+        with replace_file(path) as draft:
+            draft.write_text(text, encoding="utf-8")
     except OSError as error:
-        raise InputError(one_line(f"cannot write {path}: {error.strerror or error}")) from None
+        raise InputError(one_line(error)) from None
 
 
 def _lines(model: str) -> Iterator[str]:

@@ -115,7 +115,7 @@ def format_sweep(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
     ]
     if "disagreement" in summary:
         lines.append(f"FMU and process agree to {summary['disagreement']:.2g}")
-    lines += summary["remarks"]
+    lines += [*summary["remarks"], *summary["problems"]]
     failures = summary["failures"]
     if failures:
         lines.append(f"{len(failures)} failed; the first: {failures[0]['reason']}")

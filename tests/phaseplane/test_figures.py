@@ -307,6 +307,12 @@ def test_an_unknown_suffix_is_refused(tmp_path):
         save(Figure(), tmp_path / "none" / "a.png")
 
 
+def test_what_cannot_be_written_is_named(tmp_path):
+    long = tmp_path / f"{300 * 'a'}.png"
+    with pytest.raises(OSError, match=r"cannot write .*aaa\.png: File name too long"):
+        save(Figure(), long)
+
+
 def test_what_is_there_stays_when_writing_fails(tmp_path, monkeypatch):
     target = tmp_path / "a.png"
     target.write_bytes(b"before")

@@ -334,6 +334,15 @@ def test_an_interrupted_run_keeps_what_it_has_computed(
     assert len(kept.columns["time"]) == 501
 
 
+def test_a_closed_output_is_no_error() -> None:
+    """As under a service without a terminal."""
+    code = (
+        "import sys; sys.stdout = None; from phaseplane.scenarios.cli import main; main(['list'])"
+    )
+    ended = in_a_process("-c", code)
+    assert (ended.returncode, ended.stderr) == (0, "")
+
+
 def test_a_closed_pipe_is_no_error() -> None:
     with subprocess.Popen(
         [sys.executable, "-c",

@@ -167,7 +167,7 @@ def test_compare_counts_what_only_one_has(tables: Path) -> None:
         (["sweep", "speed_bunp"], "no sweep 'speed_bunp'; 'phaseplane list' shows them all"),
         (["sweep", "../speed_bump"], "no sweep '../speed_bump'"),
         (["new", "a.csv"], "already exists"),
-        (["new", "no/such/folder.toml"], "No such file or directory"),
+        (["new", "no/such/folder.toml"], "the folder no/such does not exist"),
         (["new", "x.toml", "--model", "Bicycle"], "MODEL 'Bicycle': must be one of OneDof"),
     ],
 )

@@ -546,6 +546,17 @@ def test_a_dask_cluster_does_the_same_work(tmp_path: Path) -> None:
     assert together == alone
 
 
+def test_a_picture_that_cannot_be_drawn_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError("no space left")
+
+    monkeypatch.setattr("phaseplane.figures.save", full)
+    result = phaseplane("sweep", str(written(GRID)), "--workers", "1")
+    assert result.exit_code == 0
+    assert "sweep.png was not drawn: no space left" in result.stdout.splitlines()
+    assert sorted(os.listdir("out/sweeps/sweep")) == ["runs.csv", "summary.json"]
+
+
 # -- folders ---------------------------------------------------------------------------------------
 
 
