@@ -110,20 +110,27 @@ def write_summary(summary: Mapping[str, Any], folder: Path) -> list[str]:
 
 
 def read_results(path: Path) -> Results:
-    """Read a results folder, or a single table with the metadata in its file.
+    """Read a results folder, or a single table with the metadata in its file or folder.
 
     Raises
     ------
     InputError : if it is no results folder of this package, is damaged, or is a file but no table.
     """
     if path.is_file():
-        return Results(*read_table(path))
+        columns, metadata = read_table(path)
+        beside = (not metadata and read_summary(path.parent)) or {}
+        return Results(columns, beside if beside.get("table", TABLE) == path.name else metadata)
     summary = read_summary(path)
     if summary is None:
         if not path.exists():
             raise FolderError(one_line(f"no such file or folder: {path}"))
         raise FolderError(
             one_line(f"{path} is not a results folder: it has no {SUMMARY} written by a run")
+        )
+    kind = summary.get("origin", {}).get("kind", "run")
+    if kind != "run":
+        raise FolderError(
+            one_line(f"{path} contains the results of 'phaseplane {kind}', and not those of a run")
         )
     table = path / str(summary.get("table", TABLE))
     columns, _ = read_table(table)

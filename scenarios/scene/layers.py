@@ -250,7 +250,7 @@ def read_settings(overrides: Iterable[str | Setting]) -> list[Setting]:
 def overlay(layers: Layers, overrides: Iterable[str | Setting]) -> None:
     """Lay overrides over a scene.
 
-    Another equation removes title and source, which describe the one in the file.
+    Another equation removes title, source and expectations, which belong to the one in the file.
 
     Raises
     ------
@@ -259,6 +259,7 @@ def overlay(layers: Layers, overrides: Iterable[str | Setting]) -> None:
     layers.top += 1
     settings = read_settings(overrides)
     if {setting.key.removeprefix("parameters.") for setting in settings} & {"equation"}:
+        layers.expect_nothing()
         layers.put({"title": "Equation", "source": ""}, "--set", Path())
     for setting in settings:
         if setting.value == {}:

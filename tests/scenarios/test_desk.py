@@ -139,6 +139,9 @@ def test_a_run_is_written_as_the_command_writes_it(bump, tmp_path):
     folder = bump.write(tmp_path / "out")
     read = phaseplane.scenarios.results.folder.read_results(folder)
     np.testing.assert_array_equal(read.columns["body_velocity"], bump["body_velocity"])
+    assert phaseplane.read(folder / "results.csv").units == phaseplane.read(folder).units
+    (tmp_path / "results.csv").write_bytes((folder / "results.csv").read_bytes())
+    assert phaseplane.read(tmp_path / "results.csv").units["body_velocity"] == ""
     (folder / "mine.txt").write_text("mine")
     with pytest.raises(InputError, match="no run wrote"):
         bump.write(folder)

@@ -196,6 +196,15 @@ def test_another_equation_takes_the_title_away_and_keeps_a_new_one() -> None:
     assert load_scene("van_der_pol", ["displacement_start=1"]).title.startswith("Van der Pol")
 
 
+def test_another_equation_is_not_judged_by_the_expectations_of_the_old_one() -> None:
+    quick = ["--set", "duration=1 s", "--set", "show.recording=false", "--set", "show.figures=[]"]
+    ran = CliRunner().invoke(main, ["run", "van_der_pol", *quick, "--set", "equation=x"])
+    assert ran.exit_code == 0
+    assert "not checked: peak.displacement" in ran.stdout
+    own = load_scene("van_der_pol", ["equation=x", "expect.peak.displacement.max=3"])
+    assert list(own.expect) == ["peak.displacement"]
+
+
 def test_of_several_starts_the_one_that_runs_away_is_named(tmp_path: Path) -> None:
     scene = tmp_path / "runaway.toml"
     scene.write_text(

@@ -568,6 +568,9 @@ def test_a_sweep_and_a_run_of_one_name_keep_their_folders() -> None:
     assert phaseplane("run", "car.toml").exit_code == 0
     assert len(rows("out/sweeps/car")) == 6
     assert Path("out/car/results.csv").exists()
+    shown = phaseplane("show", "out/sweeps/car")
+    assert shown.exit_code == 2
+    assert "out/sweeps/car contains the results of 'phaseplane sweep'" in shown.stderr
     for arguments, words in (
         (("run", "car.toml", "-o", "out/sweeps/car"), "'phaseplane sweep', which 'phaseplane run'"),
         (("sweep", "sub/car.toml", "-o", "out/car"), "'phaseplane run', which 'phaseplane sweep'"),
