@@ -29,7 +29,7 @@ COMMANDS = {
         "listing.list_cases", "List the package's scenes and sweeps, or the parameters of FMU."
     ),
     "new": Entry("new.new", "Write a commented scene to start from."),
-    "schema": Entry("schema.schema", "Explain the keys of a scene, or the variables of MODEL."),
+    "schema": Entry("guide.schema", "Explain the keys of a scene, or the variables of MODEL."),
     "show": Entry("results.show", "Summarise RESULTS: a run's folder or a table."),
     "compare": Entry("results.compare", "Compare the results A and B column by column."),
     "serve": Entry("viewing.serve", "Show the recordings in a folder on a web page."),

@@ -10,7 +10,10 @@ MOVING = (".gif", ".mp4")
 
 
 class InputError(ValueError):
-    """Bad input: the message names what was given and what is allowed."""
+    """Bad input: the message, of one line, names what was given and what is allowed."""
+
+    def __init__(self, message: object) -> None:
+        super().__init__(one_line(message))
 
 
 class SceneError(InputError):
@@ -31,6 +34,9 @@ class FolderError(InputError):
 
 class RunError(RuntimeError):
     """A run that could not start: its FMU could not be built, loaded or initialised."""
+
+    def __init__(self, message: object) -> None:
+        super().__init__(one_line(message))
 
 
 def one_line(text: object, limit: int = 400) -> str:
@@ -65,11 +71,9 @@ def refuse_unknown_keys(given: Iterable[str], known: Collection[str], where: str
         if key not in known:
             from phaseplane.suspension.units import nearest  # noqa: PLC0415  (for mistakes only)
 
+            begin = f"{where}: " if where else ""
             raise InputError(
-                one_line(
-                    f"{where}: unknown key {shown(key)}; allowed: {', '.join(known)}"
-                    f"{nearest(key, known)}"
-                ).removeprefix(": ")
+                f"{begin}unknown key {shown(key)}; allowed: {', '.join(known)}{nearest(key, known)}"
             )
 
 
@@ -81,9 +85,9 @@ def check_picture(path: Path, allowed: Sequence[str] = PICTURES) -> None:
     InputError : if its ending is not allowed, or its folder does not exist.
     """
     if path.suffix not in allowed:
-        raise InputError(one_line(f"--figure {path}: must end in {', '.join(allowed)}"))
+        raise InputError(f"--figure {path}: must end in {', '.join(allowed)}")
     if not path.parent.is_dir():
-        raise InputError(one_line(f"{path}: no folder {path.parent}; make it first"))
+        raise InputError(f"{path}: no folder {path.parent}; make it first")
 
 
 def check_recording(path: Path | None) -> None:
@@ -96,6 +100,6 @@ def check_recording(path: Path | None) -> None:
     if path is None:
         return
     if path.suffix != ".rrd":
-        raise InputError(one_line(f"--save {path}: the name must end in .rrd"))
+        raise InputError(f"--save {path}: the name must end in .rrd")
     if not path.parent.is_dir():
-        raise InputError(one_line(f"{path}: no folder {path.parent}; make it first"))
+        raise InputError(f"{path}: no folder {path.parent}; make it first")

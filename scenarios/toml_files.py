@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from .errors import InputError, one_line
+from .errors import InputError
 
 
 def read_content(path: Path) -> dict[str, Any]:
@@ -20,4 +21,20 @@ def read_content(path: Path) -> dict[str, Any]:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:
         why = getattr(error, "strerror", None) or f"not TOML: {error}"
-        raise InputError(one_line(f"cannot read {path}: {why}")) from None
+        raise InputError(f"cannot read {path}: {why}") from None
+
+
+def dotted(
+    table: Mapping[str, Any], ends: Collection[str], prefix: str = ""
+) -> Iterator[tuple[str, Any]]:
+    """Yield the dotted keys of nested tables, and their values.
+
+    Parameters
+    ----------
+    ends : keys of tables that are values themselves
+    """
+    for key, value in table.items():
+        if isinstance(value, dict) and value and not value.keys() & set(ends):
+            yield from dotted(value, ends, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value

@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 from phaseplane.suspension.models import FILES
 from phaseplane.suspension.units import nearest
-from phaseplane.suspension.variables import (
-    ParameterError,
-    Variable,
-    refuse_unknown,
-    variables,
-)
+from phaseplane.suspension.variables import ParameterError, refuse_unknown, variables
 
 from phaseplane import vehicle_fmus
 
-from ..errors import InputError, RunError, one_line, shown
+from ..errors import InputError, RunError, shown
 from ..results.plain import as_json
 from ..scene.loading import load_scene
 from ..scene.names import SCENE_FILES, case_names
@@ -107,68 +103,11 @@ def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list
     InputError : if there is no such model, or the folder cannot be written to.
     RunError : if an FMU could not be packed.
     """
-    scenes = _scenes_among(models)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        chosen = [name for name in dict.fromkeys(models) if name in FILES]
-        files = []
-        if chosen or not models:
-            files += vehicle_fmus.build.build(
-                chosen or list(FILES), folder, references=True, ssp=ssp
-            )
-        for scene in scenes:
-            files += _of_scene(scene, folder, ssp)
-        return files
-    except (ValueError, OSError, RuntimeError) as error:
-        raise _told(error, folder) from error
 
+    def pack(*given: Any, own: Mapping[str, Path] | None = None, **more: Any) -> list[Path]:
+        return vehicle_fmus.build.build(*given, own=own, ssp=ssp and not own, **more)
 
-def _scenes_among(names: Iterable[str]) -> list[Scene]:
-    """Return the scenes among models and scenes."""
-    known = (*FILES, *case_names())
-    for name in names:
-        if name not in known and Path(name).suffix not in SCENE_FILES:
-            raise InputError(
-                one_line(
-                    f"no model or scene {shown(name)}{nearest(name, known)}; models are "
-                    f"{', '.join(FILES)}; or give the path of a .toml or .py file"
-                )
-            )
-    return [load_scene(name, expect=False) for name in dict.fromkeys(names) if name not in FILES]
-
-
-def _of_scene(scene: Scene, folder: Path, ssp: bool) -> list[Path]:
-    """Pack the FMU of a scene, with its parameters as start values, under the scene's name."""
-    model, own = scene.fmu.model, _own_system(scene)
-    with TemporaryDirectory() as work:
-        made = vehicle_fmus.build.build(
-            [model], Path(work), parameters={model: scene.parameters}, own=own, references=True,
-            ssp=ssp and not own,
-        )  # fmt: skip
-        return _renamed(made, model, scene, folder)
-
-
-def _own_system(scene: Scene) -> dict[str, Path]:
-    """Return the file of a scene's system, by the name of the system, if it has one.
-
-    Raises
-    ------
-    InputError : if its model is not from this package.
-    """
-    fmu = scene.fmu
-    if not fmu.is_ours or fmu.path is not None:
-        raise InputError(
-            f"{scene.name}: an FMU is packed from models of this package, not from {fmu.model}"
-        )
-    return {} if fmu.system is None else {fmu.model: fmu.system}
-
-
-def _renamed(made: Sequence[Path], model: str, scene: Scene, folder: Path) -> list[Path]:
-    """Copy the files of a model to a folder, under the name of a scene."""
-    return [
-        Path(shutil.copy(path, folder / f"{scene.name}{path.name.removeprefix(model)}"))
-        for path in made
-    ]
+    return _packed(models, folder, pack)
 
 
 def build_native(
@@ -191,28 +130,67 @@ def build_native(
     InputError : if there is no such model, parameter or platform, or the folder cannot be written to.
     RunError : if a compiler failed.
     """
+    pack = partial(vehicle_fmus.native.pack.build, fmi=fmi, platforms=platforms)
+    return _packed(models, folder, pack, settings)
+
+
+def _packed(
+    models: Sequence[str],
+    folder: Path,
+    pack: Callable[..., list[Path]],
+    settings: Sequence[str] = (),
+) -> list[Path]:
+    """Pack models and scenes; a scene under its own name, with its parameters as start values."""
     names = list(dict.fromkeys(models)) or list(FILES)
     scenes = _scenes_among(names)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         chosen = [name for name in names if name in FILES]
-        files = vehicle_fmus.native.pack.build(
-            chosen, folder, fmi=fmi, platforms=platforms, references=True,
-            parameters=_start_values(chosen, settings),
-        )  # fmt: skip
+        files = pack(chosen, folder, parameters=_start_values(chosen, settings), references=True)
         for scene in scenes:
-            model = scene.fmu.model
-            own = _own_system(scene)
+            model, own = scene.fmu.model, _own_system(scene)
             given = {**scene.parameters, **_start_values([model], settings).get(model, {})}
             with TemporaryDirectory() as work:
-                made = vehicle_fmus.native.pack.build(
-                    [model], Path(work), fmi=fmi, platforms=platforms, references=True,
-                    parameters={model: given}, own=own,
-                )  # fmt: skip
-                files += _renamed(made, model, scene, folder)
+                made = pack(
+                    [model], Path(work), parameters={model: given}, own=own, references=True
+                )
+                for path in made:
+                    name = f"{scene.name}{path.name.removeprefix(model)}"
+                    files.append(Path(shutil.copy(path, folder / name)))
         return files
-    except (ValueError, OSError, RuntimeError) as error:
-        raise _told(error, folder) from error
+    except OSError as error:
+        raise InputError(f"cannot write {folder}: {error.strerror or error}") from error
+    except ValueError as error:
+        raise InputError(error) from error
+    except RuntimeError as error:
+        raise RunError(error) from error
+
+
+def _scenes_among(names: Iterable[str]) -> list[Scene]:
+    """Return the scenes among models and scenes."""
+    known = (*FILES, *case_names())
+    for name in names:
+        if name not in known and Path(name).suffix not in SCENE_FILES:
+            raise InputError(
+                f"no model or scene {shown(name)}{nearest(name, known)}; models are "
+                f"{', '.join(FILES)}; or give the path of a .toml or .py file"
+            )
+    return [load_scene(name, expect=False) for name in dict.fromkeys(names) if name not in FILES]
+
+
+def _own_system(scene: Scene) -> dict[str, Path]:
+    """Return the file of a scene's system, by the name of the system, if it has one.
+
+    Raises
+    ------
+    InputError : if its model is not from this package.
+    """
+    fmu = scene.fmu
+    if not fmu.is_ours or fmu.path is not None:
+        raise InputError(
+            f"{scene.name}: an FMU is packed from models of this package, not from {fmu.model}"
+        )
+    return {} if fmu.system is None else {fmu.model: fmu.system}
 
 
 def _start_values(models: Sequence[str], settings: Sequence[str]) -> dict[str, dict[str, object]]:
@@ -229,21 +207,6 @@ def _start_values(models: Sequence[str], settings: Sequence[str]) -> dict[str, d
                 [name], known[models[0]], f"--set: {' and '.join(models)} has no parameter"
             )
         for model in takers:
-            found[model][name] = _read(known[model][name], text)
+            switch = isinstance(known[model][name].start, bool)
+            found[model][name] = {"true": True, "false": False}.get(text, text) if switch else text
     return {model: given for model, given in found.items() if given}
-
-
-def _read(parameter: Variable, text: str) -> object:
-    """Return a value from the command line; a number may have a unit."""
-    if isinstance(parameter.start, bool):
-        return {"true": True, "false": False}.get(text, text)
-    return text
-
-
-def _told(error: Exception, folder: Path) -> Exception:
-    """Return an error as an InputError or a RunError: the input was wrong, or packing failed."""
-    if isinstance(error, OSError):
-        return InputError(one_line(f"cannot write {folder}: {error.strerror or error}"))
-    if isinstance(error, ValueError):
-        return InputError(one_line(error))
-    return RunError(one_line(error))

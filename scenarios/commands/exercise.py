@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from ..draw import exercises
-from ..errors import InputError, one_line
+from ..errors import InputError
 from ..results.folder import OUTPUT, Place, check_replaceable, replace_folder, write_summary
 from ..results.plain import as_json
 from ..scene.loading import load_scene
@@ -91,9 +91,9 @@ def _text_of(path: Path) -> str:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
-        raise InputError(one_line(f"--mark {path}: {error.strerror or error}")) from None
+        raise InputError(f"--mark {path}: {error.strerror or error}") from None
     except UnicodeDecodeError:
-        raise InputError(one_line(f"--mark {path}: not UTF-8 text")) from None
+        raise InputError(f"--mark {path}: not UTF-8 text") from None
     if len(text) > _LARGEST:
-        raise InputError(one_line(f"--mark {path}: larger than {_LARGEST} characters"))
+        raise InputError(f"--mark {path}: larger than {_LARGEST} characters")
     return text

@@ -1,4 +1,4 @@
-"""The keys of scenes, sweeps and studies, explained from the definitions they are checked against."""
+"""`phaseplane schema`: the keys of scenes, sweeps and studies, from what they are checked against."""
 
 from __future__ import annotations
 
@@ -6,16 +6,20 @@ from collections.abc import Iterator, Mapping
 from textwrap import fill
 from typing import Any
 
+import click
 from phaseplane.suspension.variables import MODELS, Variable
 
 from ..design.files import MEASURED, FitFile, OptimumFile
+from ..errors import InputError
 from ..measures import catalogue
+from ..results.plain import as_json
 from ..scene.expectations import During, Reference
 from ..scene.fields import schema_of
 from ..scene.fmus import fmu_named
 from ..scene.names import SWEEPS
 from ..scene.sections import Construction, Show
 from ..sweeps.plan import Range, SweepFile
+from .console import json_option
 
 _TOP = {
     "extends": ("", "another case or scene file that this one is based on"),
@@ -42,6 +46,28 @@ FILES: dict[str, tuple[str, type]] = {
 _EXAMPLE = "speed_bump"  # a sweep that comes with the package
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _TYPES = {float: "number", bool: "boolean", int: "integer", str: "string"}
+
+
+@click.command()
+@click.argument("model", required=False)
+@click.option("--sweep", "kind", flag_value="sweep", help="Explain a sweep file instead.")
+@click.option(
+    "--optimise", "kind", flag_value="optimise", help="Explain a file of optimise instead."
+)
+@click.option("--fit", "kind", flag_value="fit", help="Explain a file of fit instead.")
+@json_option
+def schema(model: str | None, kind: str | None, as_data: bool) -> None:
+    """Explain the keys of a scene, or the variables of MODEL.
+
+    The variables are its parameters, outputs and measures. With --json, print a JSON Schema that
+    editors can check files against.
+    """
+    if kind and model:
+        raise InputError(f"schema: give a MODEL or --{kind}, not both")
+    if as_data:
+        click.echo(as_json(file_schema(kind) if kind else json_schema(model)))
+    else:
+        click.echo(file_guide(kind) if kind else guide(model))
 
 
 def guide(model: str | None) -> str:

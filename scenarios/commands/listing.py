@@ -8,7 +8,7 @@ from phaseplane.suspension.variables import Variable
 from ..results.plain import as_json
 from ..scene.fmus import Fmu, fmu_named
 from ..scene.layers import case_titles
-from ..sweeps.shipped import sweep_titles
+from ..scene.names import sweep_titles
 from .console import json_option
 
 

@@ -27,7 +27,6 @@ from ..errors import (
     SceneError,
     check_picture,
     check_recording,
-    one_line,
 )
 from ..results.folder import DAMAGED, read_results, read_summary
 from ..results.plain import as_json
@@ -166,7 +165,7 @@ def replay_construction(
         results = read_results(folder)
         run = results.summary
         if not run.keys() >= {"construction", "model", "parameters"}:
-            raise InputError(one_line(f"{folder}: {DAMAGED}"))
+            raise InputError(f"{folder}: {DAMAGED}")
         settings = construction_settings(run["construction"], overrides)
         drawing = overlay_run(results.columns, run["model"], run["parameters"], settings)
         title = run["title"] or run["scene"]
@@ -185,7 +184,7 @@ def replay_construction(
                 else draw_construction(model, parameters, settings, scene.construction_time)
             )
         except ArithmeticError as error:
-            raise RunError(f"the construction cannot be drawn: {one_line(error)}") from None
+            raise RunError(f"the construction cannot be drawn: {error}") from None
         title = scene.title or scene.name
         shown = partial(
             content,
@@ -209,7 +208,7 @@ def replay_construction(
         try:
             draw(kind, figure, drawing, title=title, look=look, step=at_step)
         except ValueError as error:  # the drawing lacks what the figure shows
-            raise InputError(f"--kind {kind}: {one_line(error)}") from None
+            raise InputError(f"--kind {kind}: {error}") from None
     files = [str(path) for path in (recording, figure) if path is not None]
     return {**drawing_summary(drawing, perf_counter() - started), "files": files}
 
@@ -225,9 +224,7 @@ def _scene_or_folder(what: str) -> str:
     """Return the reference of a scene, after checking that it exists."""
     if Path(what).suffix in (".csv", ".parquet", ".h5"):
         raise InputError(
-            one_line(
-                f"{what} is a table without a model; give its scene too: replay SCENE --over {what}"
-            )
+            f"{what} is a table without a model; give its scene too: replay SCENE --over {what}"
         )
     try:
         find_scene(what)

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from .. import draw
-from ..errors import InputError, check_recording, one_line
+from ..errors import InputError, check_recording
 from ..results.folder import OUTPUT, read_summary
 from ..results.inspection import (
     contents,
@@ -79,7 +79,7 @@ def _plane(names: str, file: Path | None) -> tuple[str, str] | None:
         return None
     pair = tuple(name.strip() for name in names.split(","))
     if len(pair) != 2 or not all(pair):
-        raise InputError(one_line(f"--plane {names}: give two columns, such as x,y"))
+        raise InputError(f"--plane {names}: give two columns, such as x,y")
     if file is None:
         raise InputError("--plane needs a file to write: --figure F.png or --save F.rrd")
     return pair[0], pair[1]
@@ -142,4 +142,4 @@ def _check_there(*paths: Path) -> None:
             kept = OUTPUT / path
             known = read_summary(kept) is not None
             hint = f"; did you mean {kept}?" if known else meant(str(path), "results")
-            raise InputError(one_line(f"no such file or folder: {path}{hint}"))
+            raise InputError(f"no such file or folder: {path}{hint}")

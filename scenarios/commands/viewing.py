@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from .. import draw
-from ..errors import InputError, one_line
+from ..errors import InputError
 
 _LOOPBACK = "127.0.0.1"
 _METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "pt": 0.0254 / 72.0}
@@ -62,7 +62,7 @@ def look_options(command: Callable[..., Any]) -> Callable[..., Any]:
             look["width"] = float(found[1]) * _METRES[found[2]] if found else 0.0
             if not _NARROWEST <= look["width"] <= _WIDEST:
                 raise InputError(
-                    one_line(f"--width {width}: must be from 40 mm to 1 m, such as 85mm or '6 in'")
+                    f"--width {width}: must be from 40 mm to 1 m, such as 85mm or '6 in'"
                 )
         return command(*args, look=look, **more)
 

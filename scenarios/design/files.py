@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ..errors import InputError, one_line
+from ..errors import InputError
 from ..results.signals import KEYS
 from ..scene.fields import (
     TEXT,
     Kind,
     RefusedError,
     entry,
+    instance_of,
     read_table,
     schema_of,
     whole,
@@ -22,20 +23,10 @@ from ..scene.fields import (
 _File = TypeVar("_File")
 
 
-def _table(value: object) -> Mapping[str, Any]:
-    if not isinstance(value, dict):
-        raise ValueError("must be a table")
-    return value
-
-
-def _measure(value: object) -> str:
-    if not isinstance(value, str):
-        raise ValueError("must be the name of a measure")
-    return value
-
-
-_MEASURE = Kind(_measure, TEXT.schema)
-_TABLE = Kind(_table, {"type": "object"})  # keys may be nested: damper.rebound_rate
+_MEASURE = Kind(instance_of(str, "the name of a measure"), TEXT.schema)
+_TABLE = Kind(
+    instance_of(dict, "a table"), {"type": "object"}
+)  # keys may be nested: damper.rebound_rate
 MEASURED: dict[str, Any] = {
     "type": "object",
     "properties": {
@@ -73,7 +64,7 @@ def _inner(kind: type, key: str) -> Kind:
 
 _SETTINGS = "settings of the search"
 _OF_OPTIMUM, _OF_FIT = _inner(SearchOfOptimum, "search"), _inner(SearchOfFit, "search")
-_SIGNALS = Kind(_table, MEASURED)
+_SIGNALS = Kind(_TABLE.read, MEASURED)
 _SCENE = "the case or scene file whose parameters are sought"
 _VARY = "range of each parameter: { from = ..., to = ... }, numbers in SI or texts with a unit"
 _TITLE = "name of the study in its report and picture"
@@ -120,4 +111,4 @@ def read_study(kind: type[_File], path: Path, content: Mapping[str, Any]) -> _Fi
     try:
         return read_table(kind, content)
     except RefusedError as error:
-        raise InputError(one_line(f"{path}: {error}")) from None
+        raise InputError(f"{path}: {error}") from None

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from phaseplane.suspension.batch import run_many
@@ -15,7 +14,7 @@ from ..results.signals import signals_in
 from ..sweeps.plan import Plan
 from ..toml_files import read_content
 from .files import FitFile, SearchOfFit, read_study
-from .space import Points, Runs, Space, journaled
+from .space import Points, Runs, Space, differences, journaled
 
 _LEVEL = 0.95
 _STEPS, _USUAL_STEPS = 60, 10  # of the least squares, at most and as a rule
@@ -141,7 +140,7 @@ def fit(task: Task, journal: Path, progress: Callable[[float], None] | None = No
         start = np.clip(starts[int(np.nanargmin(apart))], 1e-6, 1.0 - 1e-6)
         found = least_squares(
             lambda x: _residuals(runs, x, target, weight), start,
-            jac=lambda x: weight[:, None] * runs.slopes(x),
+            jac=lambda x: weight[:, None] * differences(runs.at, x),
             bounds=(0.0, 1.0), max_nfev=_STEPS, xtol=1e-10, ftol=1e-12,
         )  # fmt: skip
         left = _residuals(runs, found.x, target, weight)
@@ -210,8 +209,3 @@ def _signals_of(plan: Plan, task: Task) -> Iterator[Sequence[float | None]]:
 
 def _apart(numbers: Points, task: Task) -> dict[str, Points]:
     return dict(zip(task.signals, np.split(numbers, len(task.signals)), strict=True))
-
-
-def described(task: Task) -> dict[str, Any]:
-    """Return the units of the fitted parameters, and how many SI units each is."""
-    return dict(zip(task.space.plan.keys, task.space.plan.shown, strict=True))

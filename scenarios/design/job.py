@@ -107,7 +107,7 @@ def fit_parameters(
 def _file(file: str | os.PathLike[str]) -> Path:
     path = Path(file)
     if not path.is_file():
-        raise InputError(one_line(f"no such file: {path}"))
+        raise InputError(f"no such file: {path}")
     return path
 
 

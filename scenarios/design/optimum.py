@@ -5,18 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, RunError, one_line
+from ..errors import InputError, RunError
 from ..measures import catalogue
 from ..scene.expectations import Bounds, bounds_from
 from ..sweeps.plan import Plan
 from ..sweeps.running import run_chunk
-from ..toml_files import read_content
+from ..toml_files import dotted, read_content
 from .files import OptimumFile, SearchOfOptimum, read_study
-from .space import Points, Runs, Space, journaled
+from .space import Points, Runs, Space, differences, journaled
 
 _WORST = 1e30  # for a run that failed
 _CLOSE = 1e-6  # relative violation of a bound that counts as none
@@ -116,7 +115,7 @@ def read_problem(path: Path) -> Problem:
     content = read_content(path)
     said = read_study(OptimumFile, path, content)
     objective, against = said.minimise or said.maximise, said.against
-    flat = dict(_bounded(said.constrain or {}))
+    flat = dict(dotted(said.constrain or {}, ("min", "max")))
     keys = {objective: "minimise" if said.minimise else "maximise"}
     keys |= {against: "against"} if against else {}
     space = Space.read(
@@ -129,18 +128,10 @@ def read_problem(path: Path) -> Problem:
         try:
             bounds[name] = bounds_from(raw, known[name].unit)
         except ValueError as error:
-            raise InputError(one_line(f"{path}: constrain.{name}: {error}")) from None
+            raise InputError(f"{path}: constrain.{name}: {error}") from None
     sign = 1.0 if said.minimise else -1.0
     search = said.search or SearchOfOptimum()
     return Problem(space, objective, sign, against, bounds, search)
-
-
-def _bounded(table: Mapping[str, Any], prefix: str = "") -> Any:
-    for key, value in table.items():
-        if isinstance(value, dict) and value and not {"min", "max"} & set(value):
-            yield from _bounded(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", value
 
 
 def solve(
@@ -229,7 +220,7 @@ def _refined(
         return float(problem.cost(runs.at(x), measure)[0]) / size
 
     def slope(x: Points) -> Points:
-        return _differences(lambda points: problem.cost(runs.at(points), measure) / size, x)
+        return differences(lambda points: problem.cost(runs.at(points), measure) / size, x)
 
     constraints = []
     if bounds or (bounds is None and problem.bounds):
@@ -238,7 +229,7 @@ def _refined(
                 "type": "ineq",
                 "fun": lambda x: -problem.violations(runs.at(x), bounds)[0],
                 "jac": lambda x: (
-                    -_differences(lambda points: problem.violations(runs.at(points), bounds), x)
+                    -differences(lambda points: problem.violations(runs.at(points), bounds), x)
                 ),
             }
         ]
@@ -249,18 +240,6 @@ def _refined(
     runs.end_stage()
     refined: Points = np.clip(found.x, 0.0, 1.0)
     return refined
-
-
-def _differences(function: Callable[[Points], Points], x: Points, step: float = 1e-3) -> Points:
-    """Return the derivatives of a function of points, (values, parameters); one-sided at a bound."""
-    moved = np.tile(x, (2 * len(x), 1))
-    for k in range(len(x)):
-        moved[k, k] = min(x[k] + step, 1.0)
-        moved[len(x) + k, k] = max(x[k] - step, 0.0)
-    values = np.asarray(function(moved))
-    widths = (moved[: len(x)] - moved[len(x) :]).sum(axis=1)
-    slopes: Points = ((values[: len(x)] - values[len(x) :]).T / widths).squeeze()
-    return slopes.reshape(-1, len(x)) if values.ndim > 1 else slopes.reshape(len(x))
 
 
 def _best(

@@ -6,20 +6,21 @@ study that is started again repeats none of them: its steps depend only on the r
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import InputError, one_line, shown
+from ..errors import InputError, shown
 from ..simulate.versions import versions
+from ..sweeps.journal import open_journal
 from ..sweeps.plan import Plan, plan_of
+from ..toml_files import dotted
 
 Points = npt.NDArray[np.float64]
 Make = Callable[[Plan], Iterable[Sequence[float | None]]]
@@ -50,14 +51,12 @@ class Space:
         InputError : if they are not valid; one line with file, key, value and what is allowed.
         """
         given = content.get("vary")
-        plain = dict(_ranges(given)) if isinstance(given, dict) else {}
+        plain = dict(dotted(given, ("from", "to"))) if isinstance(given, dict) else {}
         for key, ends in plain.items():
             if not isinstance(ends, dict) or set(ends) != {"from", "to"}:
                 raise InputError(
-                    one_line(
-                        f"{path}: vary.{key} = {shown(ends)}: a study varies parameters within "
-                        "ranges; write { from = ..., to = ... }"
-                    )
+                    f"{path}: vary.{key} = {shown(ends)}: a study varies parameters within "
+                    "ranges; write { from = ..., to = ... }"
                 )
         plan = plan_of(
             path,
@@ -73,9 +72,7 @@ class Space:
         for key, low, high in zip(plan.keys, *plan.points, strict=True):
             if isinstance(low, bool | str) or isinstance(high, bool | str) or not low < high:
                 raise InputError(
-                    one_line(
-                        f"{path}: vary.{key}: from = {shown(low)} must be below to = {shown(high)}"
-                    )
+                    f"{path}: vary.{key}: from = {shown(low)} must be below to = {shown(high)}"
                 )
         return cls(plan)
 
@@ -172,20 +169,6 @@ class Runs:
         self.known[row.tobytes()] = tuple(numbers)
         self.points.append(tuple(row.tolist()))
 
-    def slopes(self, shares: Points, step: float = 1e-3) -> Points:
-        """Return the derivatives of the numbers by the shares, (numbers, parameters), by differences.
-
-        All runs are made at once; one-sided at a bound.
-        """
-        ahead, behind = (np.tile(shares, (len(shares), 1)) for _ in range(2))
-        for k in range(len(shares)):
-            ahead[k, k] = min(shares[k] + step, 1.0)
-            behind[k, k] = max(shares[k] - step, 0.0)
-        found = self.at(np.concatenate([ahead, behind]))
-        rise = found[: len(shares)] - found[len(shares) :]
-        slopes: Points = (rise / (ahead - behind).sum(axis=1)[:, None]).T
-        return slopes
-
 
 @contextmanager
 def journaled(
@@ -210,13 +193,9 @@ def journaled(
     """
     text = repr((space.plan.hash, said, versions(), space.plan.scene.fmu.content))
     key = sha256(text.encode()).hexdigest()[:24]
-    journal.parent.mkdir(parents=True, exist_ok=True)
-    before = _before(journal, key)
-    with journal.open("a" if before is not None else "w", encoding="utf-8") as file:
-        if before is None:
-            _write(file, {"study": key})
-        runs = Runs(space, make, lambda *run: _write(file, run), stages, progress)
-        for point, numbers in before or ():
+    with open_journal(journal, key) as (before, keep):
+        runs = Runs(space, make, lambda *run: keep(run), stages, progress)
+        for point, numbers in before:
             runs.add(np.array(point), numbers)
         try:
             yield runs
@@ -227,33 +206,15 @@ def journaled(
     journal.unlink()
 
 
-def _write(file: IO[str], what: object) -> None:
-    file.write(json.dumps(what) + "\n")
-    file.flush()
+def differences(function: Callable[[Points], Points], x: Points, step: float = 1e-3) -> Points:
+    """Return the derivatives of a function of points, (values, parameters); one-sided at a bound.
 
-
-def _before(journal: Path, key: str) -> list[tuple[list[float], list[float | None]]] | None:
-    """Return the runs in a journal; None if it is of another study."""
-    try:
-        first, *lines = journal.read_text(encoding="utf-8").splitlines()
-        if json.loads(first) != {"study": key}:
-            return None
-    except (OSError, ValueError):
-        return None
-    found = []
-    for line in lines:
-        try:
-            point, numbers = json.loads(line)
-        except ValueError:
-            continue  # the last line may be incomplete
-        found.append((point, numbers))
-    return found
-
-
-def _ranges(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the dotted keys of nested tables and their ranges."""
-    for key, value in table.items():
-        if isinstance(value, dict) and not {"from", "to"} & set(value):
-            yield from _ranges(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", value
+    The function is called once, with all points.
+    """
+    ahead, behind = (np.tile(x, (len(x), 1)) for _ in range(2))
+    for k in range(len(x)):
+        ahead[k, k] = min(x[k] + step, 1.0)
+        behind[k, k] = max(x[k] - step, 0.0)
+    found = function(np.concatenate([ahead, behind]))
+    slopes: Points = (found[: len(x)] - found[len(x) :]).T / (ahead - behind).sum(axis=1)
+    return slopes

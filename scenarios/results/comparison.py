@@ -8,6 +8,7 @@ from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from phaseplane.suspension.units import counted
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -53,8 +54,7 @@ class Extent:
     end: float
 
     def __str__(self) -> str:
-        rows = "row" if self.rows == 1 else "rows"
-        return f"{self.rows} {rows} from {self.start:g} to {self.end:g} s"
+        return f"{counted(self.rows, 'row')} from {self.start:g} to {self.end:g} s"
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,9 +105,8 @@ class Comparison:
 
 def format_extent(compared: Mapping[str, Any]) -> str:
     """Return the columns, rows and time of `Comparison.as_data` in words."""
-    columns = len(compared["columns"])
     extent = Extent(compared["rows"], compared["from"], compared["to"])
-    return f"{columns} {'column' if columns == 1 else 'columns'}, {extent}"
+    return f"{counted(len(compared['columns']), 'column')}, {extent}"
 
 
 def _listed(names: tuple[str, ...]) -> str:

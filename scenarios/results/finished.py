@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ..errors import RunError, one_line
+from ..errors import RunError
 from .folder import SUMMARY, draft_beside
 from .plain import as_json
 
@@ -76,6 +76,4 @@ class FinishedFolder:
         except OSError:
             same = False
         if not same:
-            raise RunError(
-                one_line(f"{self.folder} contains other results by now; nothing is added")
-            )
+            raise RunError(f"{self.folder} contains other results by now; nothing is added")

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..errors import FolderError, one_line
+from ..errors import FolderError
 from .plain import as_json
 from .tables import read_table, write_table
 
@@ -123,19 +123,17 @@ def read_results(path: Path) -> Results:
     summary = read_summary(path)
     if summary is None:
         if not path.exists():
-            raise FolderError(one_line(f"no such file or folder: {path}"))
-        raise FolderError(
-            one_line(f"{path} is not a results folder: it has no {SUMMARY} written by a run")
-        )
+            raise FolderError(f"no such file or folder: {path}")
+        raise FolderError(f"{path} is not a results folder: it has no {SUMMARY} written by a run")
     kind = summary.get("origin", {}).get("kind", "run")
     if kind != "run":
         raise FolderError(
-            one_line(f"{path} contains the results of 'phaseplane {kind}', and not those of a run")
+            f"{path} contains the results of 'phaseplane {kind}', and not those of a run"
         )
     table = path / str(summary.get("table", TABLE))
     columns, _ = read_table(table)
     if "time" not in columns:
-        raise FolderError(one_line(f"cannot read {table}: no column time"))
+        raise FolderError(f"cannot read {table}: no column time")
     return Results(columns, summary)
 
 
@@ -165,28 +163,22 @@ def check_replaceable(place: Place) -> None:
     if not folder.exists():
         return
     if not folder.is_dir():
-        raise FolderError(one_line(f"{folder} is a file; give the name of a folder with -o"))
+        raise FolderError(f"{folder} is a file; give the name of a folder with -o")
     if folder.resolve() in (Path.cwd(), *Path.cwd().parents):
-        raise FolderError(
-            one_line(f"{folder} is the current folder or a parent of it; give another with -o")
-        )
+        raise FolderError(f"{folder} is the current folder or a parent of it; give another with -o")
     found = {path.name for path in folder.iterdir()}
     summary = read_summary(folder)
     if found and summary is None:
         raise FolderError(
-            one_line(
-                f"{folder} contains no results of a run, so it is not replaced; "
-                "give another folder with -o"
-            )
+            f"{folder} contains no results of a run, so it is not replaced; "
+            "give another folder with -o"
         )
     ours = {*summary["files"], *summary.get("undrawn", ())} if summary else set()
     foreign = sorted(found - ours)
     if foreign:
         raise FolderError(
-            one_line(
-                f"{folder} contains {foreign[0]}, which no run wrote, so it is not replaced; "
-                "move that file away or give another folder with -o"
-            )
+            f"{folder} contains {foreign[0]}, which no run wrote, so it is not replaced; "
+            "move that file away or give another folder with -o"
         )
     _check_origin(place, (summary or {}).get("origin", place.origin))
 
@@ -196,10 +188,8 @@ def _check_origin(place: Place, there: Mapping[str, str]) -> None:
     folder, ours = place.folder, place.origin
     if there["kind"] != ours["kind"]:
         raise FolderError(
-            one_line(
-                f"{folder} contains results of 'phaseplane {there['kind']}', which 'phaseplane "
-                f"{ours['kind']}' does not replace; delete them or give another folder with -o"
-            )
+            f"{folder} contains results of 'phaseplane {there['kind']}', which 'phaseplane "
+            f"{ours['kind']}' does not replace; delete them or give another folder with -o"
         )
     if there["file"] != ours["file"] and not place.named:
         theirs, own = (
@@ -207,10 +197,8 @@ def _check_origin(place: Place, there: Mapping[str, str]) -> None:
             for file in (there["file"], ours["file"])
         )
         raise FolderError(
-            one_line(
-                f"{folder} contains the results of {theirs}, which those of {own} do not replace; "
-                f"give another folder with -o, or -o {folder} to replace them"
-            )
+            f"{folder} contains the results of {theirs}, which those of {own} do not replace; "
+            f"give another folder with -o, or -o {folder} to replace them"
         )
 
 
@@ -242,11 +230,11 @@ def draft_beside(folder: Path) -> Iterator[Path]:
     try:
         draft.mkdir(parents=True)
     except OSError as error:
-        raise FolderError(one_line(f"cannot write {folder}: {error.strerror}")) from None
+        raise FolderError(f"cannot write {folder}: {error.strerror}") from None
     try:
         yield draft
     except OSError as error:
-        raise FolderError(one_line(f"cannot write {folder}: {error.strerror or error}")) from error
+        raise FolderError(f"cannot write {folder}: {error.strerror or error}") from error
     finally:
         shutil.rmtree(draft, ignore_errors=True)
 

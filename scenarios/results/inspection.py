@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,9 +12,9 @@ from phaseplane.suspension.units import nearest
 
 from phaseplane import figures
 
-from ..errors import InputError, check_picture, one_line, shown
+from ..errors import InputError, check_picture, shown
 from ..toml_files import read_content
-from .comparison import Difference, check_ascending, compared, format_extent
+from .comparison import check_ascending, compared, format_extent
 from .folder import DAMAGED, Results, read_results
 from .quantities import quantity
 from .report import aligned, report
@@ -52,7 +53,7 @@ def contents(
     columns = _chosen(results, names, what)
     units = results.summary.get("units", {})
     if not isinstance(units, Mapping):
-        raise InputError(one_line(f"{what}: {DAMAGED}"))
+        raise InputError(f"{what}: {DAMAGED}")
     data = {
         "file": str(what),
         "summary": dict(results.summary),
@@ -118,7 +119,7 @@ def _picture(
             if name != "time" and (path == next(iter(drawn)) or name in values):
                 values.setdefault(name, {})[str(path)] = (time, column)
     if not values:
-        raise InputError(one_line(f"--figure: {next(iter(drawn))} has no column but time to draw"))
+        raise InputError(f"--figure: {next(iter(drawn))} has no column but time to draw")
     return figures.runs(values, units, title=title)
 
 
@@ -129,7 +130,7 @@ def format_contents(data: Mapping[str, Any], folder: Path) -> str:
         try:
             lines += [report(data["summary"], folder), ""]
         except (KeyError, TypeError, AttributeError, ValueError):
-            raise InputError(one_line(f"{folder}: {DAMAGED}")) from None
+            raise InputError(f"{folder}: {DAMAGED}") from None
     lines += [f"warning: {warning}" for warning in data["summary"].get("warnings", ())]
     heading = ("column", "unit", "first", "last", "smallest", "largest")
     rows = [
@@ -174,7 +175,7 @@ def difference(
     try:
         found = compared(first.columns, second.columns, names or None)
     except ValueError as error:
-        raise InputError(one_line(f"{ours} and {other}: {error}")) from None
+        raise InputError(f"{ours} and {other}: {error}") from None
     unshared = [] if common else found.unshared(str(ours), str(other))
     data: dict[str, Any] = {
         "ours": str(ours),
@@ -183,7 +184,7 @@ def difference(
         "equal": not unshared and all(d.relative <= tolerance for d in found.differences),
         "compared": found.as_data(),
         "unshared": unshared,
-        "differences": [_plain(d) for d in found.differences],
+        "differences": [{**asdict(d), "relative": d.relative} for d in found.differences],
         "measures": _side_by_side(first.summary, second.summary),
     }
     if figure is not None:
@@ -248,16 +249,6 @@ def first_difference(data: Mapping[str, Any]) -> str:
     )
 
 
-def _plain(difference: Difference) -> dict[str, Any]:
-    return {
-        "name": difference.name,
-        "largest": difference.largest,
-        "peak": difference.peak,
-        "relative": difference.relative,
-        "time": difference.time,
-    }
-
-
 def timed(
     path: Path, names: Sequence[str], plane: tuple[str, str] | None
 ) -> tuple[dict[str, Any], dict[str, str]]:
@@ -276,19 +267,17 @@ def timed(
 
 def _time(results: Results, path: Path, hint: str) -> Any:
     if "time" not in results.columns:
-        raise InputError(one_line(f"{path}: no column time; {hint}"))
+        raise InputError(f"{path}: no column time; {hint}")
     time = results.columns["time"]
     try:
         check_ascending(time.astype(float))
     except ValueError as error:
-        raise InputError(one_line(f"{path}: {error}")) from None
+        raise InputError(f"{path}: {error}") from None
     return time
 
 
 def _chosen(results: Results, names: Sequence[str], path: Path) -> dict[str, Any]:
     for name in names:
         if name not in results.columns:
-            raise InputError(
-                one_line(f"{path}: no column {shown(name)}{nearest(name, results.columns)}")
-            )
+            raise InputError(f"{path}: no column {shown(name)}{nearest(name, results.columns)}")
     return {name: results.columns[name] for name in (names or results.columns)}

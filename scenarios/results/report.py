@@ -73,7 +73,7 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[Line]:
         yield "" if i else "note", remark
     yield (
         "duration",
-        f"{summary['duration']:g} s, {_counted(summary['rows'], 'row')}, one every "
+        f"{summary['duration']:g} s, {counted(summary['rows'], 'row')}, one every "
         f"{1e3 * summary['output_interval']:g} ms",
     )
     yield ""
@@ -258,10 +258,6 @@ def _number(value: object) -> str:
     if isinstance(value, list | tuple):
         return ", ".join(map(_number, value)) or "none"
     return f"{value:.8g}" if isinstance(value, float) else str(value)
-
-
-def _counted(count: int, what: str) -> str:
-    return f"{count} {what}{'s' * (count != 1)}"
 
 
 def _bounds(expectation: Mapping[str, Any]) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 from phaseplane.suspension.measurement_files import Wanted, headings, read_columns
 from phaseplane.suspension.units import UnitError, nearest, to_si
 
-from ..errors import InputError, one_line, refuse_unknown_keys, shown
+from ..errors import InputError, refuse_unknown_keys, shown
 from .tables import read_table
 
 if TYPE_CHECKING:
@@ -86,11 +86,11 @@ def read_signals(
             path, wanted, delimiter=delimiter, decimal=str(said.get("decimal", "."))
         )
     except OSError as error:
-        raise InputError(one_line(f"cannot read {path}: {error.strerror or error}")) from None
+        raise InputError(f"cannot read {path}: {error.strerror or error}") from None
     except InputError:
         raise
     except ValueError as error:
-        raise InputError(one_line(error, 300)) from None
+        raise InputError(error) from None
     return dict(zip(("time", *columns), map(np.array, found), strict=True))
 
 
@@ -110,7 +110,7 @@ def signals_in(
     try:
         return read_signals(measured, path.parent, known)
     except InputError as error:
-        raise InputError(one_line(f"{path}: measured: {error}")) from None
+        raise InputError(f"{path}: measured: {error}") from None
 
 
 def _from_table(

@@ -18,7 +18,7 @@ import numpy as np
 from phaseplane.suspension.measurement_files import encoding_of, read_table_of_units
 from phaseplane.suspension.units import nearest
 
-from ..errors import InputError, one_line
+from ..errors import InputError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -54,9 +54,9 @@ def read_table(path: Path) -> Table:
     except ImportError:
         raise
     except OSError as error:
-        raise InputError(one_line(f"cannot read {path}: {error.strerror or error}", 300)) from None
+        raise InputError(f"cannot read {path}: {error.strerror or error}") from None
     except Exception as error:  # any error that a damaged file causes in its library
-        raise InputError(one_line(f"cannot read {path}: {error}", 300)) from None
+        raise InputError(f"cannot read {path}: {error}") from None
     return columns, metadata if isinstance(metadata, dict) else {}
 
 
@@ -78,16 +78,12 @@ def check_ending(path: Path) -> None:
     InputError : if the ending is not known, or its library is missing.
     """
     if path.suffix not in _FORMS:
-        raise InputError(
-            one_line(f"{path}: must end in {', '.join(_FORMS)}{nearest(path.suffix, _FORMS)}")
-        )
+        raise InputError(f"{path}: must end in {', '.join(_FORMS)}{nearest(path.suffix, _FORMS)}")
     if path.suffix == ".h5":
         try:
             import h5py  # noqa: F401, PLC0415
         except ImportError:
-            raise InputError(
-                one_line(f"{path}: HDF5 needs h5py: pip install 'phaseplane[hdf5]'")
-            ) from None
+            raise InputError(f"{path}: HDF5 needs h5py: pip install 'phaseplane[hdf5]'") from None
 
 
 def _numbers(column: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
@@ -99,15 +95,13 @@ def _write_csv(columns: Columns, _metadata: str, path: Path) -> None:
     rows = max(map(len, numbers), default=0)
     with path.open("w", encoding="utf-8", newline="\n") as table:
         table.write(",".join(f'"{name}"' for name in columns) + "\n")
-        for first in range(
-            0, rows, _AT_ONCE
-        ):  # as Python's numbers they take four times the memory
+        # as Python's numbers they take four times the memory
+        for first in range(0, rows, _AT_ONCE):
             part = (column[first : first + _AT_ONCE].tolist() for column in numbers)
             table.writelines(",".join(map(repr, row)) + "\n" for row in zip(*part, strict=True))
 
 
 def _read_csv(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
-
     with path.open(encoding=encoding_of(path), newline="") as table:
         lines = table.readlines()
     names = [name.strip() for name in next(csv.reader(lines[:1]), [])]

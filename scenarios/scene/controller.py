@@ -110,17 +110,13 @@ def _read(name: str, kind: Kind, value: object) -> Any:
 
 
 def _constants(given: Mapping[str, Any]) -> dict[str, float]:
-    constants = {
-        key.removeprefix("constants."): value
-        for key, value in given.items()
-        if key.startswith("constants.")
-    }
-    for name, value in constants.items():
-        if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
-            raise RefusedError.value(
-                f"controller.constants.{name}", value, "must be a number in SI"
-            )
-    return {name: float(value) for name, value in constants.items()}
+    constants = {}
+    for key, value in given.items():
+        if key.startswith("constants."):
+            if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+                raise RefusedError.value(f"controller.{key}", value, "must be a number in SI")
+            constants[key.removeprefix("constants.")] = float(value)
+    return constants
 
 
 def _outputs_in(key: str, text: str, fmu: Fmu, constants: Mapping[str, float]) -> tuple[str, ...]:

@@ -26,10 +26,8 @@ from .fields import (
 )
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
-    Columns = Mapping[str, npt.NDArray[np.float64]]
+    from ..measures.reading import Column
+    from ..results.tables import Columns
 
 _TOLERANCE = 1e-6
 _COMMON = "set common = true to compare only the rows, times and columns that both have"
@@ -97,10 +95,11 @@ class During:
         given = {key: value for key, value in raw.items() if value is not None}
         return bounds_from(given, outputs[self.output].unit or "1")
 
-    def judged(self, outputs: Mapping[str, Variable], columns: Columns) -> dict[str, Any]:
+    def judged(
+        self, outputs: Mapping[str, Variable], time: Column, column: Column
+    ) -> dict[str, Any]:
         """Return whether it holds, with the deciding value and its time."""
-        bounds = self.bounds(outputs)
-        time, column = columns["time"], columns[self.output].astype(float)
+        bounds, column = self.bounds(outputs), column.astype(float)
         end = inf if self.end is None else self.end
         rows = [row for row, t in enumerate(time) if self.start - 1e-9 <= t <= end + 1e-9]
         good = [row for row in rows if bounds.hold(float(column[row]))]

@@ -152,7 +152,7 @@ def _described(field: Field[Any]) -> Iterator[tuple[str, Any]]:
 # -- types of values -------------------------------------------------------------------------------
 
 
-def _instance_of(kinds: type | tuple[type, ...], words: str, *, true: bool = False) -> Reader:
+def instance_of(kinds: type | tuple[type, ...], words: str, *, true: bool = False) -> Reader:
     """Return a reader of values of some types; booleans count as numbers only if `true`."""
 
     def read(value: object) -> object:
@@ -163,8 +163,8 @@ def _instance_of(kinds: type | tuple[type, ...], words: str, *, true: bool = Fal
     return read
 
 
-TEXT = Kind(_instance_of(str, "a text (a string)"), {"type": "string"})
-FLAG = Kind(_instance_of(bool, "true or false", true=True), {"type": "boolean"})
+TEXT = Kind(instance_of(str, "a text (a string)"), {"type": "string"})
+FLAG = Kind(instance_of(bool, "true or false", true=True), {"type": "boolean"})
 
 
 def _finite(value: object) -> float:
@@ -175,7 +175,7 @@ def _finite(value: object) -> float:
 
 NUMBER = Kind(_finite, {"type": "number"})
 NUMBER_OR_TEXT = Kind(
-    _instance_of((int, float, str), "a number in SI or a text with a unit"),
+    instance_of((int, float, str), "a number in SI or a text with a unit"),
     {"type": ["number", "string"]},
 )
 
@@ -268,7 +268,7 @@ def choices_of(choices: Sequence[str]) -> Kind:
 def names_of(what: str) -> Kind:
     """Return the type of a list of names."""
     words = f"a list of {what}"
-    return list_of(Kind(_instance_of(str, words), TEXT.schema), words)
+    return list_of(Kind(instance_of(str, words), TEXT.schema), words)
 
 
 def pair_of(kind: Kind, words: str) -> Kind:

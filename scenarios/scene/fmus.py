@@ -187,7 +187,7 @@ def fmu_named(model: str) -> Fmu:
     try:
         return find_fmu(model)
     except InputError as error:
-        raise InputError(one_line(f"MODEL {shown(model)}: {error}")) from None
+        raise InputError(f"MODEL {shown(model)}: {error}") from None
 
 
 def default_duration(path: Path) -> float | None:

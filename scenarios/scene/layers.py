@@ -17,7 +17,7 @@ from phaseplane.suspension.system_module import scene_in
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import MODELS, ParameterError
 
-from ..errors import SceneError, one_line, shown
+from ..errors import SceneError, shown
 from .equation import equation_variables
 from .fmus import default_duration
 from .names import CASES, SCENE_FILES, case_names, meant
@@ -58,9 +58,7 @@ class Setting(NamedTuple):
         key, equals, value = (part.strip() for part in text.partition("="))
         if not equals or not key:
             raise SceneError(
-                one_line(
-                    f"{SET} {shown(text)}: write key=value, for example {SET} 'road.height=8 cm'"
-                )
+                f"{SET} {shown(text)}: write key=value, for example {SET} 'road.height=8 cm'"
             )
         if key == "extends":
             raise SceneError(f"{SET} extends: only a scene's file can name its base")
@@ -188,14 +186,14 @@ def find_scene(reference: str, folder: Path | None = None) -> Path:
     except (OSError, ValueError):
         is_folder = False  # a text that cannot be a path
     if is_folder:
-        raise SceneError(one_line(f"{reference or '.'} is a folder, not a scene file"))
+        raise SceneError(f"{reference or '.'} is a folder, not a scene file")
     if reference.endswith(SCENE_FILES) or "/" in reference:
-        raise SceneError(one_line(f"no scene file {reference}; give the path of a .toml file"))
+        raise SceneError(f"no scene file {reference}; give the path of a .toml file")
     hint = meant(reference, "scene") or (
         "; 'phaseplane list' shows them all; or give the path of a .toml file"
         + nearest(reference, case_names())
     )
-    raise SceneError(one_line(f"no scene {shown(reference)}{hint}"))
+    raise SceneError(f"no scene {shown(reference)}{hint}")
 
 
 def read_layers(path: Path) -> Layers:
@@ -205,10 +203,8 @@ def read_layers(path: Path) -> Layers:
     ------
     SceneError : if a file is missing, is not TOML or extends itself.
     """
-    layers = Layers()
-    for file in reversed(list(_chain(path))):
-        layers.put_scene(*file)
-    return layers
+    name = _called(path)
+    return _laid(_chain(_read(path, name), name, path.parent, path))
 
 
 def given_layers(content: Mapping[str, Any], name: str) -> Layers:
@@ -218,11 +214,13 @@ def given_layers(content: Mapping[str, Any], name: str) -> Layers:
     ------
     SceneError : if it has an unknown key, or a scene it extends is missing.
     """
+    return _laid(_chain(dict(flattened(content, name)), name, Path()))
+
+
+def _laid(chain: Iterator[tuple[dict[str, Any], str, Path]]) -> Layers:
     layers = Layers()
-    for layer, origin, folder in reversed(
-        list(_chain_from(dict(flattened(content, name)), name, Path()))
-    ):
-        layers.put_scene(layer, origin, folder)
+    for file in reversed(list(chain)):
+        layers.put_scene(*file)
     return layers
 
 
@@ -271,13 +269,7 @@ def overlay(layers: Layers, overrides: Iterable[str | Setting]) -> None:
         layers.put(inner, setting.origin, Path())
 
 
-def _chain(path: Path) -> Iterator[tuple[dict[str, Any], str, Path]]:
-    """Yield the scene of a file and all scenes it extends, nearest first."""
-    name = _called(path)
-    return _chain_from(_read(path, name), name, path.parent, path)
-
-
-def _chain_from(
+def _chain(
     layer: dict[str, Any], name: str, folder: Path, path: Path | None = None
 ) -> Iterator[tuple[dict[str, Any], str, Path]]:
     """Yield a scene and all scenes it extends, nearest first; `path` is its file, if it has one."""
@@ -288,19 +280,15 @@ def _chain_from(
             if top not in KEYS or (dot and top not in SECTIONS):
                 hint = "; parameters belong in the table [parameters]"
                 raise SceneError(
-                    one_line(
-                        f"{name}: unknown key {shown(key)}; allowed: {', '.join(KEYS)}"
-                        + (hint if _is_parameter(key) else nearest(key, KEYS))
-                    )
+                    f"{name}: unknown key {shown(key)}; allowed: {', '.join(KEYS)}"
+                    + (hint if _is_parameter(key) else nearest(key, KEYS))
                 )
         base = layer.pop("extends", None)
         yield layer, name, folder
         if base is None:
             return
         if not isinstance(base, str):
-            raise SceneError(
-                one_line(f"{name}: extends = {shown(base)}: must be a scene's name or file")
-            )
+            raise SceneError(f"{name}: extends = {shown(base)}: must be a scene's name or file")
         seen += [path.resolve()] if path else []
         try:
             path = find_scene(base, folder)
@@ -308,9 +296,7 @@ def _chain_from(
             raise SceneError(f"{name}: extends: {error}") from None
         if path.resolve() in seen:
             raise SceneError(
-                one_line(
-                    f"{name}: extends = {shown(base)}: the scenes extend each other in a circle"
-                )
+                f"{name}: extends = {shown(base)}: the scenes extend each other in a circle"
             )
         name, folder = _called(path), path.parent
         layer = _read(path, name)
@@ -339,9 +325,7 @@ def _called(path: Path) -> str:
 def _read(path: Path, name: str) -> dict[str, Any]:
     try:
         if path.stat().st_size > _LARGEST_FILE:
-            raise SceneError(
-                one_line(f"{name}: larger than {_LARGEST_FILE} bytes; not a scene file")
-            )
+            raise SceneError(f"{name}: larger than {_LARGEST_FILE} bytes; not a scene file")
         text = path.read_text(encoding="utf-8")
         if path.suffix == ".py":
             content = scene_in(text)
@@ -354,15 +338,15 @@ def _read(path: Path, name: str) -> dict[str, Any]:
     except SceneError:
         raise
     except ParameterError as error:
-        raise SceneError(one_line(f"{name}: {error}")) from None
+        raise SceneError(f"{name}: {error}") from None
     except OSError as error:
-        raise SceneError(one_line(f"cannot read {name}: {error.strerror or error}")) from None
+        raise SceneError(f"cannot read {name}: {error.strerror or error}") from None
     except UnicodeDecodeError as error:
-        raise SceneError(one_line(f"{name}: not UTF-8 text (byte {error.start})")) from None
+        raise SceneError(f"{name}: not UTF-8 text (byte {error.start})") from None
     except RecursionError:
-        raise SceneError(one_line(f"{name}: nested too deeply")) from None
+        raise SceneError(f"{name}: nested too deeply") from None
     except ValueError as error:
-        raise SceneError(one_line(f"{name}: not TOML: {error}")) from None
+        raise SceneError(f"{name}: not TOML: {error}") from None
 
 
 def flattened(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
@@ -379,14 +363,12 @@ def flattened(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
             dotted = f"{prefix}{key}"
             if value == {} and prefix:
                 raise SceneError(
-                    one_line(
-                        f"{name}: {dotted} = {{}}: an empty table sets nothing; give at least one key"
-                    )
+                    f"{name}: {dotted} = {{}}: an empty table sets nothing; give at least one key"
                 )
             if isinstance(value, dict):
                 yield from walk(value, f"{dotted}.")
             elif dotted in seen:
-                raise SceneError(one_line(f"{name}: {shown(dotted)} is given twice"))
+                raise SceneError(f"{name}: {shown(dotted)} is given twice")
             else:
                 seen.add(dotted)
                 yield dotted, value

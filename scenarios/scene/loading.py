@@ -10,7 +10,7 @@ from typing import Any
 from phaseplane.suspension.acting import Idle, idle
 from phaseplane.suspension.variables import MODELS
 
-from ..errors import SceneError, one_line
+from ..errors import SceneError
 from .equation import EQUATION
 from .fields import RefusedError, keys_of, read_table
 from .layers import (
@@ -107,10 +107,8 @@ def construction_settings(
     for setting in settings:
         if not setting.key.startswith("construction."):
             raise SceneError(
-                one_line(
-                    f"{setting.origin} {setting.key.removeprefix('parameters.')}: for results "
-                    f"only construction.* can be set: {', '.join(keys_of(Construction))}"
-                )
+                f"{setting.origin} {setting.key.removeprefix('parameters.')}: for results "
+                f"only construction.* can be set: {', '.join(keys_of(Construction))}"
             )
     overlay(layers, settings)
     try:
@@ -120,17 +118,12 @@ def construction_settings(
 
 
 def _told(refused: RefusedError, layers: Layers, reference: str) -> str:
-    """Return a refusal as one line, with where the key was given."""
+    """Return a refusal, with where the key was given."""
     where = layers.origin(refused.key, reference)
     briefly = where.startswith("--") and where != SET  # whose user need not know the key
     said = f"{where}{refused.briefly}" if briefly else f"{where}: {refused}"
     said = said.removeprefix(f"{where}: ") if said.startswith(f"{where}: {where}: ") else said
-    return one_line(f"{said}{_unexpected(refused.key, where, layers)}")
-
-
-def _unexpected(key: str, where: str, layers: Layers) -> str:
-    """Return what to do about an expectation of the file that does not fit the overrides."""
     changed = any(origin.startswith("--") for origin in layers.origins.values())
-    if key.startswith("expect.") and changed and not where.startswith("--"):
-        return "; --no-expect skips the expectations of the scene"
-    return ""
+    if refused.key.startswith("expect.") and changed and not where.startswith("--"):
+        said += "; --no-expect skips the expectations of the scene"
+    return said

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -27,6 +28,12 @@ def case_names() -> tuple[str, ...]:
 def sweep_names() -> tuple[str, ...]:
     """Return the names of the sweeps in the package."""
     return tuple(sorted(path.stem for path in SWEEPS.glob("*.toml")))
+
+
+def sweep_titles() -> dict[str, str]:
+    """Return the names and titles of the sweeps in the package."""
+    texts = {name: (SWEEPS / f"{name}.toml").read_text("utf-8") for name in sweep_names()}
+    return {name: str(tomllib.loads(text).get("title", "")) for name, text in texts.items()}
 
 
 def meant(name: str, wanted: Kind) -> str:

@@ -282,9 +282,9 @@ def _check_reference(fmu: Fmu, reference: Reference, path: Path, columns: Column
 
 def _check_names(scene: Scene) -> None:
     """Refuse unknown outputs and measures that are to be shown."""
-    outputs = scene.fmu.outputs()
+    outputs, listed = scene.fmu.outputs(), scene.show.outputs
     wanted: tuple[tuple[str, Iterable[str], str, Collection[str]], ...] = (
-        ("outputs", _listed(scene.show.outputs), "output", outputs),
+        ("outputs", listed if isinstance(listed, tuple) else (), "output", outputs),
         ("measures", scene.show.measures or (), "measure", catalogue(outputs)),
         ("planes", (name for names in scene.show.planes for name in names), "output", outputs),
     )
@@ -296,10 +296,6 @@ def _check_names(scene: Scene) -> None:
                     f"show.{key}: {scene.fmu.model} has no {what} {shown(name)}"
                     + nearest(name, known),
                 )
-
-
-def _listed(outputs: tuple[str, ...] | str | None) -> Iterable[str]:
-    return outputs if isinstance(outputs, tuple) else ()
 
 
 def _check_rows(scene: Scene, *, named: bool) -> None:

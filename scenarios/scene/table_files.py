@@ -14,7 +14,7 @@ from typing import Any
 from phaseplane.suspension.measurement_files import Wanted, headings, read_columns
 from phaseplane.suspension.units import UnitError, nearest, to_si
 
-from ..errors import InputError, one_line, refuse_unknown_keys, shown
+from ..errors import InputError, refuse_unknown_keys, shown
 
 KEYS = ("file", "columns", "units", "delimiter", "decimal", "offset")
 # The SI units of the two columns of a table.
@@ -128,7 +128,7 @@ def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
     except OSError as error:
         raise InputError(f"cannot read {folder / file}: {error.strerror or error}") from None
     except ValueError as error:
-        raise InputError(one_line(error, 300)) from None
+        raise InputError(error) from None
     return ", ".join(f"{x!r}:{y!r}" for x, y in points)
 
 
@@ -144,9 +144,9 @@ def _both(path: Path, delimiter: str) -> list[str]:
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror or error}") from None
     except ValueError as error:
-        raise InputError(one_line(error, 300)) from None
+        raise InputError(error) from None
     if not found:
-        raise InputError(one_line(f"{path.name} is empty"))
+        raise InputError(f"{path.name} is empty")
     if len(found) != 2:
         other = next((mark for mark in ";\t" if len(found) == 1 and mark in found[0]), "")
         raise InputError(

@@ -95,10 +95,11 @@ class OpenFmu:
             if fmu.path is not None:
                 extract(fmu.path, self._unpacked)
                 mend_unpacked(unpacked)  # FMUs by others may crash this process without it
-            self._description = _description_of(unpacked, lasting=fmu.path is None)
+            read = _read_description if fmu.path else _lasting_description
+            self._description = read(unpacked)
             refuse_other_platforms(unpacked, self._description)
         except Exception as error:
-            raise RunError(f"cannot load {fmu.model}: {one_line(error)}") from error
+            raise RunError(f"cannot load {fmu.model}: {error}") from error
 
     def _ready(self) -> Any:
         """Return the instance in its initial state."""
@@ -172,11 +173,7 @@ class OpenFmu:
             return not interrupted()
 
         try:
-            of_run: dict[str, Any] = {
-                "duration": duration,
-                "interval": interval,
-                "going_on": going_on,
-            }
+            of_run: Any = {"duration": duration, "interval": interval, "going_on": going_on}
             description, start = self._description, scene.start_values
             if description.coSimulation is None:
                 integrate(instance, rows, description, self._unpacked, start, **of_run)
@@ -208,7 +205,11 @@ def opened(fmu: Fmu) -> Iterator[tuple[OpenFmu, float | None]]:
     """
     share_modules()
     with tempfile.TemporaryDirectory(prefix="phaseplane-") as folder:
-        _check_path(folder)
+        if not is_plain(Path(folder)):
+            raise InputError(
+                f"an FMU cannot run from the temporary folder {folder}; set TMPDIR to a path "
+                "in ASCII without '#' and '%'"
+            )
         unpacked, build_time = Path(folder, "unpacked"), None
         if fmu.path is None:
             unpacked, build_time = cached_fmu(fmu.model, Path(folder))
@@ -233,16 +234,6 @@ def refuse_other_platforms(unpacked: Path, description: ModelDescription) -> Non
         raise FileNotFoundError(f"the FMU has no library for this platform, {wanted}{others}")
 
 
-def _description_of(unpacked: Path, *, lasting: bool) -> ModelDescription:
-    """Return the model description of an unpacked FMU; of a `lasting` one it is read once.
-
-    Raises
-    ------
-    Exception : if FMPy cannot read it.
-    """
-    return _lasting_description(unpacked) if lasting else _read_description(unpacked)
-
-
 def _read_description(unpacked: Path) -> ModelDescription:
     return read_model_description(str(unpacked), validate=False)
 
@@ -257,15 +248,6 @@ def _lasting_description(unpacked: Path) -> ModelDescription:
     with suppress(OSError):
         write_all({stored: pickle.dumps(description)})
     return description
-
-
-def _check_path(folder: str) -> None:
-    """Reject a folder from which no FMU can be loaded."""
-    if not is_plain(Path(folder)):
-        raise InputError(
-            f"an FMU cannot run from the temporary folder {one_line(folder)}; set TMPDIR to a path "
-            "in ASCII without '#' and '%'"
-        )
 
 
 def _wait_until(instant: float, interrupted: Callable[[], int]) -> None:

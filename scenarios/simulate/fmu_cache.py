@@ -16,7 +16,7 @@ from platformdirs import user_cache_path
 
 from phaseplane import vehicle_fmus
 
-from ..errors import RunError, one_line
+from ..errors import RunError
 
 FOLDER_VARIABLE = "PHASEPLANE_CACHE"  # overrides the user's cache folder
 _MOST_KEPT = 16
@@ -68,10 +68,7 @@ def _loadable(folder: Path, spare: Path) -> Path:
 
 def cache_folder() -> Path:
     """Return the folder of the cached FMUs."""
-    named = os.environ.get(FOLDER_VARIABLE)
-    if named:
-        return Path(named)
-    return user_cache_path("phaseplane") / "fmus"
+    return Path(os.environ.get(FOLDER_VARIABLE) or user_cache_path("phaseplane") / "fmus")
 
 
 def _unpacked(model: str, folder: Path) -> Path:
@@ -82,7 +79,7 @@ def _unpacked(model: str, folder: Path) -> Path:
             with zipfile.ZipFile(packed) as archive:
                 archive.extractall(folder / model)
     except Exception as error:
-        raise RunError(f"cannot pack {model}: {one_line(error)}") from error
+        raise RunError(f"cannot pack {model}: {error}") from error
     return folder / model
 
 

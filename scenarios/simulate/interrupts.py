@@ -9,17 +9,14 @@ from contextlib import contextmanager
 from types import FrameType
 
 
-class _Record:
+class _Record(list[int]):
     """A signal handler that records the signals that came."""
 
-    def __init__(self) -> None:
-        self.came = [0]
-
     def __call__(self, number: int, _frame: FrameType | None) -> None:
-        self.came.append(number)
+        self.append(number)
 
     def last(self) -> int:
-        return self.came[-1]
+        return self[-1] if self else 0
 
 
 @contextmanager

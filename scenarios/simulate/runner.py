@@ -13,7 +13,7 @@ from phaseplane.suspension.parts import format_payload
 
 from .. import simulate
 from ..errors import InputError, RunError, one_line
-from ..measures import Run, catalogue, outputs_needed
+from ..measures import catalogue, outputs_needed
 from ..measures.solution import GoingOn, Solution, instants, refinement, solved, solved_by
 from ..results.folder import Results
 from ..scene.equation import EQUATION
@@ -68,7 +68,13 @@ def run(
     """
     if scene.fmu.system is not None or scene.controller is not None:
         results = solve(scene, progress=progress)
-        remarks = [*results.summary["remarks"], _in_this_process(scene)]
+        why = (
+            "a controller sets its inputs"
+            if scene.controller
+            else "the model is a user-defined system"
+        )
+        words = f"run in this process, with the same results as through an FMU: {why}"
+        remarks = [*results.summary["remarks"], words]
         return replace(results, summary={**results.summary, "remarks": remarks})
     if scene.fmu.model == EQUATION:
         return _solved(scene, progress)
@@ -242,10 +248,7 @@ def _summary(
         },
         "expectations": [
             *judged_measures(scene.expect, found.readings),
-            *(
-                during.judged(outputs, _closely(found.run, during.output))
-                for during in scene.during
-            ),
+            *(one.judged(outputs, *found.run.closely(one.output)) for one in scene.during),
             *_against_reference(scene, drive.columns),
         ],
         "unchecked": list(scene.unchecked),
@@ -256,19 +259,6 @@ def _summary(
         "build_time": build_time,
         "run_time": drive.run_time,
     }
-
-
-def _closely(run: Run, output: str) -> dict[str, Any]:
-    """Return an output over time, at all points where it is known."""
-    time, column = run.closely(output)
-    return {"time": time, output: column}
-
-
-def _in_this_process(scene: Scene) -> str:
-    """Return why a scene is not run through an FMU."""
-    has_controller = scene.controller is not None
-    why = "a controller sets its inputs" if has_controller else "the model is a user-defined system"
-    return f"run in this process, with the same results as through an FMU: {why}"
 
 
 def _remarks(scene: Scene) -> Iterator[str]:

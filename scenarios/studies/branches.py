@@ -6,18 +6,12 @@ from bisect import bisect_right
 from collections.abc import Callable, Iterator
 from copy import copy
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from phaseplane.suspension.characteristics import Piece
 
-from .equations import LATE, Equations, Guard
-
-if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
-    Vector = npt.NDArray[np.float64]
+from .equations import LATE, Equations, Guard, Vector
 
 _ELASTIC = 1  # the middle piece of the three of a yielding element
 # Of an element with a limit: in contact; out of contact up to its free length; across a gap.

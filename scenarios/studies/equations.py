@@ -15,19 +15,17 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.signals import Signal
 from phaseplane.suspension.systems import Element, System
 
 from .expressions import Course, Law, degrees_of, sum_of
 
-if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    Vector = npt.NDArray[np.float64]
+Vector = npt.NDArray[np.float64]
 
 # How far a branch reaches beyond its corner, relative for forces, else in m and m/s: more than the
 # error of locating it, so that no switch repeats. As forces are continuous, this causes only an error

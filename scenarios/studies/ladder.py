@@ -105,7 +105,7 @@ def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dic
     try:
         truth, seconds = _run(whole, scene, (*names, *_telling(scene)))
     except Exception as error:
-        raise RunError(f"{scene.name}: {one_line(error)}") from error
+        raise RunError(f"{scene.name}: {error}") from error
     rungs = [_told(whole, seconds, 0.0, "", tolerance)]
     named = (_as_it_stands(replace(s, duration=scene.duration), s.name) for s in smaller)
     for rung in (*_below(scene, truth), *named):

@@ -9,19 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .branches import Branches
+from .equations import Vector
 from .reference import Stretch, by_scipy, drive, until
 from .workbench import Prepared, Run, Workbench
-
-if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
-    Vector = npt.NDArray[np.float64]
 
 _MOST_STEPS = 1_000_000
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import inf, pi, sqrt, tanh
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 from phaseplane.suspension import characteristics, roads
@@ -17,15 +17,10 @@ from phaseplane.suspension.systems import Element, System
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import Value
 
-from ..errors import InputError, one_line, shown
+from ..errors import InputError, shown
 from ..scene.loading import load_scene
 from ..scene.names import SCENE_FILES, case_names
-
-if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
-    Vector = npt.NDArray[np.float64]
+from .equations import Vector
 
 Kind = Literal["non-smooth", "smooth", "stiff"]
 _KGF = 9.80665
@@ -310,18 +305,14 @@ def find_problem(name: str) -> Problem:
         return PROBLEMS[name]()
     if not name.endswith(SCENE_FILES) and "/" not in name and name not in case_names():
         raise InputError(
-            one_line(
-                f"no problem or scene {shown(name)}; problems are {', '.join(PROBLEMS)}; 'phaseplane "
-                f"list' shows the scenes{nearest(name, (*PROBLEMS, *case_names()))}"
-            )
+            f"no problem or scene {shown(name)}; problems are {', '.join(PROBLEMS)}; 'phaseplane "
+            f"list' shows the scenes{nearest(name, (*PROBLEMS, *case_names()))}"
         )
     scene = load_scene(name)
     if not scene.fmu.is_ours:
         raise InputError(
-            one_line(
-                f"{name}: fmu = {str(scene.fmu.path or scene.fmu.model)!r}: only models of this "
-                f"package can be compared: {', '.join(SYSTEMS)}"
-            )
+            f"{name}: fmu = {str(scene.fmu.path or scene.fmu.model)!r}: only models of this "
+            f"package can be compared: {', '.join(SYSTEMS)}"
         )
     intervals = min(max(1, round(scene.duration / scene.show.output_interval)), _MOST_INTERVALS)
     problem = of_model(

@@ -7,7 +7,7 @@ import shutil
 import tempfile
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from zipfile import ZipFile
 
 import numpy as np
@@ -20,13 +20,8 @@ from ..draw.constructions import draw_construction
 from ..draw.planes import planes_of
 from ..errors import InputError, one_line
 from ..simulate.fmu_cache import cached_fmu
+from .equations import Vector
 from .workbench import Prepared, Run, UnableError, Workbench
-
-if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
-    Vector = npt.NDArray[np.float64]
 
 _SAME = 1e-6  # of an interval: a drawn point this close to an output time counts as there
 

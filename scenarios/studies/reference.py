@@ -4,19 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .branches import Branches
-from .equations import Equations
+from .equations import Equations, Vector
 from .problems import Problem
-
-if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
-    Vector = npt.NDArray[np.float64]
 
 _TOLERANCE = 1e-13
 _SAME = 1e-12  # s; times that differ by less are the same, as 0.05 and 20 times 0.0025

@@ -11,20 +11,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from importlib.util import find_spec
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .branches import Branches
-from .equations import Equations
+from .equations import Equations, Vector
 from .problems import Problem
 from .reference import plain, until
-
-if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
-    Vector = npt.NDArray[np.float64]
 
 Run = Callable[[], "Vector"]
 """One whole run: returns the displacements at the output times, (len(times), n), m."""

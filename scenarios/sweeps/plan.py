@@ -17,7 +17,7 @@ from phaseplane.suspension.units import UnitError, nearest, to_si
 from phaseplane.suspension.variable import number
 from phaseplane.suspension.variables import Value, Variable
 
-from ..errors import InputError, SceneError, one_line, shown
+from ..errors import InputError, SceneError, shown
 from ..measures import catalogue
 from ..scene.fields import (
     NUMBER_OR_TEXT,
@@ -32,10 +32,9 @@ from ..scene.fields import (
 )
 from ..scene.layers import KEYS, Setting, from_top
 from ..scene.loading import load_scene
-from ..scene.names import SCENE_FILES, SWEEPS, meant
+from ..scene.names import SCENE_FILES, SWEEPS, meant, sweep_titles
 from ..scene.schema import Scene
-from ..toml_files import read_content
-from .shipped import sweep_titles
+from ..toml_files import dotted, read_content
 
 METHODS = ("grid", "list", "latin_hypercube", "sobol")
 _OF_RANGE = ("from", "to", "count")
@@ -80,7 +79,7 @@ def _varied(content: object) -> dict[str, Range | tuple[Any, ...]]:
     if not isinstance(content, dict):
         raise ValueError("must be a table")
     varied: dict[str, Range | tuple[Any, ...]] = {}
-    for name, values in _flattened(content).items():
+    for name, values in dotted(content, _OF_RANGE):
         if isinstance(values, dict):
             varied[name] = read_table(Range, values, f"vary.{name}")
         elif isinstance(values, list):
@@ -296,7 +295,7 @@ def find_sweep(reference: str) -> Path:
             "; 'phaseplane list' shows them all; or give the path of a .toml file"
             + nearest(reference, known)
         )
-        raise InputError(one_line(f"no sweep {shown(reference)}{hint}"))
+        raise InputError(f"no sweep {shown(reference)}{hint}")
     return path
 
 
@@ -329,16 +328,14 @@ def plan_of(path: Path, content: Mapping[str, Any], keys: Mapping[str, str] | No
     try:
         said = read_table(SweepFile, content)
     except RefusedError as error:
-        raise InputError(one_line(f"{path}: {error}")) from None
+        raise InputError(f"{path}: {error}") from None
     scene = _scene(path, said.scene)
     known = catalogue(scene.fmu.outputs())
     for name in said.measures:
         if name not in known:
             raise InputError(
-                one_line(
-                    f"{path}: {(keys or {}).get(name, 'measures')}: no measure {shown(name)}"
-                    f"{nearest(name, known)}"
-                )
+                f"{path}: {(keys or {}).get(name, 'measures')}: no measure {shown(name)}"
+                f"{nearest(name, known)}"
             )
     declared = scene.fmu.parameters()
     columns = [_values(path, key, values, declared) for key, values in said.vary.items()]
@@ -358,17 +355,8 @@ def plan_of(path: Path, content: Mapping[str, Any], keys: Mapping[str, str] | No
         try:
             plan.scene_of(plan.points[0])  # reports an unknown scene key before any run
         except SceneError as error:
-            raise InputError(one_line(f"{path}: {error}")) from None
+            raise InputError(f"{path}: {error}") from None
     return plan
-
-
-def _flattened(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Return the dotted keys and values of nested tables; ranges stay tables."""
-    flat: dict[str, Any] = {}
-    for key, value in table.items():
-        nested = isinstance(value, dict) and not any(end in value for end in _OF_RANGE)
-        flat |= _flattened(value, f"{prefix}{key}.") if nested else {f"{prefix}{key}": value}
-    return flat
 
 
 def _base(path: Path, reference: str) -> str | Path:
@@ -381,7 +369,7 @@ def _scene(path: Path, reference: str) -> Scene:
     try:
         return load_scene(str(_base(path, reference)))
     except SceneError as error:
-        raise InputError(one_line(f"{path}: scene: {error}")) from None
+        raise InputError(f"{path}: scene: {error}") from None
 
 
 def _unit_of(key: str, declared: Mapping[str, Variable]) -> str:
@@ -404,7 +392,7 @@ def _values(
     variable = declared.get(key)
     if variable is None and key.split(".", maxsplit=1)[0] not in KEYS:
         near = nearest(key, (*declared, *KEYS))
-        raise InputError(one_line(f"{path}: vary: no parameter or scene key {shown(key)}{near}"))
+        raise InputError(f"{path}: vary: no parameter or scene key {shown(key)}{near}")
     unit = _unit_of(key, declared)
     try:
         if isinstance(values, Range):
@@ -417,7 +405,7 @@ def _values(
             return [to_si(x, unit) if unit and isinstance(x, str) else x for x in values]
         return [variable.checked(value) for value in values]
     except (UnitError, ValueError) as error:
-        raise InputError(one_line(f"{path}: vary.{key}: {error}")) from None
+        raise InputError(f"{path}: vary.{key}: {error}") from None
 
 
 def _sampled(said: SweepFile, ends: list[tuple[Any, Any]]) -> list[tuple[Value, ...]]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from phaseplane.suspension.variables import Value
 
-from ..errors import InputError, one_line, shown
+from ..errors import InputError, shown
 from ..measures import catalogue
 from ..results.quantities import quantity
 from ..results.report import UNCOMPILED, aligned
@@ -27,9 +27,7 @@ def check_table(name: str) -> None:
     InputError : if it is not a file name with an allowed ending.
     """
     if Path(name).name != name or Path(name).suffix not in TABLES:
-        raise InputError(
-            one_line(f"--table {name}: must be a file name that ends in {' or '.join(TABLES)}")
-        )
+        raise InputError(f"--table {name}: must be a file name that ends in {' or '.join(TABLES)}")
 
 
 def write_rows(plan: Plan, rows: Sequence[Row], path: Path) -> None:

@@ -6,7 +6,6 @@ interrupted sweep can continue. A failed run is a row with its reason.
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import sys
@@ -41,6 +40,7 @@ from ..scene.equation import EQUATION
 from ..simulate import runner
 from ..simulate.interrupts import deferred_interrupt
 from ..simulate.versions import versions
+from .journal import open_journal
 from .plan import Plan
 
 if TYPE_CHECKING:
@@ -114,21 +114,20 @@ def sweep(
     if through == "fmu" and (what := _without_fmu(plan.scene)):
         raise InputError(f"{what} runs in-process: leave out --through fmu")
     started = perf_counter()
-    key = journal_key(plan, through)
-    rows = _kept_rows(key, journal)
-    left = [run for run in range(len(plan.points)) if run not in rows]
-    count = workers or os.cpu_count() or 1
-    most = min(_MOST_IN_CHUNK, int(_MOTION_IN_CHUNK / plan.scene.duration))
-    size = max(1, min(most, ceil(len(left) / (8 * count))))
-    chunks = [left[k : k + size] for k in range(0, len(left), size)]
-    with _kept(key, journal) as keep, _executor(count, dask) as (executor, stop):
+    key, count = journal_key(plan, through), workers or os.cpu_count() or 1
+    with open_journal(journal, key) as (before, keep), _executor(count, dask) as (executor, stop):
+        rows = {run: Row(run, tuple(values), reason) for run, values, reason in before}
+        left = [run for run in range(len(plan.points)) if run not in rows]
+        most = min(_MOST_IN_CHUNK, int(_MOTION_IN_CHUNK / plan.scene.duration))
+        size = max(1, min(most, ceil(len(left) / (8 * count))))
+        chunks = [left[k : k + size] for k in range(0, len(left), size)]
         waiting: set[Future[list[Row]]] = set()
 
         def take_rows(future: Future[list[Row]]) -> None:
             made = future.result()
             waiting.discard(future)
             rows.update((row.run, row) for row in made)
-            keep(made)
+            keep(*((row.run, row.values, row.reason) for row in made))
             if progress is not None:
                 progress(len(rows) / len(plan.points))
 
@@ -335,7 +334,7 @@ def _executor(count: int, dask: str) -> Iterator[tuple[Executor, Callable[[], No
         try:
             client = stack.enter_context(Client(dask, timeout=_PATIENCE))
         except Exception as error:
-            raise RunError(one_line(f"no Dask scheduler at {dask}: {error}")) from None
+            raise RunError(f"no Dask scheduler at {dask}: {error}") from None
         yield client.get_executor(), lambda: None
 
 
@@ -358,41 +357,3 @@ def journal_key(plan: Plan, through: str) -> str:
     """Return a hash of everything that decides the rows; a sweep continues only if it is equal."""
     said = (plan.hash, through, versions(), plan.scene.fmu.content)
     return sha256(repr(said).encode()).hexdigest()[:24]
-
-
-@contextmanager
-def _kept(key: str, journal: Path) -> Iterator[Callable[[Sequence[Row]], None]]:
-    """Yield a function that adds rows to the journal."""
-    journal.parent.mkdir(parents=True, exist_ok=True)
-    fresh = not _is_of(key, journal)
-    with journal.open("w" if fresh else "a", encoding="utf-8") as file:
-        if fresh:
-            file.write(json.dumps({"sweep": key}) + "\n")
-
-        def keep(rows: Sequence[Row]) -> None:
-            file.writelines(json.dumps([r.run, r.values, r.reason]) + "\n" for r in rows)
-            file.flush()
-
-        yield keep
-
-
-def _kept_rows(key: str, journal: Path) -> dict[int, Row]:
-    """Return the rows in the journal of an interrupted sweep, if it was the same sweep."""
-    if not _is_of(key, journal):
-        return {}
-    rows = {}
-    for line in journal.read_text(encoding="utf-8").splitlines()[1:]:
-        try:
-            run, values, reason = json.loads(line)
-        except ValueError:
-            continue  # the last line may be incomplete
-        rows[run] = Row(run, tuple(values), reason)
-    return rows
-
-
-def _is_of(key: str, journal: Path) -> bool:
-    try:
-        with journal.open(encoding="utf-8") as file:
-            return bool(json.loads(file.readline()) == {"sweep": key})
-    except (OSError, ValueError):
-        return False

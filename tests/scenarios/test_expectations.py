@@ -46,7 +46,8 @@ COLUMNS = {
     ],
 )
 def test_bounds_within_a_time(said: dict[str, object], holds: bool, value: float | None) -> None:
-    judged = table(During, said).judged(OUTPUTS, COLUMNS)
+    column = COLUMNS[str(said["output"])]
+    judged = table(During, said).judged(OUTPUTS, COLUMNS["time"], column)
     assert judged["holds"] is holds
     assert judged["value"] == value
 

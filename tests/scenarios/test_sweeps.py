@@ -23,11 +23,10 @@ from hosting import HANGS, started, wait_until
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.measures.linearised import linearised
-from phaseplane.scenarios.scene.names import SWEEPS
+from phaseplane.scenarios.scene.names import SWEEPS, sweep_titles
 from phaseplane.scenarios.sweeps import running
 from phaseplane.scenarios.sweeps.plan import Plan, load_plan
 from phaseplane.scenarios.sweeps.running import Row, journal_key, sweep
-from phaseplane.scenarios.sweeps.shipped import sweep_titles
 from phaseplane.suspension import engine
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
@@ -357,7 +356,7 @@ def test_what_is_in_the_journal_is_not_done_again(tmp_path: Path) -> None:
     journal = tmp_path / "journal"
     made_up = (123.0, 45)
     journal.write_text(
-        json.dumps({"sweep": journal_key(plan, "process")})
+        json.dumps({"journal": journal_key(plan, "process")})
         + "\n"
         + json.dumps([2, list(made_up), ""])
         + "\n[3, [1"
@@ -366,7 +365,9 @@ def test_what_is_in_the_journal_is_not_done_again(tmp_path: Path) -> None:
     assert told["made"] == 5
     assert found[2] == Row(2, made_up)
     assert found[3].values != made_up
-    journal.write_text(json.dumps({"sweep": "another"}) + "\n" + json.dumps([2, list(made_up), ""]))
+    journal.write_text(
+        json.dumps({"journal": "another"}) + "\n" + json.dumps([2, list(made_up), ""])
+    )
     found, told = sweep(plan, journal, workers=1)
     assert told["made"] == 6
     assert found[2].values != made_up
