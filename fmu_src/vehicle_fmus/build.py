@@ -24,7 +24,7 @@ from . import systems
 from .archives import digest_of, write_all, zipped
 from .content import SLAVES, hashed, picture_file, production, suspension_name, suspension_sources
 from .manual import DOCUMENTATION, page
-from .model_description import completed
+from .model_description import completed, written
 from .reference import reference_files, session_of
 from .slaves.vehicle_slave import START_VALUES
 from .versions import installed
@@ -207,10 +207,7 @@ def _packed(model: str, start: dict[str, Value], own: Path | None = None) -> byt
     description = completed(members.pop("modelDescription.xml"), model, about, start)
     content = digest_of({**members, "description": ElementTree.tostring(description)})
     description.set("guid", str(UUID(hex=content[:32])))
-    ElementTree.indent(description)
-    members["modelDescription.xml"] = ElementTree.tostring(
-        description, encoding="UTF-8", xml_declaration=True
-    )
+    members["modelDescription.xml"] = written(description)
     return zipped(members)
 
 

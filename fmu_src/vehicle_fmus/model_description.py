@@ -60,6 +60,12 @@ def _child(parent: Element, tag: str) -> Element:
     return child
 
 
+def written(root: Element) -> bytes:
+    """Return a document as indented XML."""
+    ElementTree.indent(root)
+    return bytes(ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True))
+
+
 def unit_definitions(declared: tuple[Variable, ...]) -> Element:
     """Return the units of variables, with their base units and display units."""
     definitions = Element("UnitDefinitions")

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from xml.etree.ElementTree import Element, SubElement, indent, register_namespace, tostring
+from xml.etree.ElementTree import Element, SubElement, register_namespace
 
 from phaseplane.suspension.road_source import RoadSource
 from phaseplane.suspension.session import Session
 from phaseplane.suspension.variables import SOLVER_OUTPUTS, SOURCES, Value, variables
+
+from .model_description import written
 
 STOP_TIME, STEP = 1.0, 0.005  # s
 TOLERANCE = 1e-12
@@ -73,10 +75,7 @@ def declared_inside(files: Mapping[str, bytes]) -> dict[str, bytes]:
         root, "Related", type="text/plain", source=f"../../{_PAGE}", role="document",
         description="What the files are",
     )  # fmt: skip
-    indent(root)
-    members[f"{_LAYER}/fmi-ls-manifest.xml"] = tostring(
-        root, encoding="UTF-8", xml_declaration=True
-    )
+    members[f"{_LAYER}/fmi-ls-manifest.xml"] = written(root)
     return members
 
 

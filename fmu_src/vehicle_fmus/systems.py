@@ -9,6 +9,8 @@ from xml.etree.ElementTree import Element, SubElement
 from phaseplane.suspension.units import UNITS
 from phaseplane.suspension.variables import MODELS, SOURCES, Value, Variable, variables
 
+from .model_description import written
+
 ROAD = "Road"
 
 _SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
@@ -84,8 +86,7 @@ def description(model: str) -> bytes:
     _openmodelica(system)
     _units(root, model)
     _in(root, "DefaultExperiment", startTime="0", stopTime=_STOP_TIME)
-    ElementTree.indent(root)
-    return ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
+    return written(root)
 
 
 def _in(parent: Element, tag: str, **attributes: str) -> Element:

@@ -18,7 +18,6 @@ from phaseplane.suspension.equilibrium import static_equilibrium
 from phaseplane.suspension.systems import System
 
 if TYPE_CHECKING:
-    import numpy as np
     import numpy.typing as npt
 
     Matrix = npt.NDArray[np.float64]

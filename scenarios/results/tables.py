@@ -21,7 +21,6 @@ from phaseplane.suspension.units import nearest
 from ..errors import InputError
 
 if TYPE_CHECKING:
-    import numpy as np
     import numpy.typing as npt
 
     Columns = Mapping[str, npt.NDArray[np.float64]]

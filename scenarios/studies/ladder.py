@@ -25,7 +25,6 @@ from ..results.comparison import compared
 from ..results.report import aligned
 
 if TYPE_CHECKING:
-    import numpy as np
     import numpy.typing as npt
     from phaseplane.suspension.systems import System
 

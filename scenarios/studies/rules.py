@@ -25,7 +25,6 @@ from ..scene.equation import EQUATION
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    import numpy as np
     import numpy.typing as npt
 
     from ..scene.schema import Scene

@@ -44,14 +44,9 @@ from .journal import open_journal
 from .plan import Plan
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
     from ..scene.fmus import Fmu
     from ..scene.schema import Scene
     from ..simulate.driver import OpenFmu
-
-    Column = npt.NDArray[np.float64]
 
 _MOST_IN_CHUNK = 200
 _MOTION_IN_CHUNK = 400.0  # s of simulated time

@@ -328,7 +328,7 @@ def test_what_is_there_stays_when_writing_fails(tmp_path, monkeypatch):
 
 
 def test_pyplot_and_its_global_state_stay_out():
-    code = "import sys, phaseplane.figures; print('matplotlib.pyplot' in sys.modules)"
+    code = "import sys; from phaseplane.figures import *; print('matplotlib.pyplot' in sys.modules)"
     found = subprocess.run(
         [sys.executable, "-c", code],
         capture_output=True,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from dataclasses import replace
 from itertools import pairwise
 from math import inf, nan, pi, sqrt
@@ -168,21 +166,6 @@ def test_a_construction_that_leaves_the_sheet_says_when():
     stiff = car(spring=cubic(RATE, 1e12), initial_deflection=0.1)
     with pytest.raises(ArithmeticError, match=r"diverges after .* s; try a step shorter"):
         construct_motion(stiff, step=0.02, duration=2.0)
-
-
-def test_importing_the_constructions_is_light():
-    code = (
-        "import sys, phaseplane.constructions; "
-        "print([m for m in ('numpy', 'scipy', 'matplotlib', 'rerun') if m in sys.modules])"
-    )
-    found = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        check=True,
-        env={"PYTHONPATH": ":".join(sys.path)},
-    )
-    assert found.stdout.strip() == "[]"
 
 
 def test_a_kerb_pushes_through_the_damper_like_a_ramp_that_is_ever_steeper():

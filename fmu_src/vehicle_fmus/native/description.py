@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from xml.etree.ElementTree import Element, SubElement
 
 from phaseplane.suspension.models import ALL
 from phaseplane.suspension.variables import Value, Variable, variables
 
-from ..model_description import CHOSEN, in_words, model_structure, unit_definitions
+from ..model_description import CHOSEN, in_words, model_structure, unit_definitions, written
 from .model import Translation
 
 CATEGORIES = {
@@ -66,8 +66,7 @@ def description(
         value = start.get(variable.name, variable.start)
         _variable(held, k, variable, value, variable.name in in_c.fixed)
     root.append(model_structure(declared))
-    indent(root)
-    return bytes(tostring(root, encoding="UTF-8", xml_declaration=True))
+    return written(root)
 
 
 def _variable(held: Element, k: int, variable: Variable, start: Value, fixed: bool) -> None:

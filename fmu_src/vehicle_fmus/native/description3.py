@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from xml.etree.ElementTree import Element, SubElement
 
 from phaseplane.suspension.models import ALL
 from phaseplane.suspension.variables import Value, Variable, variables
 
-from ..model_description import unit_definitions
+from ..model_description import unit_definitions, written
 from .description import CATEGORIES, EXPERIMENT, SPEAKING, role, values
 from .model import Translation
 
@@ -76,7 +76,7 @@ def description(
         SubElement(structure, "Output", valueReference=str(k), dependencies="")
     for k in outputs:
         SubElement(structure, "InitialUnknown", valueReference=str(k))
-    return _written(root)
+    return written(root)
 
 
 def _variable(held: Element, common: dict[str, str], variable: Variable, start: Value) -> None:
@@ -109,7 +109,7 @@ def build_description(model: str, flags: str) -> bytes:
     configuration = SubElement(root, "BuildConfiguration", modelIdentifier=model)
     files = SubElement(configuration, "SourceFileSet", language="C99", compilerOptions=flags)
     SubElement(files, "SourceFile", name="all.c")
-    return _written(root)
+    return written(root)
 
 
 def terminals(model: str) -> bytes:
@@ -130,7 +130,7 @@ def terminals(model: str) -> bytes:
                     element, "TerminalMemberVariable", variableName=variable, memberName=member,
                     variableKind="signal",
                 )  # fmt: skip
-    return _written(root)
+    return written(root)
 
 
 def _terminals(inputs: Sequence[str]) -> Iterator[tuple[str, dict[str, str]]]:
@@ -154,8 +154,3 @@ def _terminals(inputs: Sequence[str]) -> Iterator[tuple[str, dict[str, str]]]:
                     "rate": f"{axle}{deflection}_rate",
                 },
             )
-
-
-def _written(root: Element) -> bytes:
-    indent(root)
-    return bytes(tostring(root, encoding="UTF-8", xml_declaration=True))
