@@ -96,7 +96,7 @@ DIRECTIVES = {
 # in the order in which they need each other
 MODULES = (
     "layout", "outcomes", "arrays", "state", "linear", "bernstein", "signals", "laws",
-    "elements", "branches", "network", "dense", "bends", "balance", "columns", "motion",
+    "series_springs", "elements", "branches", "network", "dense", "bends", "balance", "columns", "motion",
     "modes", "errors", "method", "extrapolated", "increments", "wilson", "exact", "methods",
     "stepper", "straight_tyres", "switches", "step_readings", "potential", "ledger", "stability",
     "reading", "switch_log", "limited", "time_loop", "handover", "integrator", "rest", "inputs",

@@ -341,7 +341,7 @@ def _motion(system: System) -> Iterator[str]:
         energy += abs(element.spring.potential(d))
         own = element.damper.force(w) * element.modulation.force(d) + element.spring.force(d)
         own = element.limit if d > element.opening else min(own, element.limit)
-        plain = element.yield_force == inf and element.friction == 0.0
+        plain = element.yield_force == element.series == inf and element.friction == 0.0
         if plain and abs(own - found) > 1e-9 * (abs(own) + abs(found)):
             yield f"{element.name}: the integrator has {found:g} N, but its laws give {own:g} N"
     for i in range(n):

@@ -578,7 +578,7 @@ def _on_level_road(parameters: Checked) -> Checked:
 def _has_other_laws_alone(system: System, other: System) -> bool:
     """Return whether masses, loads and what outputs are read from are the same in two systems."""
     return (
-        system.mass == other.mass
+        system.with_internal().mass == other.with_internal().mass
         and system.loads == other.loads
         and system.axles == other.axles
         and system.motions == other.motions

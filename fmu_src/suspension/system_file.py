@@ -443,11 +443,11 @@ def _element(
         spring, ("rate", "cubic", "table", "yield_force", "hardening", *_POWER), f"{where}.spring"
     )
     _refuse_others(
-        damper, ("rate", "rebound_rate", "bump_rate", "table", *_POWER), f"{where}.damper"
+        damper, ("rate", "rebound_rate", "bump_rate", "table", "series", *_POWER), f"{where}.damper"
     )
 
     def at(table: Mapping[str, Any], key: str, default: float = 0.0) -> float:
-        return _value(table.get(key, default), p, f"{where}.{key}")
+        return _value(table[key], p, f"{where}.{key}") if key in table else default
 
     def with_power(law: Characteristic, table: Mapping[str, Any]) -> Characteristic:
         if not any(key in table for key in _POWER):
@@ -480,6 +480,7 @@ def _element(
             hardening=at(spring, "hardening"),
             friction=at(said, "friction"),
             breakaway=at(said, "breakaway"),
+            series=at(damper, "series") if "series" in damper else inf,
         )
     except ParameterError:
         raise

@@ -17,7 +17,12 @@ _NAME = re.compile(r"[A-Za-z_][\w.]*")
 _RATE, _DAMPING, _FORCE = ("N/m", "J"), ("N.s/m",), ("N", "J")  # J: a moment, N.m
 _OF_ELEMENT: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "spring": {"rate": _RATE, "yield_force": _FORCE, "hardening": _RATE},
-    "damper": {"rate": _DAMPING, "rebound_rate": _DAMPING, "bump_rate": _DAMPING},
+    "damper": {
+        "rate": _DAMPING,
+        "rebound_rate": _DAMPING,
+        "bump_rate": _DAMPING,
+        "series": _RATE,
+    },
 }
 Dimension = Mapping[str, int] | None
 """Powers of the base units; None where a plain number may hide a unit."""

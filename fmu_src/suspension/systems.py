@@ -9,7 +9,7 @@ description of `System` for an example.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf
 
 from . import characteristics
@@ -42,6 +42,9 @@ class Element:
     friction : dry (Coulomb) friction, N: this force against the rate while it slips, at most this
         force while it sticks
     breakaway : the force at which such friction begins to slip, N, at least `friction`; 0: the same
+    series : rate of a spring in series with the damper, N/m, such as that of a damper's top mount (a
+        Maxwell element): f = series x, x' = b' q' - f / c. The damper must be linear, and the element
+        can have nothing else; a spring in parallel is a second element
     contact : contact rule of an element with a limit. `gap`: there is no force where the element is
         longer than its free length; contact ends when N falls to zero or the gap opens, and begins
         when the gap closes or, below the free length, N would become positive. `force`: contact
@@ -51,7 +54,8 @@ class Element:
     Raises
     ------
     ValueError : an element that yields and has a nonlinear spring or damper, a limit, or a hardening
-        that is not below its spring rate; an unknown contact rule; a breakaway force below friction.
+        that is not below its spring rate; an unknown contact rule; a breakaway force below friction; a
+        spring in series with something other than a linear damper between coordinates.
     """
 
     name: str
@@ -67,6 +71,7 @@ class Element:
     modulation: Characteristic = ALWAYS
     contact: str = "gap"
     breakaway: float = 0.0
+    series: float = inf
 
     def __post_init__(self) -> None:
         if self.contact not in CONTACTS:
@@ -82,6 +87,8 @@ class Element:
                 f"{self.name}: breakaway = {self.breakaway:g} must be at least friction = "
                 f"{self.friction:g}, which must be positive, and finite"
             )
+        if self.series < inf:
+            self._check_series()
         if self.yield_force == inf:
             return
         rate = self.spring.tangent(0.0)
@@ -95,6 +102,32 @@ class Element:
             raise ValueError(
                 f"{self.name}: yield_force = {self.yield_force:g} must be positive and hardening = "
                 f"{self.hardening:g} at least 0 and below the spring rate {rate:g}"
+            )
+
+    def _check_series(self) -> None:
+        if not self.series > 0.0:
+            raise ValueError(f"{self.name}: series = {self.series:g} must be positive, in N/m")
+        damper = self.damper
+        if damper.corners or not damper.pieces[0].is_straight or not damper.tangent(0.0) > 0.0:
+            raise ValueError(
+                f"{self.name}: only a linear damper can have a spring in series; for another one, put a "
+                "coordinate with a small mass between them"
+            )
+        if (
+            not self.spring.is_zero
+            or self.limit < inf
+            or self.yield_force < inf
+            or self.friction > 0.0
+            or self.is_modulated
+        ):
+            raise ValueError(
+                f"{self.name}: a spring in series with a damper must be an element of its own; make "
+                "springs and friction in parallel a second element"
+            )
+        if self.road:
+            raise ValueError(
+                f"{self.name}: a damper with a spring in series cannot stand on a road; put a coordinate "
+                "with a small mass between them"
             )
 
     @property
@@ -208,6 +241,8 @@ class System:
     signals : roads (m) and forces (N) by name
     scales : for each coordinate, m, the scale of errors until something has moved
     axles, motions : definitions of further outputs; the integrator does not use them
+    internal : set by `with_internal`: for each of the last coordinates, which are internal, the
+        direction along which its element acts
 
     Examples
     --------
@@ -255,7 +290,54 @@ class System:
     scales: tuple[float, ...] = ()
     axles: tuple[Axle, ...] = ()
     motions: tuple[Motion, ...] = ()
+    internal: tuple[tuple[float, ...], ...] = ()
 
     def element(self, name: str) -> int | None:
         """Return the index of the element of that name, or None."""
         return next((i for i, element in enumerate(self.elements) if element.name == name), None)
+
+    def with_internal(self) -> System:
+        """Return the system with an internal coordinate for each spring in series with a damper.
+
+        The coordinate is y, the integral of the extension x of the spring. With the rate k of the spring
+        and c of the damper, f = k x and x' = b' q' - f / c become
+
+            k y'' + k^2/c y' - k b' q' = 0,    f = k y'
+
+        which is an equation of motion with mass k and damping k^2/c, coupled to the others by +k b and
+        -k b' in the matrix of the velocities. The coupling does no work: k y'^2 / 2 is the energy of the
+        spring, and k^2/c y'^2 the power that the damper dissipates.
+        """
+        series = [element for element in self.elements if element.series < inf]
+        if not series:
+            return self
+        more = len(series)
+        places = iter(range(more))
+
+        def unit(k: int) -> tuple[float, ...]:
+            return (*(0.0 for _ in self.mass), *(float(i == k) for i in range(more)))
+
+        def placed(element: Element) -> Element:
+            if not element.series < inf:
+                return replace(element, direction=(*element.direction, *more * (0.0,)))
+            rate = element.series * element.series / element.damper.pieces[0].coefficients[1]
+            damper = characteristics.linear(rate)
+            return replace(element, direction=unit(next(places)), damper=damper, series=inf)
+
+        return replace(
+            self,
+            coordinates=(*self.coordinates, *(f"{element.name}_series" for element in series)),
+            mass=(
+                *((*row, *more * (0.0,)) for row in self.mass),
+                *(
+                    (*(0.0 for _ in self.mass), *(e.series if i == k else 0.0 for i in range(more)))
+                    for k, e in enumerate(series)
+                ),
+            ),
+            elements=tuple(placed(element) for element in self.elements),
+            loads=tuple(
+                replace(load, direction=(*load.direction, *more * (0.0,))) for load in self.loads
+            ),
+            scales=(*self.scales, *more * (0.0,)),
+            internal=tuple((*element.direction, *more * (0.0,)) for element in series),
+        )

@@ -181,7 +181,8 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
 
     Raises
     ------
-    ValueError : no such coordinate, or an element that yields or whose friction breaks away.
+    ValueError : no such coordinate, or an element that yields, whose friction breaks away, or with a
+        spring in series with its damper.
     """
     n = len(system.mass)
     if not 0 <= coordinate < n:
@@ -189,7 +190,7 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
             f"coordinate {coordinate}: must be from 0 to {n - 1} ({', '.join(system.coordinates)})"
         )
     for element in system.elements:
-        if element.yield_force < inf:
+        if min(element.yield_force, element.series) < inf:
             raise ValueError(
                 f"{element.name} has a memory: its forces do not depend on x and x' alone, so there "
                 "is no phase portrait"

@@ -87,6 +87,12 @@ def of_system(
             f"{sticking[0]} has dry friction, for which there is a construction with one axle only "
             "(OneDof and QuarterCar)"
         )
+    series = [e.name for e in system.elements if e.series < inf]
+    if series:
+        raise ValueError(
+            f"{series[0]}: there is no construction of a spring in series with a damper, whose force "
+            "does not depend on displacement and velocity alone"
+        )
     breaking = [e.name for e in system.elements if e.holding > e.friction]
     if breaking:
         raise ValueError(

@@ -50,6 +50,8 @@ class Linearised:
     coordinates : names of the coordinates
     mass, damping, stiffness : shape (n, n), kg, N s/m, N/m
     road_damping, road_stiffness : force per velocity and per elevation of each road, shape (n,)
+    series : of each spring in series with a damper: direction b, shape (n,); its rate k, N/m; and k/c,
+        1/s, with the rate c of the damper
     """
 
     coordinates: tuple[str, ...]
@@ -58,17 +60,21 @@ class Linearised:
     stiffness: Matrix
     road_damping: dict[str, Matrix]
     road_stiffness: dict[str, Matrix]
+    series: tuple[tuple[Matrix, float, float], ...] = ()
 
     def modes(self) -> list[Mode]:
-        """Return all modes, lowest frequency first; each real eigenvalue is a mode of its own."""
-        n = len(self.mass)
+        """Return all modes, lowest frequency first; each real eigenvalue is a mode of its own.
+
+        The state is q, q' and the extension x of each spring in series, x' = b' q' - k x / c.
+        """
+        n, more = len(self.mass), len(self.series)
+        along = np.array([b for b, _, _ in self.series]).reshape(more, n)
+        pull = np.array([k * b for b, k, _ in self.series]).reshape(more, n).T
         state = np.block(
             [
-                [np.zeros((n, n)), np.eye(n)],
-                [
-                    -np.linalg.solve(self.mass, self.stiffness),
-                    -np.linalg.solve(self.mass, self.damping),
-                ],
+                [np.zeros((n, n)), np.eye(n), np.zeros((n, more))],
+                [-np.linalg.solve(self.mass, x) for x in (self.stiffness, self.damping, pull)],
+                [np.zeros((more, n)), along, -np.diag([rate for _, _, rate in self.series])],
             ]
         )
         values, vectors = np.linalg.eig(state)
@@ -88,6 +94,8 @@ class Linearised:
 
         (K + i w B - w^2 M) q = sum b (k + i w c)
 
+        A spring k in series with a damper c adds b i w k / (k/c + i w) b' on the left.
+
         Parameters
         ----------
         road : name of the road's signal
@@ -99,6 +107,8 @@ class Linearised:
         """
         w = 2.0 * pi * np.asarray(frequencies)[:, None, None]
         dynamic = self.stiffness + 1j * w * self.damping - w**2 * self.mass
+        for b, k, rate in self.series:
+            dynamic = dynamic + 1j * w * k / (rate + 1j * w) * np.outer(b, b)
         excitation = self.road_stiffness[road] + 1j * w[..., 0] * self.road_damping[road]
         return np.linalg.solve(dynamic, excitation[..., None])[..., 0].astype(complex)
 
@@ -115,8 +125,12 @@ def linearised(system: System) -> Linearised:
     damping, stiffness = np.zeros((n, n)), np.zeros((n, n))
     roads = {e.road for e in system.elements if e.road}
     road_damping, road_stiffness = ({road: np.zeros(n) for road in roads} for _ in range(2))
+    series = []
     for e in system.elements:
         b = np.array(e.direction)
+        if e.series < inf:
+            series.append((b, e.series, e.series / e.damper.tangent(0.0)))
+            continue
         deflection = float(b @ rest)
         k = _tangent(e.spring, deflection)
         c = _tangent(e.damper, 0.0) * e.modulation.force(deflection)
@@ -126,8 +140,9 @@ def linearised(system: System) -> Linearised:
             road_stiffness[e.road] += k * b
             road_damping[e.road] += c * b
     return Linearised(
-        system.coordinates, np.array(system.mass), damping, stiffness, road_damping, road_stiffness
-    )
+        system.coordinates, np.array(system.mass), damping, stiffness, road_damping, road_stiffness,
+        tuple(series),
+    )  # fmt: skip
 
 
 def _tangent(law: Characteristic, x: float) -> float:

@@ -79,8 +79,11 @@ def modal_planes(system: Linearised) -> ModalPlanes:
 
     Raises
     ------
-    ValueError : a mode without stiffness, which has no phase plane.
+    ValueError : a mode without stiffness, or a spring in series with a damper, which have no phase
+        plane.
     """
+    if system.series:
+        raise ValueError("a system with a spring in series with a damper has no modal planes")
     squares, shapes = eigh(system.stiffness, system.mass)
     if squares[0] <= 1e-12 * squares[-1]:
         raise ValueError("a mode without stiffness has no phase plane")

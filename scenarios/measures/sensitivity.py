@@ -63,8 +63,9 @@ def magnification(model: str, parameters: Mapping[str, Value], duration: float) 
     integrator = Integrator(system, tolerance=_TOLERANCE)
     integrator.set_state(*start)
     times = np.linspace(0.0, duration, _INSTANTS + 1)
-    # a state set anew has no memory of what has yielded
-    kicks = 1 if any(element.yield_force < inf for element in system.elements) else _KICKS
+    # a state set anew has no memory of what has yielded, or of springs in series with dampers
+    remembers = any(min(e.yield_force, e.series) < inf for e in system.elements)
+    kicks = 1 if remembers else _KICKS
     kicked_at = {k * _INSTANTS // _KICKS for k in range(kicks)}
     kept: dict[int, Any] = {}
     rows, speed = np.empty((len(times), n)), 0.0

@@ -57,10 +57,13 @@ class Equations:
 
     Raises
     ------
-    ValueError : if an element has a power law or a user-defined function.
+    ValueError : if an element has a power law, a user-defined function, or a spring in series with its
+        damper.
     """
 
     def __init__(self, system: System) -> None:
+        if any(element.series < inf for element in system.elements):
+            raise ValueError("springs in series with dampers cannot be written as source text")
         self.system = system
         self.n = len(system.mass)
         self.size = 0  # of p

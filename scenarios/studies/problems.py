@@ -325,14 +325,13 @@ def find_problem(name: str) -> Problem:
         intervals,
     )
     problem = replace(problem, file=scene.fmu.path)
-    if any(
-        piece.power
-        for element in problem.system.elements
-        for piece in (*element.spring.pieces, *element.damper.pieces)
-    ):
-        raise InputError(
-            f"{name}: errors cannot be measured, as there is no independent solution for power laws"
-        )
+    for element in problem.system.elements:
+        pieces = (*element.spring.pieces, *element.damper.pieces)
+        if element.series < inf or any(piece.power for piece in pieces):
+            raise InputError(
+                f"{name}: errors cannot be measured, as there is no independent solution for power "
+                "laws and springs in series with dampers"
+            )
     smooth = not any(
         element.limit < inf
         or element.friction

@@ -25,7 +25,8 @@ def _uncompiled() -> Any:
         return import_module(f"{_NAME}.integrator").Integrator
 
 
-_KERNELS = (_uncompiled(), engine.Integrator)
+UNCOMPILED = _uncompiled()
+_KERNELS = (UNCOMPILED, engine.Integrator)
 
 
 class Switch(NamedTuple):

@@ -269,7 +269,7 @@ class Balance:
 
 
 def multiply(m, at, x, first, n, out, to):
-    """Set out[to:] = m x[first:]; the symmetric matrix starts at `at`."""
+    """Set out[to:] = m x[first:]; the matrix starts at `at`, column by column."""
     for i in range(n):
         product = m[at + i] * x[first]
         for j in range(1, n):
@@ -278,7 +278,7 @@ def multiply(m, at, x, first, n, out, to):
 
 
 def resist(b, v, k, q, first, n, loads, at, out):
-    """Set `out` to loads[at:] - B v[first:] - K q[first:], with symmetric matrices."""
+    """Set `out` to loads[at:] - B v[first:] - K q[first:], with matrices stored by columns."""
     for i in range(n):
         x = b[i] * v[first]
         y = k[i] * q[first]

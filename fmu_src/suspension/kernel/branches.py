@@ -292,7 +292,7 @@ class Branches(Elements):
         """Move the elastic piece: its zero and its ends on the two lines of flow."""
         at = (self.first[LAWS * e] + ELASTIC) * PIECE
         above = at + PIECE
-        rate = self.spring_rate[e]
+        rate = self.elastic_rate(e)
         flow = self.piece[above + C1]
         self.piece[at + ORIGIN] = permanent_set
         self.piece[at + START] = (rate * permanent_set - self.piece[above + C0]) / (rate - flow)

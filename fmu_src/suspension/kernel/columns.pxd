@@ -37,6 +37,8 @@ cdef class Columns:
     cdef inline int _invert(self, int n, double h) noexcept nogil
     @cython.locals(i=int, m=int, x=double)
     cdef inline void _spread(self, int n, int c, int r) noexcept nogil
+    @cython.locals(i=int, m=int, x=double)
+    cdef inline void _gather(self, int n, int c, int r) noexcept nogil
     @cython.locals(i=int, x=double)
     cdef inline double _along(self, int n, int r) noexcept nogil
     @cython.locals(i=int, m=int, p=int, o=int, r=int, at=int, x=double, size=double)

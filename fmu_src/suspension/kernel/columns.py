@@ -19,8 +19,8 @@ Rows on which dry friction sticks have b' a1 = u'': W is replaced by its project
 
 As the method is symmetric, its error is a series in s^2. Columns of 1, 2, 3 and 5 such steps,
 extrapolated (Aitken, Neville), give a macro step of order 8. The columns are independent: one step of
-each is taken in turn, so that the processor can overlap them. All matrices are symmetric and are read
-by columns, which suits vector instructions.
+each is taken in turn, so that the processor can overlap them. All matrices are stored and read by
+columns, which suits vector instructions; with springs in series, B and W are not symmetric.
 """
 
 from __future__ import annotations
@@ -230,6 +230,14 @@ class Columns:
                 x += self.inverse[n * n * c + n * m + i] * self.net.row_direction[n * r + m]
             self.f[i] = x
 
+    def _gather(self, n, c, r):
+        """Set `f` to W' b of row r."""
+        for i in range(n):
+            x = 0.0
+            for m in range(n):
+                x += self.inverse[n * n * c + n * i + m] * self.net.row_direction[n * r + m]
+            self.f[i] = x
+
     def _along(self, n, r):
         """Return b' f of row r."""
         x = 0.0
@@ -255,6 +263,7 @@ class Columns:
                 return 1
             for i in range(n):
                 self.fk[i] = self.f[i] / size
+            self._gather(n, c, r)
             for i in range(n):
                 for m in range(n):
                     self.inverse[n * n * c + n * m + i] -= self.fk[i] * self.f[m]

@@ -19,4 +19,4 @@ cdef class Dense:
     cdef void read(self, double t) noexcept nogil
     @cython.locals(i=int, k=int, h=double, x=double, u=double, value=double)
     cdef void read_values(self, double t, double datum, double *out, Py_ssize_t at,
-                          Py_ssize_t width) noexcept nogil
+                          Py_ssize_t width, int count) noexcept nogil

@@ -92,21 +92,21 @@ class Dense:
             self.v[i] = first / h
             self.a[i] = second / (h * h)
 
-    def read_values(self, t, datum, out, at, width):
-        """Write the displacements at t, without rates and at less cost, to `out[at + i width]`.
+    def read_values(self, t, datum, out, at, width, count):
+        """Write the first displacements at t, without rates and at less cost, to `out[at + i width]`.
 
         `datum` is added to them: within the kernel they are measured from there.
         """
         h = self.end - self.start
         if h <= 0.0:
-            for i in range(self.n):
+            for i in range(count):
                 out[at + i * width] = self.qb[i] + datum
             return
         if not self.known:
             self._find_terms()
         x = (t - self.start) / h
         u = x - 1.0
-        for i in range(self.n):
+        for i in range(count):
             k = _SEPTIC * i
             value = self.terms[k + 6] + u * self.terms[k + 7]
             value = self.terms[k + 4] + u * (self.terms[k + 5] + u * value)

@@ -1,14 +1,16 @@
 cimport cython
 from libc.math cimport fabs
 from .laws cimport Laws
+from .series_springs cimport SeriesSprings
 
 cdef int ELASTIC
 
 cdef class Elements(Laws):
     # the system
     cdef readonly int n, rows, elements
-    cdef double *row_direction, *limit, *free_length, *free_energy, *spring_rate, *friction
+    cdef double *row_direction, *limit, *free_length, *free_energy, *friction
     cdef int *row_signal, *element_row, *yields, *modulated
+    cdef SeriesSprings series
     # its branches
     cdef int *branch
     # results of the last evaluation
@@ -40,6 +42,7 @@ cdef class Elements(Laws):
 
     cdef double free_potential(self, int e, double d) noexcept nogil
     cdef double permanent_set(self, int e, double d) noexcept nogil
+    cdef double elastic_rate(self, int e) noexcept nogil
     cdef double element_energy(self, int e, double d) noexcept nogil
     @cython.locals(rate=double, flow=double, p=double)
     cdef double _yielding_energy(self, int e, double d) noexcept nogil

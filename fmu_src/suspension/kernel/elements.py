@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from .laws import Laws, law_numbers
 from .layout import BRANCHES, C0, C1, CONTACT, DAMPER, FRICTION, LAWS, MODULATION, PIECE, SPRING
+from .series_springs import SeriesSprings
 
 # The kinds of switches: of one of the element's laws, of its contact (1: off) or of its dry friction
 # (-1, 1, or 0 if it sticks).
@@ -39,11 +40,11 @@ class Elements(Laws):
         self.n = len(system.mass)
         self._read_rows(system)
         memory = self.memory
+        self.series = SeriesSprings(memory, system)
         elements = self.elements
         self.yields, self.modulated = memory.marks(elements), memory.marks(elements)
         self.friction, self.limit = memory.zeros(elements), memory.zeros(elements)
         self.free_length, self.free_energy = memory.zeros(elements), memory.zeros(elements)
-        self.spring_rate = memory.zeros(elements)
         self.branch = self.state.memory.marks(BRANCHES * elements)
         rows = self.rows
         self.row_d, self.row_v = memory.zeros(rows), memory.zeros(rows)
@@ -88,8 +89,7 @@ class Elements(Laws):
         self.free_length[e] = x[at + 3]
         self.free_energy[e] = x[at + 4]
         self.yields[e] = x[at + 5] != 0.0
-        self.spring_rate[e] = x[at + 6]
-        return at + 7
+        return at + 6
 
     # -- rows ----------------------------------------------------------------------------------------
 
@@ -108,6 +108,8 @@ class Elements(Laws):
                 w -= self.road[4 * s + 1]
             self.row_d[r] = d
             self.row_v[r] = w
+        if self.series.internal:
+            self.series.take_rates(v)
 
     # -- forces --------------------------------------------------------------------------------------
 
@@ -232,7 +234,11 @@ class Elements(Laws):
 
     def permanent_set(self, e, d):
         """Return the deflection at which a yielding spring has no force, from its force at d."""
-        return d - self.law(self.piece_now(e, SPRING), d) / self.spring_rate[e]
+        return d - self.law(self.piece_now(e, SPRING), d) / self.elastic_rate(e)
+
+    def elastic_rate(self, e):
+        """Return the rate of a yielding spring while it does not yield."""
+        return self.piece[(self.first[LAWS * e + SPRING] + ELASTIC) * PIECE + C1]
 
     def element_energy(self, e, d):
         """Return the energy stored in element e at deflection d."""
@@ -244,7 +250,7 @@ class Elements(Laws):
 
     def _yielding_energy(self, e, d):
         """Return f^2 / 2k of the spring plus the energy of kinematic hardening in the permanent set."""
-        rate = self.spring_rate[e]
+        rate = self.elastic_rate(e)
         flow = self.piece[(self.first[LAWS * e] + 2) * PIECE + C1]
         p = self.permanent_set(e, d)
         return 0.5 * rate * ((d - p) * (d - p) + flow / (rate - flow) * p * p)
@@ -281,7 +287,6 @@ def element_numbers(element):
         free,
         element.spring.potential(free) if limited else 0.0,
         1.0 if yields else 0.0,
-        element.spring.tangent(0.0) if yields else 0.0,
         element.permanent_set,
         element.opening,
         element.holding,

@@ -128,7 +128,7 @@ class Errors:
             x = 0.0
             y = 0.0
             for k in range(n):
-                mass, damping = self.net.mass[n * i + k], tau * self.modes.damping[n * i + k]
+                mass, damping = self.net.mass[n * k + i], tau * self.modes.damping[n * k + i]
                 x += mass * self.motion.j[k] + damping * self.septic_v[k]
                 y += mass * self.motion.jb[k] + damping * self.septic_a[k]
             self.motion.jerk[i], self.motion.end_jerk[i] = x, y

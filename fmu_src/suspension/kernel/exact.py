@@ -86,7 +86,7 @@ class Propagator:
         for j in range(n):
             for matrix in range(2):
                 for i in range(n):
-                    k = i * n + j
+                    k = j * n + i
                     self.column[i] = self.stiffness[k] if matrix == 0 else self.damping[k]
                 solve(self.net.mass_factor, 0, n, self.column)
                 total = 0.0
@@ -119,8 +119,8 @@ class Propagator:
         for j in range(2 * n):
             self._clear()
             for i in range(n):
-                k = i * n + j
-                self.column[i] = -self.stiffness[k] if j < n else -self.damping[k - n]
+                k = (j if j < n else j - n) * n + i
+                self.column[i] = -self.stiffness[k] if j < n else -self.damping[k]
             self._enter_column(j, factor if j < n else self.part)
         self.state[2 * n] = 1.0
         for k in range(1, _POWERS):

@@ -28,9 +28,12 @@ class Handover:
 
     def take_run(self, motion, net):
         """Store motion, energies and counts at the end of the last step."""
+        # springs in series are at rest if there were others before
+        same = self.n if net.n == self.n else self.net.series.outer
         for i in range(self.n):
-            self.q[i], self.v[i] = motion.q[i], motion.v[i]
-            self.origin[i] = motion.origin[i]
+            self.q[i] = motion.q[i] if i < same else 0.0
+            self.v[i] = motion.v[i] if i < same else 0.0
+            self.origin[i] = motion.origin[i] if i < same else 0.0
         self.reach, self.speed = net.state.reach, net.state.speed
         self.scale = net.state.scale
         self.steps = net.state.step_count

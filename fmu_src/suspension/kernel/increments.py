@@ -107,8 +107,8 @@ class Increments:
         n = self.n
         for i in range(n):
             for k in range(n):
-                self.rhs[i] -= h * self.damping2[i * n + k] * self.sa[k]
-                self.rhs[i] -= self.stiffness2[i * n + k] * (
+                self.rhs[i] -= h * self.damping2[k * n + i] * self.sa[k]
+                self.rhs[i] -= self.stiffness2[k * n + i] * (
                     h * self.pv[k] + h * h / 2.0 * self.sa[k]
                 )
 

@@ -42,7 +42,7 @@ cdef class Integrator(TimeLoop):
     cdef bint keeps_pace(self, double until) noexcept nogil
     @cython.locals(status=int)
     cpdef int fill(self, Py_ssize_t last) except -1
-    @cython.locals(status=int, i=int, before=Py_ssize_t, at=Py_ssize_t, force_at=Py_ssize_t, t=double)
+    @cython.locals(status=int, i=int, n=int, before=Py_ssize_t, at=Py_ssize_t, force_at=Py_ssize_t, t=double)
     cdef int _run(self, Py_ssize_t place) noexcept nogil
     cpdef void sample(self, double t) noexcept nogil
     cpdef void sample_forces(self, double t) noexcept nogil

@@ -110,8 +110,9 @@ class Integrator(TimeLoop):
         ------
         ValueError : if there is not one value per coordinate.
         """
-        if len(displacements) != self.n or len(velocities) != self.n:
-            raise ValueError(f"{self.n} displacements and {self.n} velocities are required")
+        n = self.net.series.outer
+        if len(displacements) != n or len(velocities) != n:
+            raise ValueError(f"{n} displacements and {n} velocities are required")
         memory = Memory()
         self._enter_state(memory.doubles([*displacements, *velocities]), 0)
 
@@ -358,7 +359,7 @@ class Integrator(TimeLoop):
         self.count = self.places = 0  # until all arrays have been checked
         count = len(times)
         for out in (displacements, velocities, accelerations):
-            self._check_room(out, runs * count * self.n)
+            self._check_room(out, runs * count * self.net.series.outer)
         self._check_room(forces, runs * count * self.net.elements)
         self._check_room(residuals, runs * count)
         self.want_v, self.want_a = velocities is not None, accelerations is not None
@@ -387,9 +388,10 @@ class Integrator(TimeLoop):
                 return status
             if self.want_r:
                 self.out_r[before + self.filled] = self.residual_at(t)
-            at = before * self.n + self.filled
+            n = self.net.series.outer
+            at = before * n + self.filled
             if not (self.want_v or self.want_a or self.want_f):
-                self.dense.read_values(t, self.state.datum, self.out_q, at, self.count)
+                self.dense.read_values(t, self.state.datum, self.out_q, at, self.count, n)
                 self.filled += 1
                 continue
             self.sample(t)
@@ -398,13 +400,13 @@ class Integrator(TimeLoop):
                 force_at = before * self.net.elements + self.filled
                 for i in range(self.net.elements):
                     self.out_f[force_at + i * self.count] = self.reading.f[i]
-            for i in range(self.n):
+            for i in range(n):
                 self.out_q[at + i * self.count] = self.reading.q[i]
             if self.want_v:
-                for i in range(self.n):
+                for i in range(n):
                     self.out_v[at + i * self.count] = self.reading.v[i]
             if self.want_a:
-                for i in range(self.n):
+                for i in range(n):
                     self.out_a[at + i * self.count] = self.reading.a[i]
             self.filled += 1
         return 0
@@ -444,17 +446,17 @@ class Integrator(TimeLoop):
     @property
     def sample_q(self):
         """Displacements at the last sampled time, m."""
-        return self.net.memory.seen(self.reading.q, self.n)
+        return self.net.memory.seen(self.reading.q, self.net.series.outer)
 
     @property
     def sample_v(self):
         """Velocities at the last sampled time, m/s."""
-        return self.net.memory.seen(self.reading.v, self.n)
+        return self.net.memory.seen(self.reading.v, self.net.series.outer)
 
     @property
     def sample_a(self):
         """Accelerations at the last sampled time, m/s^2."""
-        return self.net.memory.seen(self.reading.a, self.n)
+        return self.net.memory.seen(self.reading.a, self.net.series.outer)
 
     @property
     def sample_f(self):
@@ -579,11 +581,16 @@ class Integrator(TimeLoop):
         return self.stepper.errors.step
 
     def tangents(self):
-        """Return the present stiffness and damping matrices, row by row (N/m and N s/m)."""
-        n = self.n
-        k = [[self.stepper.modes.stiffness[i * n + j] for j in range(n)] for i in range(n)]
-        c = [[self.stepper.modes.damping[i * n + j] for j in range(n)] for i in range(n)]
-        return k, c
+        """Return the present stiffness and damping matrices, row by row (N/m and N s/m).
+
+        Springs in series are included as if their dampers were rigid.
+        """
+        n, modes, places = self.n, self.stepper.modes, range(self.net.series.outer)
+        k = [
+            [modes.stiffness[j * n + i] + self.net.series.stiffness[j * n + i] for j in places]
+            for i in places
+        ]
+        return k, [[modes.damping[j * n + i] for j in places] for i in places]
 
     # -- whole state -------------------------------------------------------------------------------
 
@@ -639,7 +646,7 @@ class RunQueue:
     def __init__(self, integrator, logs, every=0):
         self.integrator, self.logs, self.every = integrator, logs, every
         most = self.most = self.integrator.places
-        self.width = 1 + 2 * self.integrator.n + self.integrator.net.size
+        self.width = 1 + 2 * self.integrator.net.series.outer + self.integrator.net.size
         self.contacts = self.integrator.limited.count
         self.memory = memory = Memory()
         self.status, self.filled = memory.marks(most), memory.marks(most)

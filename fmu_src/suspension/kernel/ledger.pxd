@@ -42,7 +42,7 @@ cdef class Ledger:
     @cython.locals(h=double, k=int, t=double, weight=double, power=double, e=int, r=int, s=int, m=int,
                    i=int, w=double)
     cdef void find_part(self, double since) noexcept nogil
-    @cython.locals(e=int)
+    @cython.locals(e=int, r=int, w=double)
     cdef void take_stock(self, double *q, double *v) noexcept nogil
     cdef void _supply(self, int signal, double energy) noexcept nogil
     @cython.locals(i=int, balance=double)

@@ -213,7 +213,11 @@ class Ledger:
         self.net.row_states(q, v)
         self.kinetic = self.net.energy(v)
         for e in range(self.net.elements):
-            self.kept[e] = self.net.element_energy(e, self.net.row_d[self.net.element_row[e]])
+            r = self.net.element_row[e]
+            self.kept[e] = self.net.element_energy(e, self.net.row_d[r])
+            if self.net.series.of_element[e] >= 0:
+                w = self.net.row_v[r]
+                self.kept[e] = 0.5 * w * self.net.series.force(e, w)
             self.kinetic -= self.kept[e]
 
     def _supply(self, signal, energy):

@@ -82,6 +82,12 @@ class Modes:
         """
         for k in range(self.n):
             at = k * self.n + k
+            if (
+                k >= self.net.series.outer
+            ):  # extension of a spring in series: already a displacement
+                self.velocity_scale[k] = 1.0
+                self.quickest += self.damping[at] / self.net.mass[at]
+                continue
             omega = sqrt(fabs(self.stiffness[at]) / self.net.mass[at])
             self.softest[k] = omega = min(self.softest[k], omega if omega > 1.0 else 1.0)
             decay = self.damping[at] / self.net.mass[at]

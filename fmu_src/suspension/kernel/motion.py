@@ -52,7 +52,7 @@ class Motion:
     def reach_at(self, q):
         """Return the largest motion so far, including that at displacements q, m."""
         reach = self.state.reach
-        for i in range(self.n):
+        for i in range(self.net.series.outer):
             x = fabs(q[i] - self.origin[i])
             if not x <= reach:
                 reach = x
@@ -64,7 +64,7 @@ class Motion:
         These are the one at its end and the mean velocity, as a step may go from rest to rest.
         """
         speed = self.state.speed
-        for i in range(self.n):
+        for i in range(self.net.series.outer):
             rounding = 1e-15 * (fabs(self.q[i]) + fabs(self.qb[i]))
             x = max(fabs(self.vb[i]), (fabs(self.qb[i] - self.q[i]) - rounding) / h)
             if not x <= speed:

@@ -73,7 +73,7 @@ cdef class Network(Branches):
     cdef void jerk(self, double *v, double *a, double *out) noexcept nogil
     @cython.locals(n=int, i=int, j=int, k=int, x=double, trace=double)
     cdef double fastest_mode(self, double *stiffness) noexcept nogil
-    @cython.locals(i=int)
+    @cython.locals(i=int, resistance=double)
     cdef bint is_damped(self, double *stiffness, double *damping, double share,
                         double omega) noexcept nogil
     @cython.locals(r=int)

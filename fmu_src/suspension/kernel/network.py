@@ -43,6 +43,7 @@ class Network(Branches):
     """
 
     def __init__(self, system, joins=False):
+        system = system.with_internal()
         Branches.__init__(self, system, joins)
         n, elements = self.n, self.elements
         names = list(system.signals)
@@ -86,7 +87,7 @@ class Network(Branches):
         self.can_rise = True
         for r in range(self.rows):
             s = self.row_signal[r]
-            rise = sum(self.row_direction[r * self.n + i] for i in range(self.n))
+            rise = sum(self.row_direction[r * self.n + i] for i in range(self.series.outer))
             if rise != (1.0 if s >= 0 else 0.0):
                 self.can_rise = False
             if s >= 0:
@@ -113,8 +114,10 @@ class Network(Branches):
 
     def fits(self, system):
         """Return whether a system differs from the present one only in its numbers."""
+        system = system.with_internal()
         return (
             len(system.mass) == self.n
+            and len(system.internal) == self.series.internal
             and len(system.elements) == self.elements
             and [load.signal for load in system.loads] == self.load_names
             and _sizes(system) == self.signal_sizes
@@ -138,6 +141,7 @@ class Network(Branches):
             solve(self.mass_factor, 0, n, self.scratch)
             for i in range(n):
                 self.flexibility[i * n + k] = self.scratch[i]
+        at = self.series.enter_springs(self.mass, x, at)
         for i in range(self.loads * n):
             self.load_direction[i] = x[at + i]
         at = self.enter_signals(x, at + self.loads * n)
@@ -315,11 +319,14 @@ class Network(Branches):
     # -- forces and tangents in the present branches -------------------------------------------------
 
     def assemble(self, k, c, stiffness, damping):
-        """Set K = sum b k b', B = sum b c b', with a stiffness and a damping for each row."""
+        """Set K = sum b k b', B = sum b c b', with a stiffness and a damping for each row.
+
+        All matrices are stored by columns; only B, with springs in series, is not symmetric.
+        """
         n = self.n
         for i in range(n * n):
             stiffness[i] = 0.0
-            damping[i] = 0.0
+            damping[i] = self.series.skew[i]
         for r in range(self.rows):
             for i in range(n):
                 bi = self.row_direction[r * n + i]
@@ -342,6 +349,7 @@ class Network(Branches):
         for r in range(self.rows):
             for i in range(n):
                 out[i] -= self.row_direction[r * n + i] * self.row_f[r]
+        self.series.add_forces(out)
 
     def constant_force(self, out):
         """Set `out` to -sum b f(0, 0), with the present pieces extended to zero."""
@@ -429,6 +437,8 @@ class Network(Branches):
             rate = self.row_k[r] * dv + self.row_c[r] * da
             for i in range(n):
                 out[i] -= self.row_direction[r * n + i] * rate
+        self.series.take_rates(a)
+        self.series.add_forces(out)
         solve(self.mass_factor, 0, n, out)
         if self.stuck:
             self.stick(self.mass_factor, 0, out, self.zero, 3, self.multiplier_rate)
@@ -436,7 +446,8 @@ class Network(Branches):
     def fastest_mode(self, stiffness):
         """Return a bound of the highest angular frequency squared: (tr A^4)^(1/4), A = M^-1 K.
 
-        It is at most n^(1/4) times too large and does not depend on units.
+        K includes the springs in series, as if their dampers were rigid. The bound is at most n^(1/4)
+        times too large and does not depend on units.
         """
         n = self.n
         trace = 0.0
@@ -444,7 +455,9 @@ class Network(Branches):
             for k in range(n):
                 x = 0.0
                 for j in range(n):
-                    x += self.flexibility[i * n + j] * stiffness[j * n + k]
+                    x += self.flexibility[i * n + j] * (
+                        stiffness[j * n + k] + self.series.stiffness[j * n + k]
+                    )
                 self.modes[i * n + k] = x
         for i in range(n):
             for k in range(n):
@@ -460,10 +473,13 @@ class Network(Branches):
     def is_damped(self, stiffness, damping, share, omega):
         """Return whether damping exceeds a share of the stiffness in all modes faster than omega.
 
-        This holds if B - share (K - omega^2 M) is positive definite.
+        This holds if the symmetric part of B - share (K - omega^2 M) is positive definite.
         """
         for i in range(self.n * self.n):
-            self.modes[i] = damping[i] - share * (stiffness[i] - omega * omega * self.mass[i])
+            resistance = damping[i] - self.series.skew[i]
+            self.modes[i] = resistance - share * (
+                stiffness[i] + self.series.stiffness[i] - omega * omega * self.mass[i]
+            )
         return decompose(self.modes, 0, self.n) == 0
 
     def _decays_within(self, h):
@@ -498,10 +514,10 @@ class Network(Branches):
             self.assemble(self.row_k, self.row_c, self.modes2, self.modes)
             for i in range(n):
                 for k in range(n):
-                    mass = self.mass[i * n + k]
+                    mass = self.mass[k * n + i]
                     change = (self.rate[k] - v[k]) * _PARTS / h
                     self.lack[i] -= mass * (a[k] + change)
-                    self.modes[i * n + k] += mass * _PARTS / h
+                    self.modes[k * n + i] += mass * _PARTS / h
             if decompose(self.modes, 0, n) != 0:
                 return
             solve(self.modes, 0, n, self.lack)
@@ -524,6 +540,8 @@ class Network(Branches):
             self._slave_rates(h, q, v, a)
         for e in range(self.elements):
             forces[e] = self.element_force(e)
+            if self.series.of_element[e] >= 0:
+                forces[e] = self.series.force(e, self.row_v[self.element_row[e]])
             if forces[e] > self.limit[e] and self.friction[e] == 0.0:
                 # a tyre cannot pull, not even by the error of interpolation within a step
                 self.row_f[self.element_row[e]] -= forces[e] - self.limit[e]
@@ -554,8 +572,11 @@ def add_numbers(system, numbers):
 
     They may be numbers that record operations, too (see `trace`), which go to a list.
     """
+    system = system.with_internal()
     for row in system.mass:
         numbers.extend(row)
+    for direction in system.internal:
+        numbers.extend(direction)
     for load in system.loads:
         numbers.extend(load.direction)
     for signal in system.signals.values():
@@ -566,7 +587,7 @@ def add_numbers(system, numbers):
 def laws_of(system):
     """Return the numbers of all elements, one after the other."""
     numbers = []
-    for element in system.elements:
+    for element in system.with_internal().elements:
         numbers += element_numbers(element)
     return numbers
 

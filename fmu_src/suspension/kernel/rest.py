@@ -39,7 +39,7 @@ class Rest:
         """Return the displacements at rest for a level of each signal, or None if there is no rest."""
         for s in range(self.net.signals):
             self.level[s] = levels[s]
-        return None if self.find() else tuple([self.q[i] for i in range(self.n)])
+        return None if self.find() else tuple([self.q[i] for i in range(self.net.series.outer)])
 
     def find(self):
         """Find the displacements `q` for the present levels; return 1 if there is no equilibrium."""
@@ -154,6 +154,8 @@ class Rest:
             self.size[i] = 0.0
         for i in range(n * n):
             self.tangent[i] = 0.0
+        for i in range(self.net.series.outer, n):  # no force at rest
+            self.tangent[i * n + i] = self.net.mass[i * n + i]
         for m in range(self.net.loads):
             p = self.level[self.net.load_signal[m]]
             for i in range(n):

@@ -74,7 +74,7 @@ class StabilityMonitor:
         n = self.n
         m, low = self.matrix, self.net.mass_factor
         for i in range(n * n):
-            m[i] = self.modes.stiffness[i]
+            m[i] = self.modes.stiffness[i] + self.net.series.stiffness[i]
         for i in range(n):
             for p in range(i):
                 for j in range(n):

@@ -176,22 +176,24 @@ class TimeLoop:
         self.noted.begin_row()
         self.filled = self.state.step_count = 0
         self.state.time = start
-        if self.net.enter_system(x, at + 1 + 2 * self.n) != 0:
+        if self.net.enter_system(x, at + 1 + 2 * self.net.series.outer) != 0:
             return 1
         self._stand_still(start, x[at])
         self._begin()
-        for i in range(2 * self.n):
+        for i in range(2 * self.net.series.outer):
             if x[at + 1 + i] != 0.0:
                 self._enter_state(x, at + 1)
                 return 0
         return 0
 
     def _enter_state(self, x, at):
-        """Start from the displacements and velocities in x[at:]."""
+        """Start from the displacements and velocities in x[at:], with springs in series at rest."""
         self.net.find_datum(self.state.time, self.state.scale)
         for i in range(self.n):
+            self.motion.q[i] = self.motion.v[i] = 0.0
+        for i in range(self.net.series.outer):
             self.motion.q[i] = x[at + i] - self.state.datum
-            self.motion.v[i] = x[at + self.n + i]
+            self.motion.v[i] = x[at + self.net.series.outer + i]
         self.motion.count_from_here()
         self.state.in_step = True
         self._begin()

@@ -145,7 +145,7 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
     filled = [net.segment, net.height, net.level, net.piece]  # with the row of numbers
     machine = image(plain, "integrator", kernel, "Machine", later=filled, state=plain.state)
     conduct = image(run, "run", kernel, "Conduct", outside=[plain, net])
-    rest = [0.0] * plain.n
+    rest = [0.0] * len(system.coordinates)
     names = (name for names in initial_names(system.coordinates) for name in names)
     starts = [noted.get(name, 0.0) for name in names]
     read, rates = _read(model, system, tape), _rates(model, system, tape)
@@ -210,7 +210,7 @@ def _directions(plain: Any, system: System) -> list[Any]:
     names = list(system.signals)
     rows: list[Any] = []
     found = []
-    for element in system.elements:
+    for element in system.with_internal().elements:
         key = (tuple(element.direction), names.index(element.road) if element.road else -1)
         if key not in rows:
             rows.append(key)

@@ -34,7 +34,7 @@ def case(name: str) -> str:
     return files("phaseplane.scenarios").joinpath("cases", f"{name}.toml").read_text("utf-8")
 
 
-# wheels, elements and loads whose numbers are expressions; dry friction and a power law
+# wheels, elements and loads whose numbers are expressions; friction, a power law, a spring in series
 TRAILER = """
 [system]
 name = "Trailer"
@@ -69,6 +69,10 @@ direction = { bounce = "-0.1 + 2e-2", roll = "2 * half_track^2" }
 spring = { rate = "rate / 4" }
 damper = { power = "power", exponent = 1.7 }
 friction = 30
+
+[system.elements.mount]
+direction = { bounce = 1, roll = "half_track" }
+damper = { rate = "power / 2", series = "5 * rate" }
 
 [system.loads.wind]
 direction = { roll = 1 }
