@@ -234,7 +234,7 @@ class Errors:
             return 0
         if self.balance.bends.count == 0:
             self.find_lack(h)
-        u = x * (1.0 - x)
+        u = fabs(x * (1.0 - x))
         of_q = 8.0 * h * h * u * u * u * u
         of_v = 32.0 * h * u * u * u * max(fabs(1.0 - 2.0 * x), 0.25)
         for i in range(self.n):

@@ -42,7 +42,7 @@ class Extrapolated(Method):
 
     def __init__(self, motion, balance, modes, errors, order, theta):
         Method.__init__(self, motion, balance, modes, errors, order, theta)
-        self.controls = self.reads_switches = True
+        self.controls = True
         self.most_error = _EXCESS
         self.least_damping = _LEAST_DAMPING[order]
         sequence = SEQUENCES[order]
@@ -138,7 +138,7 @@ class Equilibrium(Extrapolated):
 
     def __init__(self, motion, balance, modes, errors, order, theta):
         Extrapolated.__init__(self, motion, balance, modes, errors, order, theta)
-        self.controls = self.reads_switches = False
+        self.controls = False
         self.most_error = 1.0
         self.cubic = True
 

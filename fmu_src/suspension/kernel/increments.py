@@ -186,7 +186,7 @@ class Mean(Extrapolated):
 
     def __init__(self, motion, balance, modes, errors, order, theta):
         Extrapolated.__init__(self, motion, balance, modes, errors, order, theta)
-        self.controls = self.reads_switches = False
+        self.controls = False
         self.most_error = 1.0
         # the interpolant is a cubic; its acceleration at the end is not that of the equation of motion
         self.cubic = self.to_end = True

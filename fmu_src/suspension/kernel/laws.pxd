@@ -1,9 +1,9 @@
 cimport cython
-from libc.math cimport exp, fabs, log1p, pow, sinh, tanh
+from libc.math cimport exp, fabs, log1p, pow, sinh
 from .signals cimport Signals
 
 cdef int _FORCE, _SLOPE, _INTEGRAL
-cdef double _LOG_2, _NEAR, _FARTHEST, _SMOOTH
+cdef double _SMALL_ARGUMENT, _LOG_2, _NEAR, _FARTHEST, _SMOOTH
 
 cdef class Laws(Signals):
     cdef double *piece
@@ -45,6 +45,8 @@ cdef class Laws(Signals):
     @cython.locals(at=int)
     cdef double intercept(self, int p) noexcept nogil
 
+@cython.locals(x=double, z=double, over=double, under=double, w=double)
+cdef double tangent_h(double u) noexcept nogil
 @cython.locals(w=double)
 cdef double sech_squared(double u) noexcept nogil
 @cython.locals(x=double, w=double)

@@ -13,7 +13,7 @@ cdef class Method:
     cdef Network net
     cdef readonly int n, order
     cdef readonly double theta, limit, least_damping, most_error
-    cdef readonly bint controls, reads_switches, exact, cubic, to_end
+    cdef readonly bint controls, exact, cubic, to_end
 
     cdef void enter(self) noexcept nogil
     @cython.locals(i=int)

@@ -35,8 +35,8 @@ class Method:
         # whether it estimates its error, so that the tolerance can choose its steps
         self.controls = False
         self.most_error = 1.0  # error, over the one allowed, beyond which a step is repeated
-        self.reads_switches = False  # whether states within a step may be read from its septic
-        self.exact = False  # whether its motion is accurate even where the ledger is not
+        # whether its motion is accurate even where the ledger and the septic of a step are not
+        self.exact = False
         # the interpolant of a step: a septic through its ends, or a cubic, whose third derivative may
         # follow from the displacement at the end instead of the acceleration there
         self.cubic = self.to_end = False

@@ -25,4 +25,4 @@ cdef class Stepper:
     @cython.locals(i=int, a=double, j=double, v=double)
     cdef void shift_end(self, double t, double late) noexcept nogil
     @cython.locals(i=int)
-    cdef void stop_within(self, double t, Dense dense) noexcept nogil
+    cdef inline void stop_within(self, double t, Dense dense) noexcept nogil

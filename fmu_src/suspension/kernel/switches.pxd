@@ -25,12 +25,7 @@ cdef class Switches:
     @cython.locals(m=int, e=int, kind=int, k=int, low=double, high=double)
     cdef void enter_branches(self) noexcept nogil
     @cython.locals(r=int, known=bint)
-    cdef void _read_attempt(self, double t, double h) noexcept nogil
-    @cython.locals(e=int, kind=int, p=int, k=int, m=int, at=int, degree=int, first=double,
-                   found=double)
-    cdef double first_knot(self, double t, double h, double least) noexcept nogil
-    @cython.locals(bound=double, at=double)
-    cdef double _passes(self, int p, int side, int degree, double least) noexcept nogil
+    cdef void read_attempt(self, double t, double h) noexcept nogil
     @cython.locals(k=int, degree=int)
     cdef double first(self, double t, double h) noexcept nogil
     @cython.locals(r=int, s=int, k=int)
@@ -49,7 +44,7 @@ cdef class Switches:
                    low=double, high=double)
     cdef bint _rate_stays_far(self, int k, double h) noexcept nogil
     @cython.locals(at=int, f0=double, f1=double, f2=double)
-    cdef int _polynomial(self, int e, int kind, double h) noexcept nogil
+    cdef int polynomial(self, int e, int kind, double h) noexcept nogil
     @cython.locals(r=int, i=int, less=double)
     cdef double _rate_left(self, int e, double *j, double *jerk) noexcept nogil
     cdef double _end_rate(self, int e, double h) noexcept nogil

@@ -12,7 +12,7 @@ import cython
 from .bernstein import Crossing
 from .elements import KINDS
 from .errors import ROUNDING_OF_RATES
-from .layout import BRANCHES, CONTACT, DAMPER, FRICTION, MODULATION, PIECE, SPRING, START
+from .layout import BRANCHES, CONTACT, DAMPER, FRICTION, MODULATION, SPRING
 from .network import SLAVED
 from .straight_tyres import StraightTyres
 
@@ -82,7 +82,7 @@ class Switches:
         self.at = 2.0
         if self.watched == 0:
             return 2.0
-        self._read_attempt(t, h)
+        self.read_attempt(t, h)
         for k in range(self.watched):
             if self.watched_kind[k] in (SPRING, MODULATION):
                 if self._stays_far(k, h):
@@ -95,7 +95,7 @@ class Switches:
             if self.watched_kind[k] == CONTACT and self._is_bent_in_flight(self.watched_element[k]):
                 self._search_touchdown(k, h)
                 continue
-            degree = self._polynomial(self.watched_element[k], self.watched_kind[k], h)
+            degree = self.polynomial(self.watched_element[k], self.watched_kind[k], h)
             self.crossing.extent(degree)
             if self.crossing.low < self.low[k]:
                 self._search(k, -1, self.low[k], degree, h)
@@ -103,7 +103,7 @@ class Switches:
                 self._search(k, 1, self.high[k], degree, h)
         return self.at
 
-    def _read_attempt(self, t, h):
+    def read_attempt(self, t, h):
         """Read signals and rows at both ends of the attempt just made."""
         if not (self.roads_known and self.stepper.balance.loads_hold):
             self._read_roads(t, h)
@@ -115,44 +115,6 @@ class Switches:
                 self._read_row(r, 0)
             self._read_row(r, 1)
         self.start_known = 1
-
-    def first_knot(self, t, h, least):
-        """Return where the attempt first passes from one joined piece to another, as `first` does.
-
-        Passages before the fraction `least` do not count.
-        """
-        first = 2.0
-        if not self.stepper.balance.bends.count:
-            return first
-        self._read_attempt(t, h)
-        for e in range(self.net.elements):
-            for kind in range(CONTACT):
-                p = self.net.piece_now(e, kind)
-                if self.net.run_first[p] == self.net.run_last[p]:
-                    continue
-                at = 8 * self.net.element_row[e]
-                k = self.net.place(p, self.row[at + 1] if kind == DAMPER else self.row[at])
-                degree = self._polynomial(e, kind, h)
-                self.crossing.extent(degree)
-                for m in range(k, self.net.run_first[p], -1):
-                    found = self._passes(m, -1, degree, least)
-                    if found > 0.0:
-                        first = min(first, found)
-                        break
-                for m in range(k + 1, self.net.run_last[p] + 1):
-                    found = self._passes(m, 1, degree, least)
-                    if found > 0.0:
-                        first = min(first, found)
-                        break
-        return first
-
-    def _passes(self, p, side, degree, least):
-        """Return where the polynomial passes the start of piece p; 0 if at once, 2 if it does not."""
-        bound = self.net.piece[PIECE * p + START]
-        if not (self.crossing.low < bound if side < 0 else self.crossing.high > bound):
-            return 2.0
-        at = self.crossing.exit(bound, side, degree, False)
-        return at if at >= least else 0.0
 
     def carry_on(self):
         """After the last attempt was accepted, take its end as the start of the next one."""
@@ -245,7 +207,7 @@ class Switches:
         low, high = self.low[k], self.high[k]
         return x - dx > low and y - dy > low and x + dx < high and y + dy < high
 
-    def _polynomial(self, e, kind, h):
+    def polynomial(self, e, kind, h):
         """Set the polynomial of a watched quantity over the attempt; return its degree."""
         at = 8 * self.net.element_row[e]
         if kind in (SPRING, MODULATION):

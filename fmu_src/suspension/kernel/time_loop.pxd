@@ -1,6 +1,7 @@
 cimport cython
 from libc.math cimport fabs, pow, sqrt
 from .dense cimport Dense
+from .knots cimport Knots
 from .ledger cimport Ledger
 from .limited cimport Limited
 from .method cimport Method
@@ -16,7 +17,7 @@ from .stability cimport StabilityMonitor
 cdef int _AT_SWITCHES, _AT_STEPS
 cdef int _FLIPS, _STALLED, _KNOTS
 cdef int _OVERRUNS, _PAUSE
-cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _DECAY_PHASE, _SHORT_PHASE, _NEAR_END, _LEAST_KNOT, _CLOSE_KNOT, _AFTER_KNOT, _SLIGHT, _JUMP
+cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _DECAY_PHASE, _SHORT_PHASE, _NEAR_END, _AFTER_KNOT
 
 cdef class TimeLoop:
     cdef Network net
@@ -25,6 +26,7 @@ cdef class TimeLoop:
     cdef Motion motion
     cdef object method_name
     cdef Switches switches
+    cdef Knots knots
     cdef StabilityMonitor monitor
     cdef Dense dense, whole
     cdef Ledger ledger
@@ -32,7 +34,7 @@ cdef class TimeLoop:
     cdef Reading reading
     cdef Limited limited
     cdef SwitchLog noted
-    cdef bint reads_switches, landing, energy
+    cdef bint landing, energy
     cdef double fixed_step
     cdef public int halts
     # its state
@@ -72,18 +74,16 @@ cdef class TimeLoop:
     cdef bint _has_diverged(self) noexcept nogil
     @cython.locals(s=int, jumped=bint, jump=double, before=double, now=double)
     cdef void _pass_joint(self) noexcept nogil
-    @cython.locals(shorter=double, at=double)
-    cdef double _before_knot(self, double h, double end) noexcept nogil
-    @cython.locals(knot=double, least=double)
-    cdef double _knot_that_matters(self, double h) noexcept nogil
+    @cython.locals(step=double)
+    cdef double _meet_knot(self, double h, double end) noexcept nogil
     @cython.locals(i=int)
     cdef void _accept(self, double h, double t) noexcept nogil
-    @cython.locals(reads=bint, _iteration=int, status=int, step=double, best=double, late=double, new=double,
-                   near=double)
+    @cython.locals(readable=bint, reads=bint, _iteration=int, status=int, step=double, best=double,
+                   late=double, new=double, near=double)
     cdef int _land(self, double h) noexcept nogil
     cdef int _end_at(self, double step, bint reads) noexcept nogil
     @cython.locals(i=int)
-    cdef void _keep_attempt(self, double h) noexcept nogil
+    cdef inline void _keep_attempt(self, double h) noexcept nogil
     @cython.locals(new=int, before=int)
     cdef void _switch(self, int e, int kind, int side) noexcept nogil
     cdef bint _passes(self, double h) noexcept nogil

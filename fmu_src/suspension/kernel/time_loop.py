@@ -10,6 +10,7 @@ import cython
 
 from .dense import Dense
 from .errors import READ_PHASE
+from .knots import Knots
 from .layout import BRANCHES, CONTACT, FRICTION
 from .ledger import Ledger
 from .limited import Limited
@@ -51,13 +52,7 @@ _DECAY_PHASE = 1.0  # of the fastest motion in a step after a switch, where it m
 _FIRST_PHASE = 0.25  # phase of the fastest mode in the first step
 _SHORT_PHASE = 1e-4  # phase of the fastest motion up to which its Taylor series replaces a step
 _KNOTS = 4  # attempts to end a step on its first knot
-_JUMP = 60.0  # largest error of a step in which a second derivative jumps, over the error found
-_SLIGHT = (
-    0.6  # of the step proposed by the last error; a shorter one has an error that passes points
-)
-_LEAST_KNOT = 0.02  # of a step: a knot closer to its ends does not matter
 _AFTER_KNOT = 0.85  # least part of the step proposed before one that a point shortens, for the next
-_CLOSE_KNOT = 1e-4  # of a step that must be repeated anyway
 # of an attempt: this close to its end, its septic is far more accurate than halfway
 _NEAR_END = 0.005
 
@@ -104,6 +99,7 @@ class TimeLoop:
         self.method, self.motion = self.stepper.method, self.stepper.motion
         self.state = self.net.state
         self.switches = Switches(self.stepper)
+        self.knots = Knots(self.switches)
         if beyond_stable not in POLICIES:
             raise ValueError(f"beyond_stable {beyond_stable!r} is not one of {', '.join(POLICIES)}")
         self.monitor = StabilityMonitor(self.stepper.modes, beyond_stable, self.method.limit)
@@ -118,7 +114,6 @@ class TimeLoop:
         self.stepper.errors.full_growth_error = (0.9 / 4.0) ** (order + 1)
         # an attempt in which a switch is located
         self.whole = Dense(memory, memory, n, False, False)
-        self.reads_switches = self.stepper.errors.controlled and self.method.reads_switches
         # the result at the last sampled instant
         self.reading = Reading(self.net)
         self.limited = Limited(
@@ -413,7 +408,7 @@ class TimeLoop:
         h = self._proposed_step()
         if h == 0.0:
             return UNSTABLE
-        cut = self._before_knot(h, min(self.net.next_joint(), latest))
+        cut = self.knots.ahead(h, min(self.net.next_joint(), latest))
         ends_on_knot = cut < h
         h = cut
         flips = 0
@@ -436,16 +431,18 @@ class TimeLoop:
                     return status
                 continue
             if self.stepper.errors.controlled:
-                if self.stepper.balance.bends.joined and knots < _KNOTS:
+                if knots < _KNOTS:
                     knots += 1
-                    at = self._knot_that_matters(h)
-                    if at < 1.0:
+                    cut = self.knots.within(h)
+                    if cut < h:
                         ends_on_knot = True
-                        h *= at
+                        h = cut
                         continue
                 if self.stepper.errors.error > self.method.most_error:
                     h *= self.stepper.errors.factor()
                     continue
+            if ends_on_knot and not to_end:
+                h = self._meet_knot(h, end)
             at = self.switches.first(self.state.time, h) if self.landing else 2.0
             if at == 0.0 and flips >= _FLIPS:
                 # one branch after the other is left at once
@@ -526,28 +523,17 @@ class TimeLoop:
             self.net.follow_slips(self.state.time, self.motion.q, self.motion.v)
             self._note_changes()
 
-    def _before_knot(self, h, end):
-        """Return the step h, or a shorter one that is expected to end on a point of a smooth table."""
-        if not (self.stepper.errors.controlled and self.stepper.balance.bends.joined):
-            return h
-        shorter = min(h, end - self.state.time)
-        if shorter <= _SLIGHT * self.state.proposal:
-            return h
-        self.motion.foresee(shorter)
-        at = self.switches.first_knot(self.state.time, shorter, _LEAST_KNOT)
-        return shorter * at if at < 1.0 - _LEAST_KNOT else h
+    def _meet_knot(self, h, end):
+        """End an attempt that ends close to a point of a smooth table on it; return its length.
 
-    def _knot_that_matters(self, h):
-        """Return where the attempt passes a point of a smooth table that it should end on, or 2.
-
-        The second derivative of the force jumps there, which affects the result of the extrapolation
-        much more than the difference of its columns.
+        The attempt's septic is continued to the point, if that is accurate enough.
         """
-        if self.stepper.errors.error <= self.method.most_error / _JUMP:
-            return 2.0
-        least = _LEAST_KNOT if self.stepper.errors.error <= self.method.most_error else _CLOSE_KNOT
-        knot = self.switches.first_knot(self.state.time, h, least)
-        return knot if knot < 1.0 - least else 2.0
+        step = self.knots.met(h)
+        if step == h or self.state.time + step >= end:
+            return h
+        self._keep_attempt(h)
+        self.stepper.stop_within(self.state.time + step, self.whole)
+        return step
 
     def _accept(self, h, t):
         """Make the attempt the last step."""
@@ -589,12 +575,13 @@ class TimeLoop:
         gap opens in it has no switch at its end, either.
         """
         step = self.switches.at * h
-        reads = self.reads_switches and self.stepper.errors.can_read(self.switches.at, h)
+        readable = self.stepper.errors.controlled and not self.method.exact
+        reads = readable and self.stepper.errors.can_read(self.switches.at, h)
         near = h  # how far from its end the stored attempt may be read
         if reads:
             self._keep_attempt(h)
         status = self._end_at(step, reads)
-        if self.reads_switches and not (reads or self.net.stuck):
+        if readable and not (reads or self.net.stuck):
             self._keep_attempt(step)
             reads = step * self.stepper.modes.quickest < READ_PHASE
             near = _NEAR_END * step
