@@ -7,6 +7,7 @@ from functools import wraps
 from textwrap import wrap
 from typing import Any
 
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -23,6 +24,7 @@ from phaseplane.picture.text import is_letter
 
 _LARGEST = (11.0, 10.0)  # inches that the sheet may take up
 _BESIDE = 0.1  # inches
+_SMALL, _LETTER = 8.0, 0.6  # type of the legend: size, points, and width of a letter, em
 _DASH_DOT_DOT = (0, (4, 2.5, 0.1, 2.5, 0.1, 2.5))
 _MONO: dict[str, Any] = {  # of lines with round ends; only the integral curve is solid
     "run": (0, (1, 2)),
@@ -77,7 +79,7 @@ class Sheet(Canvas):
         size = 2.0 * page.view.half
         scale = _scale(page.view, self.look)
         width, height = size.real * scale, size.imag * scale
-        columns = max(2, int(width / 1.3))
+        columns = self._columns([len(words) for _, words in legend], width)
         rows = -(-len(legend) // columns)
         heading = heading_lines((page.title, *page.words.split("\n")), width)
         below, above = 0.3 + 0.2 * rows, 0.3 + 0.17 * len(heading) if self.look.headed else 0.1
@@ -178,6 +180,19 @@ class Sheet(Canvas):
             gid="axis_name" if item.kind == "name" else item.kind,
         )  # fmt: skip
 
+    @property
+    def _handle(self) -> float:
+        """The length of lines in the legend, em: dashes need more."""
+        return 4.0 if self.palette.mono else 2.0
+
+    def _columns(self, letters: Sequence[int], width: float) -> int:
+        """Return the columns in which a legend with words of these lengths fits a width, inches."""
+        for columns in range(len(letters), 1, -1):
+            widest = [max(part) for part in np.array_split(letters, columns)]
+            if sum(self._handle + 2.8 + _LETTER * n for n in widest) * _SMALL / 72.0 <= width:
+                return columns
+        return 1
+
     def _legend(self, entries: Sequence[tuple[str, str]], columns: int) -> None:
         handles = [
             Line2D(
@@ -189,9 +204,8 @@ class Sheet(Canvas):
         ]  # fmt: skip
         if handles:
             self.figure.legend(
-                handles=handles, loc="lower center", ncols=min(columns, len(handles)),
-                frameon=False, fontsize=8.0, labelcolor=self.palette.ink,
-                handlelength=4.0 if self.palette.mono else 2.0,
+                handles=handles, loc="lower center", ncols=columns, frameon=False, fontsize=_SMALL,
+                labelcolor=self.palette.ink, handlelength=self._handle,
             )  # fmt: skip
 
 

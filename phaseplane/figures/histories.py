@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import blended_transform_factory
 
+from phaseplane.figures.canvas import heading_lines
 from phaseplane.figures.style import HEADING, PLAIN, Look, Palette, dress, new_figure, printed
 from phaseplane.picture.quantities import QUANTITIES, Quantity
 from phaseplane.picture.styles import hue_of
@@ -49,6 +51,18 @@ _LABELS = 0.21
 _FLAT = 0.1
 """The part of the largest acceleration below which that of the body has a panel of its own."""
 _DASHES = {"road": "--", "centre": ":"}
+_MONO = {
+    "wheel": "-.",
+    "suspension": (0, (6, 1.5)),
+    "stored": "--",
+    "dissipated": "-.",
+    "supplied": ":",
+}
+"""The dashes of black lines, besides."""
+_NARROW, _ABOVE = 5.0, 0.4
+"""Inches of a picture whose legends are above its panels, and their height."""
+_MOST_MARKED = 300
+"""Times that are marked; more would be a blot."""
 
 Row = tuple[str, Quantity, tuple[tuple[str, str], ...]]
 """The name of a panel, its quantity, and its columns with their labels."""
@@ -110,19 +124,25 @@ def _histories(
     # points of a construction stay in one panel, where a reader adds them up
     rows = _rows(shown, [] if points else [table for table, _ in checked.values()])
     palette, across = look.palette, len(checked)
+    long = max(float(table["time"][-1]) for table, _ in checked.values()) > 1.0
+    unit, factor = ("s", 1.0) if long else ("ms", 1e3)
     width = look.inches or (9.0 if across == 1 else 1.5 + 5.2 * across)
-    figure = new_figure(
-        width, 0.9 + 2.2 * len(rows) * min(1.0, 0.4 + width / across / 15.0), palette
-    )
+    narrow = width < _NARROW
+    height = 2.2 * min(1.0, 0.4 + width / across / 15.0) + (_ABOVE if narrow else 0.0)
+    heading = heading_lines(title.split("\n"), 0.9 * width) if title else []
+    more = (_ABOVE if narrow else 0.0) + 0.18 * max(0, len(heading) - 2)
+    figure = new_figure(width, 0.9 + len(rows) * height + more, palette)
     grid = figure.subplots(len(rows), across, sharex=True, sharey="row", squeeze=False)
     for k, (axle, (table, _)) in enumerate(checked.items()):
         panels = grid[:, k]
-        times = 1e3 * table["time"]
+        times = factor * table["time"]
         spans = airborne_spans(table["time"], table["airborne"]) if "airborne" in table else []
         for axes, row in zip(panels, rows, strict=True):
-            _panel(axes, row, table, times, palette, points=points)
+            _panel(axes, row, table, times, palette, points=points, narrow=narrow)
             for start, end in spans:
-                axes.axvspan(1e3 * start, 1e3 * end, color=palette.tint, zorder=0.0, gid="airborne")
+                axes.axvspan(
+                    factor * start, factor * end, color=palette.tint, zorder=0.0, gid="airborne"
+                )
             if k + 1 < across:
                 axes.get_legend().remove()
             if k:
@@ -133,24 +153,26 @@ def _histories(
         for start, end in spans[:1]:
             panels[0].annotate(
                 "airborne",
-                (500.0 * (start + end), 1.0),
-                (0.0, 2.0),
+                (0.5 * factor * (start + end), 1.0),
+                (0.0, -2.0 if narrow else 2.0),
                 xycoords=("data", "axes fraction"),
                 textcoords="offset points",
                 ha="center",
-                va="bottom",
+                va="top" if narrow else "bottom",
                 fontsize=8.0,
                 color=palette.faint,
+                path_effects=palette.halo(),
             )
-        panels[-1].set_xlabel("time [ms]")
+        panels[-1].set_xlabel(f"time [{unit}]")
         if axle:
             panels[0].set_title(axle, color=palette.ink, fontsize=10.0, loc="right")
     if title:
-        figure.suptitle(title, color=palette.ink, fontsize=11.0, gid=HEADING)
+        figure.suptitle("\n".join(heading), color=palette.ink, fontsize=11.0, gid=HEADING)
+    above = (0.55 if title and look.headed else 0.3) + more
     figure.subplots_adjust(
-        left=0.81 / width, right=1.0 - 1.53 / width, bottom=0.55 / figure.get_figheight(),
-        top=1.0 - (0.55 if title and look.headed else 0.3) / figure.get_figheight(), hspace=0.12,
-        wspace=0.06,
+        left=0.81 / width, right=1.0 - (0.2 if narrow else 1.53) / width,
+        bottom=0.55 / figure.get_figheight(),
+        top=1.0 - above / figure.get_figheight(), hspace=0.45 if narrow else 0.12, wspace=0.06,
     )  # fmt: skip
     return printed(figure, look)
 
@@ -234,9 +256,11 @@ def _panel(
     palette: Palette,
     *,
     points: bool,
+    narrow: bool,
 ) -> None:
     heading, quantity, columns = row
     dress(axes, palette, 8.5)
+    dashes: dict[str, Any] = {**_DASHES, **(_MONO if palette.mono else {})}
     for name, label in columns:
         if name not in table:
             continue
@@ -246,8 +270,8 @@ def _panel(
             quantity.factor * table[name],
             color=palette.of(hue_of(name)),
             linewidth=1.6 if element in ("body", "wheel") else 1.1,
-            linestyle=next((_DASHES[word] for word in (element, *words) if word in _DASHES), "-"),
-            marker="." if points and element != "road" else "",
+            linestyle=next((dashes[word] for word in (element, *words) if word in dashes), "-"),
+            marker="." if points and element != "road" and len(times) <= _MOST_MARKED else "",
             markersize=4.0,
             label=label,
             gid=name,
@@ -260,9 +284,10 @@ def _panel(
     axes.legend(
         handles[::-1],
         labels[::-1],
-        loc="center left",
-        bbox_to_anchor=(1.01, 0.5),
+        loc="lower left" if narrow else "center left",
+        bbox_to_anchor=(-0.2, 1.0) if narrow else (1.01, 0.5),
+        ncols=2 if narrow else 1,
         frameon=False,
-        fontsize=9.0,
+        fontsize=8.0 if narrow else 9.0,
         labelcolor=palette.ink,
     )

@@ -212,7 +212,7 @@ def _distances(page: Page, formulas: tuple[str, str]) -> None:
         words = f"{100.0 * (top - height):.5g} cm"
         dimensions.length(
             page, complex(x, top), complex(x, height), f"{formula} = {words}" if formula else words,
-            towards=-1.0,
+            towards=-1.0, short=words,
         )  # fmt: skip
 
 

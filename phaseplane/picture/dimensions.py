@@ -15,16 +15,21 @@ _SIZE = 8.0 / TYPE  # of the text, em
 _PARTS = np.array([0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8])  # positions of the text along the line
 
 
-def length(page: Page, start: complex, end: complex, text: str, *, towards: complex) -> None:
+def length(
+    page: Page, start: complex, end: complex, text: str, *, towards: complex, short: str = ""
+) -> None:
     """Draw a line with arrows at both ends, and its text along it where there is room.
 
     Parameters
     ----------
     towards : unit vector to the side of the line where the text is
+    short : text in place of one that is longer than the line
     """
     page.arrow("axis", start, end, both=True)
     way = end - start
     words = Text("axis", text, 0j, _SIZE, "dimension")
+    if short and 2.0 * words.box(page.em).half.real > abs(way):
+        words = replace(words, text=short)
     size = words.box(page.em).half
     words = replace(words, upright=abs(way.imag) > max(abs(way.real), 2.0 * size.real))
     half = words.box(page.em).half

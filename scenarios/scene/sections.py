@@ -146,7 +146,8 @@ class Construction:
     )
     plane_distance: float | None = entry(
         METRES,
-        "distance between the planes' axes on paper; 25 cm, or as much as needed, if left out",
+        "distance between the planes' axes on paper; 25 cm if left out, or what a larger or a much "
+        "smaller motion needs",
         None,
     )
     plane_scales: tuple[float, float] | None = entry(

@@ -74,6 +74,56 @@ def test_dashes_distinguish_black_lines() -> None:
     assert len(set(kinds.values())) == len(kinds)
 
 
+@pytest.mark.parametrize("look", [Look(), Look(mono=True), Look(mono=True, width=0.085)])
+def test_the_legend_is_not_cut_off(drawing: Drawing, look: Look) -> None:
+    figure = figures.figure7(drawing, look=look)
+    (legend,) = figure.legends
+    box = legend.get_window_extent()
+    assert box.x0 >= 0.0
+    assert box.x1 <= figure.bbox.x1
+    lowest = figure.axes[0].get_window_extent().y0
+    assert all(text.get_window_extent().y1 <= lowest for text in legend.get_texts())
+
+
+def test_black_lines_of_motions_over_time_differ_in_their_dashes(drawing: Drawing) -> None:
+    for figure in (
+        figures.figure14(drawing, look=Look(mono=True)),
+        figures.figure16(drawing, look=Look(mono=True)),
+    ):
+        lines = [line for line in figure.axes[0].lines if not line.get_label().startswith("_")]
+        assert len(lines) >= 3
+        assert len({str(line._unscaled_dash_pattern) for line in lines}) == len(lines)
+
+
+def test_motions_over_time_fill_a_column_and_their_words_fit(drawing: Drawing) -> None:
+    look = Look(width=0.085)
+    figure = figures.figure14(drawing, title="Quarter car over a bump of 5 cm", look=look)
+    (axes,) = figure.axes
+    assert axes.get_window_extent().width >= 0.65 * figure.bbox.width
+    figure.draw_without_rendering()
+    ticks = [t for t in axes.get_xticklabels() if t.get_position()[0] <= axes.get_xlim()[1]]
+    for text in [*figure.texts, *axes.get_legend().get_texts(), *ticks]:
+        box = text.get_window_extent()
+        assert figure.bbox.x0 <= box.x0 <= box.x1 <= figure.bbox.x1, text.get_text()
+
+
+def test_a_dimension_stays_beside_its_line_in_a_column(drawing: Drawing) -> None:
+    figure = figures.figure7(drawing, look=Look(width=0.085))
+    (axes,) = figure.axes
+    written = [text for text in axes.texts if text.get_text().endswith(" cm")]
+    assert len(written) == 3
+    assert {text.get_rotation() for text in written} == {90.0}
+
+
+def test_long_motions_are_not_blotted_by_marks_and_run_in_seconds() -> None:
+    times = np.linspace(0.0, 10.0, 4001)
+    columns = {"time": times, "body_displacement": 0.01 * np.sin(times)}
+    (axes,) = figures.time_histories(columns, points=True).axes
+    assert axes.get_xlabel() == "time [s]"
+    assert {line.get_marker() for line in axes.lines if line.get_gid()} == {""}
+    assert axes.get_xlim() == (0.0, 10.0)
+
+
 def test_mono_and_fonts(drawing: Drawing) -> None:
     figure = figures.phase_planes(drawing, look=Look(mono=True, font="serif"))
     colours = {tuple(c) for lines in figure.axes[0].collections for c in lines.get_colors()}

@@ -201,6 +201,15 @@ def test_planes_do_not_overlap(name: str) -> None:
         assert high <= other_low or other_high <= low
 
 
+@pytest.mark.parametrize("name", ["iso8608_a", "leaf_spring", "passenger_car"])
+def test_small_motions_are_not_lost_on_the_sheet(name: str) -> None:
+    """Each curve takes up a tenth of the height, however large the paper of 1957 was."""
+    drawing = drawing_of(name)
+    stays, *_ = pages_of(Content(name, drawing))
+    for motion in stays.motions:
+        assert np.ptp(motion.imag) >= 0.1 * 2.0 * stays.view.half.imag
+
+
 def test_letters_that_move_are_shown_only_where_they_are_free() -> None:
     drawing = drawing_of("ap57")
     stays, *_ = pages_of(Content("ap57", drawing))
