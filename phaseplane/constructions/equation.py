@@ -99,11 +99,6 @@ class EquationPlane(SwitchedPlane):
         """The value of f at time 0."""
         return self.value(self.initial_velocity, self.initial_displacement, 0.0)
 
-    @property
-    def lienard_plane_frequency(self) -> float:
-        """Omega of the plane, rad/s."""
-        return self.angular_frequency
-
     @cached_property
     def lienard(self) -> Lienard:
         """The plane with its auxiliary curves."""

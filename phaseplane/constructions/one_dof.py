@@ -108,11 +108,6 @@ class OneDofPlane(SwitchedPlane):
         omega = self.angular_frequency
         return lambda y_bar, y: strut.force(omega * y_bar, y) / strut.rate - y + moved
 
-    @property
-    def lienard_plane_frequency(self) -> float:
-        """Omega of the plane, rad/s."""
-        return self.angular_frequency
-
     @cached_property
     def strut(self) -> Strut:
         """Spring and damper."""

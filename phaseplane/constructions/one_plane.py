@@ -12,11 +12,10 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from functools import cached_property
 
-from phaseplane.constructions.construction import Construction, Window
+from phaseplane.constructions.construction import Construction
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.primitives import Curve, Plane, Scheme
 from phaseplane.constructions.schemes import marks, scheme, strokes, turns
-from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import Frame
 
 
@@ -54,21 +53,10 @@ class OnePlane(Construction):
     def lienard(self) -> Lienard:
         """The plane with its auxiliary curves."""
 
-    @abstractmethod
-    def shift(self, states: States, window: Window) -> float:
-        """Return the distance of D from A* along the y axis, the mean excitation over the window, m."""
-
     @cached_property
     def planes(self) -> tuple[Plane, ...]:
         """The one phase plane."""
         return (self.lienard.plane,)
-
-    def points(self, mode: str, states: States, window: Window) -> Points:
-        """Construct P, Q, A, A* and D of figure 2, with the mean excitation over the window."""
-        p = states[0]
-        q, a, foot = self.lienard.raised(p)
-        shift = self.lienard.plane.displacement.scale * self.shift(states, window)
-        return {"P": p, "Q": q, "A": a, "A*": foot, "D": foot + shift}
 
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
         """Return the family of auxiliary curves."""

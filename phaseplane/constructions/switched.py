@@ -75,6 +75,11 @@ class SwitchedPlane(OnePlane):
 
     @property
     @abstractmethod
+    def angular_frequency(self) -> float:
+        """Omega of the plane, rad/s."""
+
+    @property
+    @abstractmethod
     def switching(self) -> Switching:
         """The equation, with its switches."""
 
@@ -85,10 +90,6 @@ class SwitchedPlane(OnePlane):
     @abstractmethod
     def shift_in(self, mode: Mode, states: States, window: Window) -> float:
         """Return the distance of D from A* in a mode, averaged over the window."""
-
-    def shift(self, states: States, window: Window) -> float:
-        """Return the distance of D from A* along the axis, averaged over the window."""
-        return self.shift_in(_mode(self.mode_at(states, window.start)), states, window)
 
     def points(self, mode: str, states: States, window: Window) -> Points:
         """Construct P, Q, A, A* and D, on the branch of the auxiliary curve of the mode."""
@@ -159,7 +160,7 @@ class SwitchedPlane(OnePlane):
     @cached_property
     def guards(self) -> tuple[Callable[[float, float], float], ...]:
         """The guards as functions of the scaled velocity and x, at time 0."""
-        omega, switching = self.lienard_plane_frequency, self.switching
+        omega, switching = self.angular_frequency, self.switching
 
         def of(k: int) -> Callable[[float, float], float]:
             guard = switching.guards[k]
@@ -168,11 +169,6 @@ class SwitchedPlane(OnePlane):
             )
 
         return tuple(of(k) for k in range(len(switching.guards)))
-
-    @property
-    @abstractmethod
-    def lienard_plane_frequency(self) -> float:
-        """Omega of the plane, rad/s."""
 
 
 def schemes_with_switches(plain: Scheme) -> Mapping[str, Scheme]:

@@ -142,10 +142,6 @@ class ElastoplasticPlane(OnePlane):
         shift = self.scale * self.mean_load(window) / self.spring_rate
         return {"P": p, "Q": q, "A": a, "A*": foot, "D": foot + shift, "R": r}
 
-    def shift(self, states: States, window: Window) -> float:
-        """Return the mean of f / k over the window, m."""
-        return self.mean_load(window) / self.spring_rate
-
     def mean_load(self, window: Window) -> float:
         """Return the mean load over the window, N."""
         if window.duration == 0.0:
