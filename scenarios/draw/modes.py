@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from math import pi
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension.models import build
 from phaseplane.suspension.variables import MODELS
@@ -15,6 +15,9 @@ from phaseplane import figures
 from ..errors import InputError, check_picture, one_line
 from ..measures.linearised import linearised
 from ..scene.loading import load_scene
+
+if TYPE_CHECKING:
+    from ..measures.modal_planes import ModalPlanes
 
 _ROUNDING = 1e-9  # of the largest part of a shape
 
@@ -39,9 +42,32 @@ def modes(
     level = {"road.shape": "flat"} if "road.shape" in parameters else {}
     try:
         system = linearised(build(scene.fmu.model, {**parameters, **level}))
-        found = modal_planes(system)
+        # with springs in series with dampers there are damped modes alone
+        found = None if system.series and figure is None else modal_planes(system)
     except ValueError as error:
         raise InputError(f"modes of {scene.name}: {one_line(str(error))}") from None
+    modes = [] if found is None else _undamped(found)
+    title = scene.title or scene.name
+    if figure is not None and found is not None:
+        names = [
+            f"mode {i}: {one['frequency']:.4g} Hz, ξ = {one['damping_ratio']:.3g}"
+            for i, one in enumerate(modes, 1)
+        ]
+        motions = [found.free(i) for i in range(len(modes))]
+        figures.save(figures.modal_planes(motions, names, title=title, dark=dark), figure)
+    return {
+        "title": title,
+        "modes": modes,
+        "proportional": found is not None and found.proportional,
+        "damped": [
+            {"frequency": mode.frequency, "damping_ratio": mode.damping_ratio}
+            for mode in system.modes()
+        ],
+        "files": [str(figure)] if figure is not None else [],
+    }
+
+
+def _undamped(found: ModalPlanes) -> list[dict[str, Any]]:
     modes = []
     for i, omega in enumerate(found.angular_frequencies.tolist()):
         shape = found.shapes[:, i] / found.shapes[abs(found.shapes[:, i]).argmax(), i]
@@ -54,24 +80,7 @@ def modes(
                 "shape": dict(zip(found.coordinates, shape.tolist(), strict=True)),
             }
         )
-    title = scene.title or scene.name
-    if figure is not None:
-        names = [
-            f"mode {i}: {one['frequency']:.4g} Hz, ξ = {one['damping_ratio']:.3g}"
-            for i, one in enumerate(modes, 1)
-        ]
-        motions = [found.free(i) for i in range(len(modes))]
-        figures.save(figures.modal_planes(motions, names, title=title, dark=dark), figure)
-    return {
-        "title": title,
-        "modes": modes,
-        "proportional": found.proportional,
-        "damped": [
-            {"frequency": mode.frequency, "damping_ratio": mode.damping_ratio}
-            for mode in system.modes()
-        ],
-        "files": [str(figure)] if figure is not None else [],
-    }
+    return modes
 
 
 def format_modes(summary: Mapping[str, Any]) -> str:
@@ -87,5 +96,8 @@ def format_modes(summary: Mapping[str, Any]) -> str:
         damped = "; ".join(
             f"{one['frequency']:.6g} Hz, {one['damping_ratio']:.4g}" for one in summary["damped"]
         )
-        lines += ["", f"the damping couples these modes; damped, they are {damped}"]
+        if summary["modes"]:
+            lines += ["", f"the damping couples these modes; damped, they are {damped}"]
+        else:
+            lines.append(f"damped modes, as there are springs in series with dampers: {damped}")
     return "\n".join([*lines, *(f"file     {name}" for name in summary["files"])])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import kernels
@@ -12,13 +13,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from phaseplane.scenarios.draw.modes import format_modes, modes
 from phaseplane.scenarios.draw.planes import of_system
+from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.measures.linearised import linearised
 from phaseplane.scenarios.measures.modal_planes import modal_planes
 from phaseplane.suspension import characteristics, roads, system_file
 from phaseplane.suspension.checking import check_system
 from phaseplane.suspension.engine import Integrator, RunQueue
 from phaseplane.suspension.equilibrium import static_equilibrium
+from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.systems import Element, System
 from phaseplane.suspension.variable import ParameterError
@@ -340,6 +344,18 @@ def test_a_file_with_a_wrong_one_is_refused_in_words() -> None:
     ):
         with pytest.raises(ParameterError, match=words):
             system_file.load(RIG.replace(old, new))
+
+
+def test_the_modes_of_a_file_are_the_damped_ones(tmp_path: Path) -> None:
+    rig = tmp_path / "rig.toml"
+    rig.write_text("duration = 1.0\n" + RIG, encoding="utf-8")
+    summary = modes(str(rig), (), None)
+    assert [one["frequency"] for one in summary["damped"]] == pytest.approx(
+        [m.frequency for m in linearised(build("MountedRig", {})).modes()]
+    )
+    assert "damped modes, as there are springs in series" in format_modes(summary)
+    with pytest.raises(InputError, match="no modal planes"):
+        modes(str(rig), (), tmp_path / "modes.png")
 
 
 def test_there_is_no_construction_of_them() -> None:
