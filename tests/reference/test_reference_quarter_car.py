@@ -155,29 +155,6 @@ def test_blow_off_by_limits_and_by_table_are_one_law() -> None:
     assert largest_difference(solve(limits, times), solve({"damper.table": table}, times)) < 1e-12
 
 
-@pytest.mark.parametrize(
-    ("car", "times", "message"),
-    [
-        ({"spring_rate": 1.0}, [0.0, 1.0], "spring_rate"),
-        ({"road.shape": "kerb"}, [0.0, 1.0], "kerb"),
-        ({"damper.table": "-1:-10, 1:20"}, [0.0, 1.0], "force at 0"),
-        ({"spring.cubic": 1e6}, [0.0, 1.0], "cubic"),
-        ({}, [0.0, 0.2, 0.1], "ascend"),
-        ({}, [-0.1, 0.1], "ascend"),
-        ({}, [], "ascend"),
-        ({}, [0.0, float("nan")], "ascend"),
-    ],
-)
-def test_bad_input_is_refused(car: dict[str, Any], times: list[float], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        solve(car, times)
-
-
-def test_comparing_different_instants_is_refused() -> None:
-    with pytest.raises(ValueError, match="same instants"):
-        largest_difference(solve({}, [0.0, 0.1]), solve({}, [0.0, 0.2]))
-
-
 @pytest.mark.parametrize("tyre_damping", [0.0, 980.665])
 @pytest.mark.parametrize("contact", ["gap", "force"])
 @pytest.mark.parametrize("shape", ["bump", "obstacle", "sine"])

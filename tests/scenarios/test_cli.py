@@ -19,13 +19,16 @@ from fmpy.util import read_csv
 from hosting import HANGS, started, wait_until
 from phaseplane.scenarios import commands
 from phaseplane.scenarios.cli import COMMANDS, main
+from phaseplane.scenarios.draw.pictures import RULES_SHOWN
 from phaseplane.scenarios.results.folder import read_results
 from phaseplane.scenarios.scene.schema import Scene
+from phaseplane.scenarios.scene.sections import CONSTRUCTION_FIGURES, RULES
 from phaseplane.scenarios.simulate.driver import Drive, OpenFmu
 from phaseplane.suspension.models import FILES
 
 ROOT = Path(__file__).parents[2]
 BARE = ("--set", "show.figures=[]", "--set", "show.recording=false")
+NATIVE = ("build", "--native", "-o", "full")
 
 
 def phaseplane(*arguments: str) -> Result:
@@ -257,6 +260,12 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         (["build"], "Missing option '-o'"),
         (["build", "Quartercar", "-o", "x"], "did you mean 'QuarterCar'?"),
         (["build", "-o", "bad.toml/x"], "cannot write"),
+        ([*NATIVE, "Quartercar"], "did you mean 'QuarterCar'"),
+        ([*NATIVE, "QuarterCar", "--platforms", "win"], "platform 'win' is unknown"),
+        ([*NATIVE, "QuarterCar", "--set", "road.hight=3"], "did you mean 'road.height'"),
+        ([*NATIVE, "QuarterCar", "--set", "friction"], "must be name=value"),
+        ([*NATIVE, "QuarterCar", "--set", "friction=-1"], "friction = -1: must be at least 0"),
+        ([*NATIVE, "QuarterCar", "--set", "lift_off=perhaps"], "must be true or false"),
         (["list", "QuarterCar", "extra"], "unexpected extra argument"),
         (["list", "extra"], "model 'extra': must be one of"),
         (["replay", "ap57"], "--save F.rrd, --figure F.png"),
@@ -297,6 +306,7 @@ def test_bad_input(arguments: list[str], words: str, tmp_path: Path) -> None:
     assert words.lower() in result.stderr.lower()
     assert result.stdout == ""
     assert sorted(os.listdir()) == ["bad.toml", "full"]
+    assert os.listdir("full") == ["diary.txt"]
 
 
 def test_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -422,6 +432,25 @@ def test_replay_a_scene() -> None:
     assert told["steps"] == 30 + 2  # 0.15 s, and a step divided at lift-off and at touchdown
     assert Path("x.rrd").stat().st_size > 10_000
     assert "<svg" in Path("x.svg").read_text(encoding="utf-8")
+
+
+def test_a_replay_takes_the_rule_that_the_figure_shows() -> None:
+    arguments = ("replay", "ap57_figure13", "--figure", "a.svg", "--kind", "figure4b", "--json")
+    told = json.loads(phaseplane(*arguments).stdout)
+    assert "rule osculating circle, step 2.5 ms" in told["title"]
+    assert told["files"] == ["a.svg"]
+    refused = phaseplane(*arguments, "--construction", "delta")
+    assert refused.exit_code == 2
+    assert "figure 4b needs the rule osculating_circle" in refused.stderr
+    assert set(RULES_SHOWN) <= set(CONSTRUCTION_FIGURES)
+    assert set(RULES_SHOWN.values()) <= set(RULES)
+
+
+@pytest.mark.slow
+def test_a_moving_picture() -> None:
+    short = ("--set", "construction.duration=10 ms", "--dark")
+    assert phaseplane("replay", "ap57", "--figure", "a.gif", *short).exit_code == 0
+    assert Path("a.gif").read_bytes().startswith(b"GIF89a")
 
 
 def test_replay_lies_over_results(ap57: tuple[Path, str]) -> None:

@@ -1,4 +1,4 @@
-"""The notebook that shows a construction, run by Jupyter, and the recordings of the page."""
+"""The notebooks of the documentation, and the recordings of its page."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 from urllib.request import urlopen
 
+import notebooks
 import pytest
 from recorded import Recorded
 
@@ -71,3 +72,17 @@ def same(one: Any, other: Any) -> bool:
 def test_every_recording_is_on_the_page() -> None:
     kept = sorted(path.name for path in (DOCS / "recordings").glob("*.rrd"))
     assert sorted(name for _, name in MADE) == kept
+
+
+def test_the_notebook_of_an_engineer_runs_from_measured_tables_to_an_optimum() -> None:
+    scope, shown = notebooks.run(DOCS / "desk" / "own_car.ipynb")
+    pictures = [one for one in shown if hasattr(one, "_repr_png_")]
+    assert len(pictures) == 2
+    assert all(picture._repr_png_().startswith(b"\x89PNG") for picture in pictures)
+    assert "body weighted acceleration" in scope["run"]._repr_html_()
+    assert "payload of 200 kg" in " ".join(scope["loaded"].summary["remarks"])
+    optimum, before, after = scope["optimum"], scope["run"].measures, scope["after"].measures
+    assert optimum.summary["feasible"]
+    assert after["body_weighted_acceleration"] < before["body_weighted_acceleration"]
+    assert (optimum.folder / "study.png").exists()
+    assert shown[-1] == 0.0  # the FMU of the optimum has the same bits
