@@ -91,7 +91,7 @@ def _system(make: Callable[[Mapping[str, Value]], System], p: Mapping[str, Value
         made = make(p)
     except ParameterError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise _told(error) from None
     if not isinstance(made, System):
         raise ParameterError(f"MODEL.system returned {made!r}: it must return a System")
@@ -107,7 +107,7 @@ def _system(make: Callable[[Mapping[str, Value]], System], p: Mapping[str, Value
     return made
 
 
-def _told(error: Exception) -> ParameterError:
+def _told(error: BaseException) -> ParameterError:
     """Return an error of a module as one with the line where it happened."""
     lines = [at.lineno for at in extract_tb(error.__traceback__) if at.filename == _FILE]
     where = f"line {lines[-1]}: " if lines else ""
@@ -139,6 +139,6 @@ def _executed(source: str) -> Mapping[str, Any]:
         exec(code, module.__dict__)
     except SyntaxError as error:
         raise ParameterError(f"line {error.lineno}: {error.msg}") from None
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise _told(error) from None
     return module.__dict__

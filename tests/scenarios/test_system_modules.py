@@ -114,6 +114,7 @@ def test_commands_take_it(folder):
         ("MODEL =", "OTHER =", "there is no MODEL"),
         ("def system(p):", "def system(p:", r"line 20: '\(' was never closed"),
         ("import linear", "import linaer", "line 3: ImportError"),
+        ("MODEL =", "raise SystemExit(3)\nMODEL =", r"line \d+: SystemExit: 3"),
         ('p["rate"]', 'p["raet"]', "line 21: MODEL.variables has no 'raet'"),
         ("return System(", "return dict(", "MODEL.system returned"),
         ("    *SOLVER_OUTPUTS,\n", "", r"add \*SOLVER_OUTPUTS of phaseplane"),
