@@ -92,7 +92,8 @@ def _end_of(
             continue  # only the approximating parabola crosses zero
         f_low = course[0] if start == 0.0 else left(low)
         if f_low <= 0.0 or (fresh and start == 0.0):
-            grown = ((part, f) for part in _halves(high) if (f := left(part)) > 0.0)
+            halves = (high / 2**i for i in range(1, 11))
+            grown = ((part, f) for part in halves if (f := left(part)) > 0.0)
             low, f_low = next(grown, (0.0, 0.0))
             if low == 0.0:
                 return duration if course[-1] < 0.0 else None
@@ -117,11 +118,6 @@ def _descents(course: Sequence[float]) -> Iterator[tuple[float, float]]:
             fall = before - course[i + 1]
             if here - 0.125 * fall * fall / bend < doubtful:
                 yield parts[i - 1], parts[i] + 0.5 * fall / bend * parts[1]
-
-
-def _halves(whole: float) -> Iterator[float]:
-    for i in range(1, 11):
-        yield whole / 2**i
 
 
 def _root(

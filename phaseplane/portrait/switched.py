@@ -6,12 +6,14 @@ Across a jump of f, and on a switch that holds a motion, only a step that ends t
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from itertools import islice
 from math import hypot, inf, isnan, nan
 
 import numpy as np
 import numpy.typing as npt
 
+from phaseplane.constructions.geometry import bisected
 from phaseplane.equations.motion import MotionError, Step, steps
 from phaseplane.equations.switching import Switching
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
@@ -95,7 +97,7 @@ def turn(
             into.append((x1, mirrored * v1))
         # in reversed time the velocity on record is -x'
         if (mirrored * v1) * beyond < 0.0 and (mirrored * v0) * beyond >= 0.0 and step.start > 0.0:
-            at = _crossing(step)
+            at = bisected(partial(_velocity, step), step.start, step.end)
             x = step.at(at)[0]
             if not isnan(far):
                 return far, x, at
@@ -148,17 +150,8 @@ def _rests(step: Step) -> bool:
     return 0 in step.mode and step.first[1] == step.last[1] == 0.0
 
 
-def _crossing(step: Step) -> float:
-    """Return when x' vanishes within a step."""
-    low, high = step.start, step.end
-    rises = step.last[1] > 0.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if (step.at(middle)[1] > 0.0) == rises:
-            high = middle
-        else:
-            low = middle
-    return 0.5 * (low + high)
+def _velocity(step: Step, time: float) -> float:
+    return step.at(time)[1]
 
 
 def curves(
