@@ -28,7 +28,9 @@ _MOST_BETTER = 10.0
 # least share of the difference of these columns that is taken as the error with curved forces
 _BENT_BETTER = 0.4
 _STIFF_PHASE = 100.0  # phase of the fastest motion beyond which jerks do not describe a step
-_EXCESS = 1.5  # error of a step, over its share of the tolerance, up to which it is not repeated
+# error of a step, over its share of the tolerance, up to which it is not repeated: few steps have it, and
+# to repeat them costs more than to take all a little shorter
+_EXCESS = 2.5
 _FINE = 1e-4  # tolerance below which order 8 is faster than order 6
 _LINK = 1e4  # times the fastest frequency; a damper with a decay this fast acts like a rigid link
 # By order: the damping with which no mode grows up to a phase of 6 (see `modes`; a single column takes no

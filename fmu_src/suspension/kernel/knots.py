@@ -14,7 +14,7 @@ from .layout import CONTACT, DAMPER, PIECE, START
 if not cython.compiled:
     from math import fabs
 
-_JUMP = 60.0  # largest error of a step in which a second derivative jumps, over the error found
+_JUMP = 40.0  # largest error of a step in which a second derivative jumps, over the error found
 _LIKELY = 0.6  # of the step proposed by the last error; a shorter one may pass points
 _LEAST_KNOT = 0.02  # of a step: a point closer to its ends does not matter
 _CLOSE_KNOT = 1e-4  # of a step that must be repeated anyway
@@ -56,7 +56,7 @@ class Knots:
     def within(self, h):
         """Return the length h of the attempt, or a shorter one to a point that it should end on."""
         most = self.stepper.method.most_error
-        if not self.stepper.balance.bends.joined or self.stepper.errors.error <= most / _JUMP:
+        if not self.stepper.balance.bends.joined or self.stepper.errors.error <= 1.0 / _JUMP:
             return h
         least = _LEAST_KNOT if self.stepper.errors.error <= most else _CLOSE_KNOT
         self._find(h, least)
