@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from math import inf
 from typing import NamedTuple, cast
@@ -247,47 +248,37 @@ def _mistakes(construction: Construction, rule: Rule, step: _Step) -> Iterator[t
     count = len(planes)
     right = Stepper(construction, rule)
 
-    def stepped(stepper: Stepper) -> States | None:
-        try:
-            return _stepped(stepper, step)[1][:count]
-        except (OverflowError, ValueError, ZeroDivisionError, KeyError):
-            return None
-
-    def turned(factor: float) -> States | None:
+    def turned(*factors: float) -> States | None:
         other = Stepper(construction, rule)
-        other.rates = tuple(factor * rate for rate in other.rates)
-        return stepped(other)
+        other.rates = tuple(f * rate for f, rate in zip(factors, other.rates, strict=True))
+        return _made(other, step)
 
     cases: list[tuple[str, Callable[[], States | None]]] = [
-        ("the normal was turned in the wrong direction", lambda: turned(-1.0)),
-        ("the turn angle was laid off twice", lambda: turned(2.0)),
-        ("only half of the turn angle was laid off", lambda: turned(0.5)),
+        ("the normal was turned in the wrong direction", partial(turned, *count * [-1.0])),
+        ("the turn angle was laid off twice", partial(turned, *count * [2.0])),
+        ("only half of the turn angle was laid off", partial(turned, *count * [0.5])),
         ("the point was not moved", lambda: step.states[:count]),
     ]
     cases += [
         (f"the step follows the rule {name.replace('_', ' ')}, not {rule.name.replace('_', ' ')}",
-         lambda other=other: stepped(Stepper(construction, other)))  # type: ignore[misc]
+         partial(_made, Stepper(construction, other), step))
         for name, other in RULES.items()
         if name != rule.name
     ]  # fmt: skip
-    for words, changed in _wrong_feet(construction, step):
-        cases.append(
-            (words, lambda changed=changed: _moved(right, step, changed, count))  # type: ignore[misc]
-        )
-    if len(planes) > 1:
-        for i, plane in enumerate(planes):
-            other = Stepper(construction, rule)
-            other.rates = tuple(-r if k == i else r for k, r in enumerate(other.rates))
-            cases.append(
-                (f"the normal of plane {plane.number} was turned in the wrong direction",
-                 lambda other=other: stepped(other))  # type: ignore[misc]
-            )  # fmt: skip
+    cases += [
+        (words, partial(_moved, right, step, changed))
+        for words, changed in _wrong_feet(construction, step)
+    ]
+    if count > 1:
+        cases += [
+            (f"the normal of plane {plane.number} was turned in the wrong direction",
+             partial(turned, *(-1.0 if other is plane else 1.0 for other in planes)))
+            for plane in planes
+        ]  # fmt: skip
     for words, find in cases:
-        found = find()
-        if found is not None:
+        if (found := find()) is not None:
             yield words, found
-    found = stepped(right)
-    if found is not None:
+    if (found := _made(right, step)) is not None:
         yield from _misreadings(planes, found)
 
 
@@ -311,57 +302,36 @@ _MISREAD: tuple[tuple[str, Callable[[complex], complex]], ...] = (
 )
 
 
+_WRONG_FEET: tuple[tuple[str, Callable[[Points, Plane], complex]], ...] = (
+    ("delta was laid off on the wrong side of the axis: D mirrored about the origin",
+     lambda points, plane: 2.0 * plane.displacement.origin - points[plane.foot]),
+    ("D was placed at the foot of P: the auxiliary curve was not used",
+     lambda points, plane: points[f"Q{plane.number}"]),
+    ("D was placed at the origin: delta was omitted", lambda _, plane: plane.displacement.origin),
+    ("the excitation was omitted: D was placed at A*",
+     lambda points, plane: points[f"A{plane.number}*"]),
+    ("the excitation was laid off in the wrong direction",
+     lambda points, plane: 2.0 * points[f"A{plane.number}*"] - points[plane.foot]),
+)  # fmt: skip
+
+
 def _wrong_feet(
     construction: Construction, step: _Step
 ) -> Iterator[tuple[str, Callable[[Points], Points]]]:
     """Yield known mistakes in finding D, as changes of the points of a construction."""
-
-    def feet(change: Callable[[Points, str], complex]) -> Callable[[Points], Points]:
-        def changed(points: Points) -> Points:
-            found = dict(points)
-            for plane in construction.planes:
-                if f"A{plane.number}*" in points:
-                    found[plane.foot] = change(points, plane.number)
-            return found
-
-        return changed
-
-    yield (
-        "delta was laid off on the wrong side of the axis: D mirrored about the origin",
-        feet(lambda p, n: _mirrored(construction, p, n)),
-    )
-    yield (
-        "D was placed at the foot of P: the auxiliary curve was not used",
-        feet(lambda p, n: p[f"Q{n}"]),
-    )
-    yield (
-        "D was placed at the origin: delta was omitted",
-        feet(lambda _, n: _origin(construction, n)),
-    )
-    yield (
-        "the excitation was omitted: D was placed at A*",
-        feet(lambda p, n: p[f"A{n}*"]),
-    )
-    yield (
-        "the excitation was laid off in the wrong direction",
-        feet(lambda p, n: 2.0 * p[f"A{n}*"] - p[_foot(construction, n)]),
-    )
+    for words, change in _WRONG_FEET:
+        yield words, partial(_with_changed_feet, construction.planes, change)
     yield (
         "A was found from the mirror image of P: the wrong branch of the auxiliary curve",
         _other_branch(construction, step),
     )
 
 
-def _foot(construction: Construction, number: str) -> str:
-    return next(plane.foot for plane in construction.planes if plane.number == number)
-
-
-def _origin(construction: Construction, number: str) -> complex:
-    return next(p for p in construction.planes if p.number == number).displacement.origin
-
-
-def _mirrored(construction: Construction, points: Points, number: str) -> complex:
-    return 2.0 * _origin(construction, number) - points[_foot(construction, number)]
+def _with_changed_feet(
+    planes: Sequence[Plane], change: Callable[[Points, Plane], complex], points: Points
+) -> Points:
+    drawn = (plane for plane in planes if f"A{plane.number}*" in points)
+    return {**points, **{plane.foot: change(points, plane) for plane in drawn}}
 
 
 def _other_branch(construction: Construction, step: _Step) -> Callable[[Points], Points]:
@@ -404,12 +374,16 @@ class _Changed:
         return self.change(self.inner.points(mode, states, window))
 
 
-def _moved(
-    stepper: Stepper, step: _Step, change: Callable[[Points], Points], count: int
-) -> States | None:
-    wrong = Stepper(cast("Construction", _Changed(stepper.construction, change)), stepper.rule)
+def _moved(stepper: Stepper, step: _Step, change: Callable[[Points], Points]) -> States | None:
+    """Return the state points after a step whose points are changed by a mistake."""
+    wrong = cast("Construction", _Changed(stepper.construction, change))
+    return _made(Stepper(wrong, stepper.rule), step)
+
+
+def _made(stepper: Stepper, step: _Step) -> States | None:
+    """Return the state points after a step, or None if it cannot be made."""
     try:
-        return _stepped(wrong, step)[1][:count]
+        return _stepped(stepper, step)[1][: len(stepper.construction.planes)]
     except (OverflowError, ValueError, ZeroDivisionError, KeyError):
         return None
 
@@ -424,7 +398,7 @@ def _with_feet(stepper: Stepper, step: _Step, feet: States) -> States | None:
     def changed(points: Points) -> Points:
         return {**points, **{name: points[name] + off for name, off in offsets.items()}}
 
-    return _moved(stepper, step, changed, len(planes))
+    return _moved(stepper, step, changed)
 
 
 def _apart(one: States, other: States) -> float:
