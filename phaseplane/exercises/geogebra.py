@@ -84,11 +84,8 @@ def _of_step(plane: Plane, rule: Rule, frame: Frame, law: Law | None) -> list[Co
         return _feet(plane, frame, law, REPEATED, n)
 
     again, foot = f"P'{n}", f"D'{n}"
-    mean = f"{angle} (Distance({p}, {d}) + Distance({again}, {foot})) / (2 Distance({p}, {d}))"
     match rule.name:
-        case "tangent":
-            return [*made, *tangent(following, angle)]
-        case "velocity":
+        case "tangent" | "velocity":
             return [*made, *tangent(following, angle)]
         case "mean_normal" | "auto_mean_normal":
             normal = abs(frame.points["P"] - frame.points["D"])
@@ -96,7 +93,7 @@ def _of_step(plane: Plane, rule: Rule, frame: Frame, law: Law | None) -> list[Co
             differ = normal > 0.0 and abs(other / normal - 1.0) > 0.1
             made += [*tangent(again, angle), *repeated()]
             plain = rule.name == "auto_mean_normal" and not differ
-            factor = angle if plain or normal == 0.0 else mean
+            factor = angle if plain or normal == 0.0 else _mean(n, angle)
             return [*made, Command(following, "Dilate", (f"T{n}", factor, p))]
         case "delta":
             made.append(Command(again, "Rotate", (p, spelled_number(0.5 * turn), d)))
@@ -104,6 +101,12 @@ def _of_step(plane: Plane, rule: Rule, frame: Frame, law: Law | None) -> list[Co
             return [*made, Command(following, "Rotate", (p, angle, foot))]
     made += [*tangent(again, angle), *repeated()]
     return [*made, *_on_circle(plane, rule, frame, n, angle)]
+
+
+def _mean(n: str, angle: str) -> str:
+    """Return the factor of the mean length of both normals."""
+    first, second = f"Distance(P{n}, D{n})", f"Distance(P'{n}, D'{n})"
+    return f"{angle} ({first} + {second}) / (2 {first})"
 
 
 def _on_circle(plane: Plane, rule: Rule, frame: Frame, n: str, angle: str) -> list[Command]:
@@ -123,11 +126,7 @@ def _on_circle(plane: Plane, rule: Rule, frame: Frame, n: str, angle: str) -> li
         turned = abs(ends - (at + exp(1j * turn) * (points["P"] - at))) < 1e-9 * abs(ends - at)
         if rule.name == "midpoint_circle" and turned:
             return [*made, Command(following, "Rotate", (p, angle, eye))]
-        factor = angle
-        if rule.name == "mean_arc_circle":
-            factor = (
-                f"{angle} (Distance({p}, {d}) + Distance({again}, {foot})) / (2 Distance({p}, {d}))"
-            )
+        factor = _mean(n, angle) if rule.name == "mean_arc_circle" else angle
         return [*made, Command(following, "Dilate", (f"T{n}", factor, p))]
     made += [
         Command(f"n{n}", "Line", (p, d)),
@@ -201,8 +200,8 @@ def write_geogebra(path: Path, made: Sequence[Command], drawing: Drawing) -> Non
     construction = ElementTree.SubElement(root, "construction", title=drawing.title, author="")
     (plane,) = drawing.planes
     for i, curve in enumerate(c for c in drawing.curves if c.role == "auxiliary"):
-        corners = ", ".join(_point(_place(plane, z)) for z in curve.vertices)
-        _written(construction, Command(f"a_{{{i}}}", "Polyline", (corners,)), "polyline")
+        corners = tuple(_point(_place(plane, z)) for z in curve.vertices)
+        _written(construction, Command(f"a_{{{i}}}", "Polyline", corners), "polyline")
     for command in made:
         kind = "line" if command.name == "Line" else "point"
         _written(construction, command, kind)
@@ -234,8 +233,7 @@ def _view(root: ElementTree.Element, drawing: Drawing) -> None:
 def _written(parent: ElementTree.Element, command: Command, kind: str) -> None:
     if command.name:
         element = ElementTree.SubElement(parent, "command", name=command.name)
-        given = command.arguments if kind != "polyline" else _split(command.arguments[0])
-        names = {f"a{i}": argument for i, argument in enumerate(given)}
+        names = {f"a{i}": argument for i, argument in enumerate(command.arguments)}
         ElementTree.SubElement(element, "input", names)
         ElementTree.SubElement(element, "output", a0=command.label)
     else:
@@ -246,16 +244,8 @@ def _written(parent: ElementTree.Element, command: Command, kind: str) -> None:
     letter = command.label[0]
     r, g, b = _COLOURS.get(letter, (110, 110, 110))
     shown = kind != "line" and letter not in "TRF"
-    ElementTree.SubElement(
-        element,
-        "show",
-        object=str(shown).lower(),
-        label=str(command.label.startswith("P_")).lower(),
-    )
+    named = command.label.startswith("P_")
+    ElementTree.SubElement(element, "show", object=str(shown).lower(), label=str(named).lower())
     ElementTree.SubElement(element, "objColor", r=str(r), g=str(g), b=str(b), alpha="0.0")
     if kind == "point":
         ElementTree.SubElement(element, "pointSize", val="4" if letter == "P" else "2")
-
-
-def _split(text: str) -> list[str]:
-    return [part + ")" if not part.endswith(")") else part for part in text.split("), ")]

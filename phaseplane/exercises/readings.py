@@ -42,7 +42,7 @@ def columns(planes: Sequence[Plane]) -> list[str]:
         found += [f"{letter}{suffix}", f"{letter}_bar{suffix}"]
     for plane in planes:
         unit = display(plane.displacement)[1]
-        found.append(f"{plane.foot}" + (f" [{unit}]" if unit else ""))
+        found.append(f"{plane.foot} [{unit}]" if unit else plane.foot)
     return found
 
 
