@@ -96,11 +96,11 @@ DIRECTIVES = {
 # in the order in which they need each other
 MODULES = (
     "layout", "outcomes", "arrays", "state", "linear", "bernstein", "signals", "laws",
-    "series_springs", "elements", "branches", "network", "dense", "bends", "balance", "columns", "motion",
-    "modes", "errors", "method", "extrapolated", "increments", "wilson", "exact", "methods",
-    "stepper", "straight_tyres", "switches", "knots", "step_readings", "potential", "ledger",
-    "stability", "reading", "switch_log", "limited", "time_loop", "handover", "integrator", "rest",
-    "inputs", "contacts", "account", "run", "lines",
+    "series_springs", "elements", "branches", "network", "dense", "bends", "balance", "columns",
+    "motion", "modes", "errors", "method", "extrapolated", "increments", "wilson", "exact",
+    "methods", "stepper", "straight_tyres", "switches", "knots", "step_readings", "potential",
+    "ledger", "stability", "reading", "switch_log", "limited", "trial", "time_loop", "handover",
+    "integrator", "rest", "inputs", "contacts", "account", "run", "lines",
 )  # fmt: skip
 
 INTEGERS = re.compile(r"^cdef int ([_A-Z0-9, ]+)$", re.MULTILINE)

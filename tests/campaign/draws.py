@@ -163,23 +163,9 @@ def _road(dice: _Dice) -> Parameters:
     return found
 
 
-def _axle(dice: _Dice, body: float, of: str, wheels: bool) -> Parameters:
-    """Suspension and wheel under a share of the body, kg."""
-    rate = dice.between(30.0 * body, 90.0 * body)
-    bump, rebound = dice.between(0.5 * body, 4.0 * body), dice.between(1.0 * body, 8.0 * body)
-    found: Parameters = {"spring.rate": rate}
-    match dice.random.choice(["linear", "cubic", "table", "monotone", "preload"]):
-        case "cubic":
-            found["spring.cubic"] = dice.between(0.5, 50.0) * rate
-        case "preload":
-            found |= {"spring.cubic": dice.between(0.5, 50.0) * rate,
-                      "spring.preload": _short(9.81 * body)}  # fmt: skip
-        case "linear":
-            pass
-        case joined:
-            found["spring.table"] = dice.law(0.15, lambda x: rate)
-            found["spring.interpolation"] = "linear" if joined == "table" else joined
-    found |= {"damper.bump_rate": bump, "damper.rebound_rate": rebound}
+def _damper(dice: _Dice, bump: float, rebound: float) -> Parameters:
+    """The characteristic of a damper with these rates at zero."""
+    found: Parameters = {"damper.bump_rate": bump, "damper.rebound_rate": rebound}
     match dice.random.choice(
         ["linear", "limits", "limits", "saturating", "table", "monotone", "none"]
     ):
@@ -197,6 +183,26 @@ def _axle(dice: _Dice, body: float, of: str, wheels: bool) -> Parameters:
         case joined:
             found["damper.table"] = dice.law(1.5, lambda v: rebound if v > 0.0 else bump)
             found["damper.interpolation"] = "linear" if joined == "table" else joined
+    return found
+
+
+def _axle(dice: _Dice, body: float, of: str, wheels: bool) -> Parameters:
+    """Suspension and wheel under a share of the body, kg."""
+    rate = dice.between(30.0 * body, 90.0 * body)
+    bump, rebound = dice.between(0.5 * body, 4.0 * body), dice.between(1.0 * body, 8.0 * body)
+    found: Parameters = {"spring.rate": rate}
+    match dice.random.choice(["linear", "cubic", "table", "monotone", "preload"]):
+        case "cubic":
+            found["spring.cubic"] = dice.between(0.5, 50.0) * rate
+        case "preload":
+            found |= {"spring.cubic": dice.between(0.5, 50.0) * rate,
+                      "spring.preload": _short(9.81 * body)}  # fmt: skip
+        case "linear":
+            pass
+        case joined:
+            found["spring.table"] = dice.law(0.15, lambda x: rate)
+            found["spring.interpolation"] = "linear" if joined == "table" else joined
+    found |= _damper(dice, bump, rebound)
     if dice.chance(0.2):
         factors = [dice.between(0.2, 3.0) for _ in range(3)]
         places = (-0.05, 0.0, 0.05)

@@ -7,7 +7,7 @@ from .state cimport KernelState
 cdef class Motion:
     cdef Network net
     cdef KernelState state
-    cdef int n, elements
+    cdef int n, outer, elements
     cdef double *q, *v, *a, *j, *qb, *vb, *ab, *jb, *drift, *drift_end, *origin
     cdef double *jerk, *end_jerk
     cdef double *multiplier, *multiplier_rate

@@ -19,6 +19,7 @@ class Motion:
     def __init__(self, network):
         n, elements = network.n, network.elements
         self.net, self.n, self.elements = network, n, elements
+        self.outer = self.net.series.outer
         memory = self.net.memory
         # now
         self.state = self.net.state
@@ -52,7 +53,7 @@ class Motion:
     def reach_at(self, q):
         """Return the largest motion so far, including that at displacements q, m."""
         reach = self.state.reach
-        for i in range(self.net.series.outer):
+        for i in range(self.outer):
             x = fabs(q[i] - self.origin[i])
             if not x <= reach:
                 reach = x
@@ -64,7 +65,7 @@ class Motion:
         These are the one at its end and the mean velocity, as a step may go from rest to rest.
         """
         speed = self.state.speed
-        for i in range(self.net.series.outer):
+        for i in range(self.outer):
             rounding = 1e-15 * (fabs(self.q[i]) + fabs(self.qb[i]))
             x = max(fabs(self.vb[i]), (fabs(self.qb[i] - self.q[i]) - rounding) / h)
             if not x <= speed:

@@ -70,22 +70,10 @@ class StabilityMonitor:
         return self.omega
 
     def _largest_eigenvalue(self):
-        """Return the largest eigenvalue of L^-1 K L^-T, by cyclic Jacobi rotations."""
+        """Return the largest eigenvalue of M^-1 K, by cyclic Jacobi rotations."""
+        self._reduce()
         n = self.n
-        m, low = self.matrix, self.net.mass_factor
-        for i in range(n * n):
-            m[i] = self.modes.stiffness[i] + self.net.series.stiffness[i]
-        for i in range(n):
-            for p in range(i):
-                for j in range(n):
-                    m[i * n + j] -= low[i * n + p] * m[p * n + j]
-        for j in range(n):
-            for p in range(j):
-                for i in range(n):
-                    m[i * n + j] -= low[j * n + p] * m[i * n + p]
-        for i in range(n):
-            for j in range(n):
-                m[i * n + j] /= sqrt(low[i * n + i] * low[j * n + j])
+        m = self.matrix
         for _sweep in range(_SWEEPS):
             off = 0.0
             largest = 0.0
@@ -103,6 +91,24 @@ class StabilityMonitor:
         for i in range(n):
             largest = max(largest, m[i * n + i])
         return largest
+
+    def _reduce(self):
+        """Set `matrix` to the symmetric L^-1 K L^-T with the same eigenvalues, M = L L^T."""
+        n = self.n
+        m, low = self.matrix, self.net.mass_factor
+        for i in range(n * n):
+            m[i] = self.modes.stiffness[i] + self.net.series.stiffness[i]
+        for i in range(n):
+            for p in range(i):
+                for j in range(n):
+                    m[i * n + j] -= low[i * n + p] * m[p * n + j]
+        for j in range(n):
+            for p in range(j):
+                for i in range(n):
+                    m[i * n + j] -= low[j * n + p] * m[i * n + p]
+        for i in range(n):
+            for j in range(n):
+                m[i * n + j] /= sqrt(low[i * n + i] * low[j * n + j])
 
     def _rotate(self, i, j):
         n = self.n

@@ -13,9 +13,10 @@ from .stepper cimport Stepper
 from .switch_log cimport SwitchLog
 from .switches cimport Switches
 from .stability cimport StabilityMonitor
+from .trial cimport Trial
 
 cdef int _AT_SWITCHES, _AT_STEPS
-cdef int _FLIPS, _STALLED, _KNOTS
+cdef int _AGAIN, _STALLS, _FLIPS, _STALLED, _KNOTS
 cdef int _OVERRUNS, _PAUSE
 cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _DECAY_PHASE, _SHORT_PHASE, _NEAR_END, _AFTER_KNOT
 
@@ -27,6 +28,7 @@ cdef class TimeLoop:
     cdef object method_name
     cdef Switches switches
     cdef Knots knots
+    cdef Trial trial
     cdef StabilityMonitor monitor
     cdef Dense dense, whole
     cdef Ledger ledger
@@ -44,7 +46,6 @@ cdef class TimeLoop:
     # workspace
     cdef int *branch_before
     cdef int since_pause
-    cdef double landed
 
     @cython.locals(datum=double)
     cdef object _resume(self, bytes content)
@@ -67,9 +68,16 @@ cdef class TimeLoop:
     cdef double _proposed_step(self) noexcept nogil
     @cython.locals(last=double)
     cdef double _while_decaying(self, double h) noexcept nogil
-    @cython.locals(i=int, flips=int, knots=int, to_end=bint, landed=bint, status=int, runs_away=bint,
-                   cut=double, ends_on_knot=bint, h=double, longer=double, joint=double, end=double, at=double, excess=double)
+    @cython.locals(h=double, status=int, runs_away=bint)
     cdef int _step(self, double latest) noexcept nogil
+    @cython.locals(status=int, at=double, h=double)
+    cdef int _try(self) noexcept nogil
+    @cython.locals(cut=double)
+    cdef bint _shortens(self) noexcept nogil
+    cdef void _look_ahead(self) noexcept nogil
+    @cython.locals(status=int, excess=double)
+    cdef int _end_on_switch(self) noexcept nogil
+    cdef int _finish(self) noexcept nogil
     @cython.locals(i=int)
     cdef bint _has_diverged(self) noexcept nogil
     @cython.locals(s=int, jumped=bint, jump=double, before=double, now=double)

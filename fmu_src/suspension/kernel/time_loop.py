@@ -33,12 +33,14 @@ from .stability import POLICIES, StabilityMonitor
 from .stepper import Stepper
 from .switch_log import SwitchLog
 from .switches import Switches
+from .trial import Trial
 
 if not cython.compiled:
     from math import fabs, sqrt
 
 _AT_SWITCHES, _AT_STEPS = 1, 2  # where a run halts; 0: nowhere
 
+_AGAIN, _STALLS = -2, -3  # of attempts, see `_try`
 _FLIPS = 24  # changes of branch at one instant, when several elements are at their corners
 _PAUSE = 5000  # steps after which Python can handle signals, such as an interrupt
 _STALLED = 100  # consecutive steps in which no time passes
@@ -99,7 +101,7 @@ class TimeLoop:
         self.method, self.motion = self.stepper.method, self.stepper.motion
         self.state = self.net.state
         self.switches = Switches(self.stepper)
-        self.knots = Knots(self.switches)
+        self.knots, self.trial = Knots(self.switches), Trial()
         if beyond_stable not in POLICIES:
             raise ValueError(f"beyond_stable {beyond_stable!r} is not one of {', '.join(POLICIES)}")
         self.monitor = StabilityMonitor(self.stepper.modes, beyond_stable, self.method.limit)
@@ -408,87 +410,110 @@ class TimeLoop:
         h = self._proposed_step()
         if h == 0.0:
             return UNSTABLE
-        cut = self.knots.ahead(h, min(self.net.next_joint(), latest))
-        ends_on_knot = cut < h
-        h = cut
-        flips = 0
-        longer = 0.0  # the next step, by the error of the last attempt
-        knots = 0  # how often it was shortened to a point of a smooth table
-        while True:
-            joint = self.net.next_joint()
-            end = joint if joint < latest else latest
-            to_end = 0
-            if self.state.time + h * (1.0 + 1e-9) >= end:
-                h = end - self.state.time
-                to_end = 1
-            if not (to_end or h > 4e-16 * (fabs(self.state.time) + 1e-3)):
+        self.trial.begin(self.knots.ahead(h, min(self.net.next_joint(), latest)))
+        self.trial.on_knot = self.trial.length < h
+        status = _AGAIN
+        while status == _AGAIN:
+            self.trial.stop_at(self.net.next_joint(), latest, self.state.time)
+            if not (
+                self.trial.to_end or self.trial.length > 4e-16 * (fabs(self.state.time) + 1e-3)
+            ):
                 runs_away = self.state.reach > _RUNAWAY * self.state.scale
                 return DIVERGED if runs_away else STEP_TOO_SMALL
-            status = self.stepper.attempt(self.state.time, h)
-            if status != 0:
-                h *= 0.25
-                if self.fixed_step > 0.0 or h < 1e-14:
-                    return status
-                continue
-            if self.stepper.errors.controlled:
-                if knots < _KNOTS:
-                    knots += 1
-                    cut = self.knots.within(h)
-                    if cut < h:
-                        ends_on_knot = True
-                        h = cut
-                        continue
-                if self.stepper.errors.error > self.method.most_error:
-                    h *= self.stepper.errors.factor()
-                    continue
-            if ends_on_knot and not to_end:
-                h = self._meet_knot(h, end)
-            at = self.switches.first(self.state.time, h) if self.landing else 2.0
-            if at == 0.0 and flips >= _FLIPS:
-                # one branch after the other is left at once
-                if self.stepper.errors.controlled:
-                    return self._overrun(latest)
-                self.state.overruns += 1
-            elif at == 0.0:
+            status = self._try()
+        if status == _STALLS:
+            return self._overrun(latest)
+        return self._finish() if status == REACHED else status
+
+    def _try(self):
+        """Attempt the step.
+
+        Return 0 if it is accepted, `_AGAIN` if it is to be tried with the length that it then has,
+        `_STALLS` if one branch after the other is left at once, or the reason why it failed.
+        """
+        status = self.stepper.attempt(self.state.time, self.trial.length)
+        if status != 0:
+            self.trial.length *= 0.25
+            return status if self.fixed_step > 0.0 or self.trial.length < 1e-14 else _AGAIN
+        if self.stepper.errors.controlled and self._shortens():
+            return _AGAIN
+        if self.trial.on_knot and not self.trial.to_end:
+            h = self._meet_knot(self.trial.length, self.trial.end)
+            self.trial.length = h
+        at = self.switches.first(self.state.time, self.trial.length) if self.landing else 2.0
+        if at == 0.0:
+            if self.trial.flips < _FLIPS:
                 # the branch is left at once: it was on the wrong side of its bound
-                flips += 1
+                self.trial.flips += 1
                 self._switch(self.switches.element, self.switches.kind, self.switches.side)
                 self._enter_branches()
-                continue
-            # a step shortened by a joint or by a point of a table is no reason for a shorter next step
-            if self.stepper.errors.controlled and (not to_end or h > self.state.proposal > 0.0):
-                longer = h * self.stepper.errors.factor()
-                if ends_on_knot:
-                    longer = max(longer, _AFTER_KNOT * self.state.proposal)
-            landed = 0
-            if 0.0 < at <= 1.0:
-                status = self._land(h)
-                if status != 0:
-                    h *= 0.25
-                    if h < 1e-14:
-                        return status
-                    continue
-                h = self.landed
-                if self.stepper.errors.controlled and self.stepper.balance.bends.count:
-                    excess = self.stepper.errors.of_reading(h)
-                    if excess > self.method.most_error:  # it is proportional to the square of h
-                        h -= h / sqrt(excess)
-                        continue
-                landed = not (self.switches.recedes or self.switches.only_opens)
-                self.switches.start_known = 0  # the step has been shortened
-                to_end = to_end and self.state.time + h >= end
-            break
-        if longer > 0.0:
-            self.state.proposal = longer
-        self._accept(h, end if to_end else self.state.time + h)
+                return _AGAIN
+            if self.stepper.errors.controlled:
+                return _STALLS
+            self.state.overruns += 1
+        self._look_ahead()
+        return self._end_on_switch() if 0.0 < at <= 1.0 else REACHED
+
+    def _shortens(self):
+        """Shorten the step to a point of a smooth table, or for its error, and return whether it is."""
+        if self.trial.cuts < _KNOTS:
+            self.trial.cuts += 1
+            cut = self.knots.within(self.trial.length)
+            if cut < self.trial.length:
+                self.trial.on_knot = True
+                self.trial.length = cut
+                return True
+        if self.stepper.errors.error > self.method.most_error:
+            self.trial.length *= self.stepper.errors.factor()
+            return True
+        return False
+
+    def _look_ahead(self):
+        """Choose the length of the next step, by the error of this one.
+
+        A step shortened by a joint or by a point of a table is no reason for a shorter next step.
+        """
+        if not self.stepper.errors.controlled:
+            return
+        if not self.trial.to_end or self.trial.length > self.state.proposal > 0.0:
+            self.trial.longer = self.trial.length * self.stepper.errors.factor()
+            if self.trial.on_knot:
+                self.trial.longer = max(self.trial.longer, _AFTER_KNOT * self.state.proposal)
+
+    def _end_on_switch(self):
+        """End the step on the switch found; return the same as `_try`."""
+        status = self._land(self.trial.length)
+        if status != 0:
+            self.trial.length *= 0.25
+            return status if self.trial.length < 1e-14 else _AGAIN
+        if self.stepper.errors.controlled and self.stepper.balance.bends.count:
+            excess = self.stepper.errors.of_reading(self.trial.length)
+            if excess > self.method.most_error:  # it is proportional to the square of the length
+                self.trial.length -= self.trial.length / sqrt(excess)
+                return _AGAIN
+        self.trial.lands = not (self.switches.recedes or self.switches.only_opens)
+        self.switches.start_known = 0  # the step has been shortened
+        self.trial.to_end = (
+            self.trial.to_end and self.state.time + self.trial.length >= self.trial.end
+        )
+        return REACHED
+
+    def _finish(self):
+        """Make the attempt the last step, and enter the branches and segments that follow."""
+        if self.trial.longer > 0.0:
+            self.state.proposal = self.trial.longer
+        self._accept(
+            self.trial.length,
+            self.trial.end if self.trial.to_end else self.state.time + self.trial.length,
+        )
         self.switches.carry_on()
-        if landed:
+        if self.trial.lands:
             self._switch(self.switches.element, self.switches.kind, self.switches.side)
-        if to_end and end == joint:
+        if self.trial.to_end and self.trial.end == self.trial.joint:
             self._pass_joint()
         if not self.landing:
             self._relocate(True)
-        if landed or to_end or not self.landing:
+        if self.trial.lands or self.trial.to_end or not self.landing:
             self._enter_branches()
         elif self.stepper.balance.bends.count:
             self.stepper.modes.follow()
@@ -604,7 +629,8 @@ class TimeLoop:
             else:
                 status = self._end_at(new, reads and fabs(late) < near)
             step = new
-        self.landed = step
+        if status == 0:
+            self.trial.length = step
         return status
 
     def _end_at(self, step, reads):

@@ -1,0 +1,31 @@
+"""The step that is being tried."""
+
+from __future__ import annotations
+
+
+class Trial:
+    """Its length, where it ends, and what its attempts so far have shown."""
+
+    def __init__(self):
+        self.begin(0.0)
+
+    def begin(self, length):
+        """Begin with a proposed length, s."""
+        self.length = length
+        self.joint = self.end = 0.0  # the next joint of a signal, and the latest end, s
+        self.to_end = False  # whether it ends there
+        self.on_knot = False  # whether it is shortened to a point of a smooth table
+        self.cuts = self.flips = (
+            0  # how often to such a point; elements that left their branch at once
+        )
+        self.lands = False  # whether it ends on a switch
+        self.longer = (
+            0.0  # the next step, by the error of the last attempt; 0 if that is no measure
+        )
+
+    def stop_at(self, joint, latest, time):
+        """Set the next joint and the latest end, and end there if the end is not beyond it."""
+        self.joint, self.end = joint, min(joint, latest)
+        self.to_end = time + self.length * (1.0 + 1e-9) >= self.end
+        if self.to_end:
+            self.length = self.end - time
