@@ -19,10 +19,11 @@ from phaseplane.constructions.primitives import Drawing
 from phaseplane.figures.canvas import Sheet, heading_lines, new_page
 from phaseplane.figures.style import HEADING, PLAIN, Look, new_figure, printed
 from phaseplane.picture.files import replace_file
+from phaseplane.picture.page import motions_of
 from phaseplane.picture.story import Tick, arms_page, staged, story_of
 from phaseplane.picture.styles import MOVING_POINT
 from phaseplane.picture.text import format_time, typeset
-from phaseplane.picture.views import frame_at, view_of, whole_view
+from phaseplane.picture.views import frame_at, view_of, views_of
 
 MOVING = (".gif", ".mp4")
 _DPI = 84
@@ -60,7 +61,7 @@ def animation(
         raise ValueError(f"animations are written as {', '.join(MOVING)}, not as {suffix!r}")
     if suffix == ".mp4" and program is None:
         raise ValueError(".mp4 needs the program ffmpeg, which was not found; write a .gif instead")
-    page = new_page(drawing, whole_view(drawing), look)
+    page = new_page(drawing, views_of(drawing, motions_of(drawing))[0], look)
     page.axes_of_planes()
     page.curves()
     sheet = Sheet(look)

@@ -172,24 +172,19 @@ def exercise_sheet(
         axes.text(_EDGE, height - _EDGE - 0.75 - 0.48 * i, line, fontsize=8.5, va="top")
     (left, bottom), (right, top) = sheet_extent(sheet, points)
     free_width, free_height = sheet_room(paper, len(filled.rows))
-    moved = np.array(
-        [
-            _EDGE + 0.5 * (free_width - (right - left)) - left,
-            height - _EDGE - _HEAD - 0.5 * (free_height - (top - bottom)) - top,
-        ]
-    )
+    x = _EDGE + 0.5 * (free_width - (right - left)) - left
+    y = height - _EDGE - _HEAD - 0.5 * (free_height - (top - bottom)) - top
+    moved = np.array([x, y])
     _grid(axes, np.array([left, bottom]) + moved, np.array([right, top]) + moved)
     clip = (left + moved[0], right + moved[0], bottom + moved[1], top + moved[1])
-    middle, half = (
-        0.5 * np.array([left + right, bottom + top]) + moved,
-        (right - left, top - bottom),
-    )
+    middle = 0.5 * np.array([left + right, bottom + top]) + moved
+    extent = complex(right - left, top - bottom)
     drawn = [
         np.array(c["points"]) + moved for c in sheet["curves"]
         if c["role"] not in _TURN and len(c["points"]) > 1
     ]  # fmt: skip
     drawn += [np.array(axis["ends"]) + moved for plane in sheet["axes"] for axis in plane.values()]
-    texts = _Texts(axes, Box(complex(*middle), 0.5 * complex(*half)).grown(0.3), drawn)
+    texts = _Texts(axes, Box(complex(*middle), 0.5 * extent).grown(0.3), drawn)
     _axes(texts, sheet, moved)
     _curves(axes, sheet, moved, clip)
     _turn(axes, sheet, np.array([left + 0.6, bottom + 0.6]) + moved)
@@ -308,7 +303,7 @@ def _solution(texts: _Texts, sheet: Mapping[str, Any], filled: Filled, moved: np
         way = [p for step in sheet["steps"][: len(points) - 1] for p in step["ways"][i]]
         if way:
             axes.plot(*(np.array(way) + moved).T, color=BLUE, linewidth=0.9, zorder=4.0)
-        axes.plot(*at.T, color=BLUE, marker="o", markersize=2.6, linestyle="", zorder=4.0)
+        axes.plot(*at.T, "o", color=BLUE, markersize=2.6, zorder=4.0)
         names = range(len(at)) if len(at) > 1 else ["P₀"]
         for name, place in zip(names, at, strict=True):
             texts.beside(str(name), [place], 6.5, BLUE)
@@ -318,14 +313,7 @@ def _solution(texts: _Texts, sheet: Mapping[str, Any], filled: Filled, moved: np
             axes.plot(*at.T, color=ORANGE, linewidth=0.4, zorder=3.0)
     for points, right in filled.read:
         at = np.array(points) + moved
-        axes.plot(
-            *at.T,
-            color=GREEN if right else RED,
-            marker="x",
-            markersize=5.0,
-            linestyle="",
-            zorder=6.0,
-        )
+        axes.plot(*at.T, "x", color=GREEN if right else RED, markersize=5.0, zorder=6.0)
 
 
 def _table(axes: Axes, head: Sequence[str], rows: Sequence[Sequence[str]], width: float) -> None:

@@ -70,11 +70,8 @@ Row = tuple[str, Quantity, tuple[tuple[str, str], ...]]
 
 def time_histories(
     columns: Mapping[str, npt.ArrayLike],
-    *,
-    title: str = "",
-    look: Look = PLAIN,
-    points: bool = False,
-) -> Figure:
+    *, title: str = "", look: Look = PLAIN, points: bool = False,
+) -> Figure:  # fmt: skip
     """Draw displacements, velocities, accelerations (AP57 figures 14 to 16) and energies over time.
 
     Parameters
@@ -96,10 +93,7 @@ def time_histories(
 
 
 def axle_histories(
-    axles: Mapping[str, Mapping[str, npt.ArrayLike]],
-    *,
-    title: str = "",
-    look: Look = PLAIN,
+    axles: Mapping[str, Mapping[str, npt.ArrayLike]], *, title: str = "", look: Look = PLAIN
 ) -> Figure:
     """Draw the motions over several axles beside each other, each with its road and flights.
 
@@ -152,17 +146,11 @@ def _histories(
             axes.yaxis.set_label_coords(_LABELS / width, 0.5, place)
         for start, end in spans[:1]:
             panels[0].annotate(
-                "airborne",
-                (0.5 * factor * (start + end), 1.0),
-                (0.0, -2.0 if narrow else 2.0),
-                xycoords=("data", "axes fraction"),
-                textcoords="offset points",
-                ha="center",
-                va="top" if narrow else "bottom",
-                fontsize=8.0,
-                color=palette.faint,
+                "airborne", (0.5 * factor * (start + end), 1.0), (0.0, -2.0 if narrow else 2.0),
+                xycoords=("data", "axes fraction"), textcoords="offset points", ha="center",
+                va="top" if narrow else "bottom", fontsize=8.0, color=palette.faint,
                 path_effects=palette.halo(),
-            )
+            )  # fmt: skip
         panels[-1].set_xlabel(f"time [{unit}]")
         if axle:
             panels[0].set_title(axle, color=palette.ink, fontsize=10.0, loc="right")
@@ -249,15 +237,9 @@ def _flat(
 
 
 def _panel(
-    axes: Axes,
-    row: Row,
-    table: Mapping[str, npt.NDArray[np.float64]],
-    times: npt.NDArray[np.float64],
-    palette: Palette,
-    *,
-    points: bool,
-    narrow: bool,
-) -> None:
+    axes: Axes, row: Row, table: Mapping[str, npt.NDArray[np.float64]],
+    times: npt.NDArray[np.float64], palette: Palette, *, points: bool, narrow: bool,
+) -> None:  # fmt: skip
     heading, quantity, columns = row
     dress(axes, palette, 8.5)
     dashes: dict[str, Any] = {**_DASHES, **(_MONO if palette.mono else {})}
@@ -266,28 +248,19 @@ def _panel(
             continue
         element, *words = name.split("_")
         axes.plot(
-            times,
-            quantity.factor * table[name],
-            color=palette.of(hue_of(name)),
+            times, quantity.factor * table[name], color=palette.of(hue_of(name)),
             linewidth=1.6 if element in ("body", "wheel") else 1.1,
             linestyle=next((dashes[word] for word in (element, *words) if word in dashes), "-"),
             marker="." if points and element != "road" and len(times) <= _MOST_MARKED else "",
-            markersize=4.0,
-            label=label,
-            gid=name,
-        )
+            markersize=4.0, label=label, gid=name,
+        )  # fmt: skip
     axes.axhline(0.0, color=palette.faint, linewidth=0.6, zorder=1.0)
     axes.set_xlim(times[0], times[-1])
     axes.set_ylabel(f"{heading} [{quantity.unit}]")
     axes.set_axisbelow(True)
     handles, labels = axes.get_legend_handles_labels()
     axes.legend(
-        handles[::-1],
-        labels[::-1],
-        loc="lower left" if narrow else "center left",
-        bbox_to_anchor=(-0.2, 1.0) if narrow else (1.01, 0.5),
-        ncols=2 if narrow else 1,
-        frameon=False,
-        fontsize=8.0 if narrow else 9.0,
-        labelcolor=palette.ink,
-    )
+        handles[::-1], labels[::-1], loc="lower left" if narrow else "center left",
+        bbox_to_anchor=(-0.2, 1.0) if narrow else (1.01, 0.5), ncols=2 if narrow else 1,
+        frameon=False, fontsize=8.0 if narrow else 9.0, labelcolor=palette.ink,
+    )  # fmt: skip

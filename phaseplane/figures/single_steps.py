@@ -37,13 +37,11 @@ _CENTRE: tuple[Named, ...] = (("S{n}", "S{n}", "construction"),)
 def figure4a(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw P' on the tangent, at a distance given by the mean of both normals (AP57 figure 4a)."""
     letters = (*_STEP, *_PREDICTED)
-    _needs(drawing, "figure 4a", "mean_normal")
-    one, plane = _clearest(drawing, letters, frame)
-    page = _close_up(drawing, one, plane, letters, look)
+    page, one, plane = _close_up(drawing, "figure 4a", "mean_normal", letters, frame, look)
     p, _, p_new, ahead, foot = _points(one, plane, letters)
     page.lines("construction", [[p, ahead], [foot, ahead]])
     page.lines("successor", [[p, p_new]])
-    _finish(page, one, plane, letters)
+    _finish(page, one, plane, letters, ahead)
     words = "The length of PP' is the mean of both normals times the turn angle"
     return page, f"{words}: {_which(one)}"
 
@@ -52,14 +50,12 @@ def figure4a(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple
 def figure4b(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw P' on the osculating circle about S, at the turn angle seen from D (AP57 figure 4b)."""
     letters = (*_STEP, *_PREDICTED, *_CENTRE)
-    _needs(drawing, "figure 4b", "osculating_circle")
-    one, plane = _clearest(drawing, letters, frame)
-    page = _close_up(drawing, one, plane, letters, look)
+    page, one, plane = _close_up(drawing, "figure 4b", "osculating_circle", letters, frame, look)
     p, d, p_new, ahead, foot, centre = _points(one, plane, letters)
     page.lines("construction", [[p, ahead], [foot, ahead], [d, p_new]])
     page.lines("foot", [[centre, p], [centre, ahead]])
     page.lines("arc", [arcs(centre, p, p_new)])
-    _finish(page, one, plane, letters)
+    _finish(page, one, plane, letters, ahead)
     return page, f"P' on the osculating circle about S: {_which(one)}"
 
 
@@ -124,24 +120,27 @@ def _clearest(
 
 
 def _close_up(
-    drawing: Drawing, frame: Frame, plane: Plane, named: Sequence[Named], look: Look
-) -> Page:
-    """Return a page of one step only, with its y axis and its normal."""
-    points = _points(frame, plane, named)
-    page = new_page(drawing, around(np.array(points), 0.12), look)
+    drawing: Drawing, figure: str, rule: str, named: Sequence[Named], index: int | None, look: Look
+) -> tuple[Page, Frame, Plane]:
+    """Return a page of one step only, with its y axis and its normal, the step and the plane."""
+    _needs(drawing, figure, rule)
+    frame, plane = _clearest(drawing, named, index)
+    p, d, *others = _points(frame, plane, named)
+    page = new_page(drawing, around(np.array([p, d, *others]), 0.12), look)
     page.y_axis(plane)
-    p, d, *_ = points
     page.lines("normal", [[d, p]])
-    return page
+    return page, frame, plane
 
 
-def _finish(page: Page, frame: Frame, plane: Plane, named: Sequence[Named]) -> None:
-    """Draw the turn angle, the right angle at P, points and letters."""
+def _finish(
+    page: Page, frame: Frame, plane: Plane, named: Sequence[Named], ahead: complex,
+    more: Sequence[tuple[complex, str, str]] = (),
+) -> None:  # fmt: skip
+    """Draw the turn angle, the right angle at P, points and letters, and more letters."""
     p, d, *_ = _points(frame, plane, named)
     _turn(page, frame, plane, p, d)
-    ahead = frame.points[f"P{plane.number}~"]
     dimensions.right_angle(page, p, d - p, ahead - p)
-    page.letter(_lettered(page, frame, plane, named))
+    page.letter([*_lettered(page, frame, plane, named), *more])
 
 
 def _turn(page: Page, frame: Frame, plane: Plane, p: complex, d: complex) -> None:
@@ -168,12 +167,9 @@ def figure2(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[
     needs(drawing, "figure 2 shows one plane", "ap57_obstacle", planes=1)
     chosen = frame_at(drawing, frame)
     page = step_page(drawing, chosen, look)
-    foot, d = chosen.points.get("A*"), chosen.points["D"]
-    if (
-        foot is not None
-        and abs(d - foot) > 4.0 * page.em
-        and "suspension" in drawing.planes[0].name
-    ):
+    d = chosen.points["D"]
+    foot = chosen.points.get("A*", d)
+    if "suspension" in drawing.planes[0].name and abs(d - foot) > 4.0 * page.em:
         dimensions.below(page, foot, d, r"$a\,\ddot{\xi}/\Omega^2$", 2.4)
     page.letters(chosen)
     return page, f"The normal DP in the phase plane: {_which(chosen)}"
@@ -186,26 +182,19 @@ def figure3(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[
     The triangle of dy = QP dtau and dy-bar = QD dtau is similar to the triangle QPD.
     """
     letters = (*_STEP, ("Q{n}", "Q{n}", "foot"))
-    _needs(drawing, "figure 3", "tangent")
-    one, plane = _clearest(drawing, letters, frame)
-    page = _close_up(drawing, one, plane, letters, look)
+    page, one, plane = _close_up(drawing, "figure 3", "tangent", letters, frame, look)
     p, d, p_new, q = _points(one, plane, letters)
     page.lines("foot", [[p, q]])
     page.lines("construction", [[d, p_new]])
     page.lines("successor", [[p, p_new]])
     corner = complex(p_new.real, p.imag)
     page.lines("projection", [[p, corner, p_new]])
-    n = plane.number
+    dy, dy_bar = (f"d{name}" for name in (
+        typeset(f"y{plane.number}"), typeset(plane.scaled_velocity.label).split(" ")[0]
+    ))  # fmt: skip
     small = [
-        ((p + corner) / 2, "d" + typeset(f"y{n}"), "projection"),
-        (
-            (corner + p_new) / 2,
-            "d" + typeset(plane.scaled_velocity.label).split(" ")[0],
-            "projection",
-        ),
+        ((p + corner) / 2, dy, "projection"), ((corner + p_new) / 2, dy_bar, "projection"),
         ((p + p_new) / 2, "ds", "successor"),
-    ]
-    _turn(page, one, plane, p, d)
-    dimensions.right_angle(page, p, d - p, p_new - p)
-    page.letter([*_lettered(page, one, plane, letters), *small])
+    ]  # fmt: skip
+    _finish(page, one, plane, letters, p_new, small)
     return page, f"ds = DP dτ on the tangent: {_which(one)}"

@@ -60,21 +60,12 @@ def pareto(
         axes.axhline(limit, color=RED, linewidth=1.0, linestyle="--", zorder=1)
     axes.set(xlabel=labels[0], ylabel=labels[1])
     # what is far off, such as runs with the wheel in the air, does not flatten the rest
-    for values, near, set_limits in (
-        (
-            x,
-            (*np.ravel(front[0]), *(a for a, _ in (marked or {}).values()), *limits[0]),
-            axes.set_xlim,
-        ),
-        (
-            y,
-            (*np.ravel(front[1]), *(b for _, b in (marked or {}).values()), *limits[1]),
-            axes.set_ylim,
-        ),
-    ):
+    for k, values in enumerate((x, y)):
+        near = [*np.ravel(front[k]), *(at[k] for at in (marked or {}).values()), *limits[k]]
         usual = [*np.nanpercentile(values, [0.0, 90.0]), *near]
         margin = 0.06 * (max(usual) - min(usual)) or 1.0
-        set_limits(min(usual) - margin, max(usual) + margin)
+        ends = min(usual) - margin, max(usual) + margin
+        axes.set(**{"xlim" if k == 0 else "ylim": ends})
     dress(axes, palette, 8.5)
     axes.set_axisbelow(True)
     axes.legend(frameon=False, fontsize=8.5, labelcolor=palette.ink)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from phaseplane.constructions.primitives import Arc, Drawing, Mark, Scheme, Stroke
+from phaseplane.constructions.primitives import Arc, Drawing, Scheme, Stroke
 from phaseplane.constructions.rules import REPEATED
 from phaseplane.constructions.storage import Frame, StoredFrames
 
@@ -23,20 +23,17 @@ class Layer:
 
     Parameters
     ----------
-    scheme, stage : in which it is drawn
+    stage : in which it is drawn
     kind : points have one vertex, lines two, arcs as many as the longest of them needs
     roles, labels, names : of each item; lines and arcs have no labels, and the names of both ends
-    frames : indices of the frames
     vertices : shape (frames, items, vertices)
     """
 
-    scheme: str
     stage: int
     kind: Literal["points", "lines", "arcs"]
     roles: tuple[str, ...]
     labels: tuple[str, ...]
     names: tuple[str, ...]
-    frames: tuple[int, ...]
     vertices: Points
 
     def __len__(self) -> int:
@@ -61,55 +58,46 @@ def layers_of(drawing: Drawing, key: str, first: int = 0, last: int | None = Non
     """
     schemes = drawing.frames[first:last].schemes
     chosen = [i for i, scheme in enumerate(schemes, first) if scheme == key]
-    return list(_layers(drawing.schemes[key], key, drawing.frames.at(chosen), chosen))
+    return list(_layers(drawing.schemes[key], drawing.frames.at(chosen)))
 
 
 def layers_at(drawing: Drawing, frame: Frame) -> list[Layer]:
     """Return the layers of one frame."""
-    one = StoredFrames([frame])
-    return list(_layers(drawing.schemes[frame.scheme], frame.scheme, one, [frame.step]))
+    return list(_layers(drawing.schemes[frame.scheme], StoredFrames([frame])))
 
 
-def _layers(
-    scheme: Scheme, key: str, frames: StoredFrames, chosen: Sequence[int]
-) -> Iterator[Layer]:
+def _layers(scheme: Scheme, frames: StoredFrames) -> Iterator[Layer]:
     if not frames:
         return
-    names = sorted(_named(scheme))
+    names = sorted(
+        {mark.point for mark in scheme.marks}
+        | {end for stroke in scheme.strokes for end in (stroke.start, stroke.end)}
+        | {place for arc in scheme.arcs for place in (arc.centre, arc.start, arc.end)}
+    )
     column = dict(zip(names, table(frames, names).T, strict=True))
 
-    def of(several: Sequence[str]) -> Points:
+    def of(several: Iterable[str]) -> Points:
         return np.stack([column[name] for name in several], 1)
 
+    def ends(parts: Sequence[Stroke | Arc]) -> tuple[Points, Points]:
+        return of(part.start for part in parts), of(part.end for part in parts)
+
     for stage in range(len(scheme.stages)):
-        marks: list[Mark] = [mark for mark in scheme.marks if mark.stage == stage]
-        strokes: list[Stroke] = [stroke for stroke in scheme.strokes if stroke.stage == stage]
-        swept: list[Arc] = [arc for arc in scheme.arcs if arc.stage == stage]
+        marks = [mark for mark in scheme.marks if mark.stage == stage]
+        strokes = [stroke for stroke in scheme.strokes if stroke.stage == stage]
+        swept = [arc for arc in scheme.arcs if arc.stage == stage]
         if marks:
-            yield Layer(
-                key, stage, "points", tuple(m.role for m in marks), tuple(m.label for m in marks),
-                tuple(m.point for m in marks), tuple(chosen),
-                of([mark.point for mark in marks])[..., None],
-            )  # fmt: skip
+            roles, labels, points = zip(*((m.role, m.label, m.point) for m in marks), strict=True)
+            yield Layer(stage, "points", roles, labels, points, of(points)[..., None])
         if strokes:
-            ends = of([name for stroke in strokes for name in (stroke.start, stroke.end)])
-            yield Layer(
-                key, stage, "lines", tuple(s.role for s in strokes), ("",) * len(strokes),
-                tuple(s.start + s.end for s in strokes), tuple(chosen),
-                ends.reshape(len(frames), -1, 2),
-            )  # fmt: skip
+            yield _between(stage, "lines", strokes, np.stack(ends(strokes), -1))
         if swept:
-            yield Layer(
-                key, stage, "arcs", tuple(a.role for a in swept), ("",) * len(swept),
-                tuple(a.start + a.end for a in swept), tuple(chosen),
-                arcs(*(of([getattr(a, part) for a in swept]) for part in ("centre", "start", "end"))),
-            )  # fmt: skip
+            vertices = arcs(of(arc.centre for arc in swept), *ends(swept))
+            yield _between(stage, "arcs", swept, vertices)
 
 
-def _named(scheme: Scheme) -> set[str]:
-    """Return the points in a scheme."""
-    return {
-        *(mark.point for mark in scheme.marks),
-        *(end for stroke in scheme.strokes for end in (stroke.start, stroke.end)),
-        *(place for arc in scheme.arcs for place in (arc.centre, arc.start, arc.end)),
-    }
+def _between(
+    stage: int, kind: Literal["lines", "arcs"], parts: Sequence[Stroke | Arc], vertices: Points
+) -> Layer:
+    roles, names = tuple(p.role for p in parts), tuple(p.start + p.end for p in parts)
+    return Layer(stage, kind, roles, ("",) * len(parts), names, vertices)

@@ -527,10 +527,10 @@ class Page:
         """
         ways = [way[:steps] for way in self.ways]
         if ways and len(ways[0]) > 2 * _RECENT:  # a long motion would be a blot
-            past = [_thinned(joined(way[:-_RECENT]), most) for way in ways]
+            past = [_joined(way[:-_RECENT], most) for way in ways]
             self.lines("trail", past, 0.4, 0.5 * strength)
             ways = [way[-_RECENT:] for way in ways]
-        recent = [_thinned(joined(way), most) for way in ways if len(way)]
+        recent = [_joined(way, most) for way in ways if len(way)]
         self.lines("trail", recent, 1.0, strength)
 
     def missed(self) -> None:
@@ -665,12 +665,9 @@ class Page:
             self.letter(named, _VALUE, lines=False)
 
 
-def joined(way: Points) -> Points:
-    """Return the ways of several steps as one polyline."""
-    return np.append(way[:, :-1].ravel(), way[-1, -1])
-
-
-def _thinned(points: Points, most: int | None) -> Points:
+def _joined(way: Points, most: int | None) -> Points:
+    """Return the ways of several steps as one polyline of about `most` vertices."""
+    points = np.append(way[:, :-1].ravel(), way[-1, -1])
     return np.append(points[:: max(1, len(points) // most)], points[-1]) if most else points
 
 

@@ -79,11 +79,6 @@ def views_of(drawing: Drawing, motions: Sequence[Points]) -> list[Box]:
     return [around(_framed(drawing, planes, known), 0.06) for planes in several]
 
 
-def whole_view(drawing: Drawing) -> Box:
-    """Return the part of the sheet with the whole motion and most feet of its normals."""
-    return views_of(drawing, motions_of(drawing))[0]
-
-
 def _framed(drawing: Drawing, planes: Sequence[Plane], motions: Mapping[Plane, Points]) -> Points:
     points: list[Points] = []
     for plane in planes:

@@ -56,7 +56,7 @@ class Recorder:
     def __init__(self, recording: rr.RecordingStream, content: Content) -> None:
         content.check()
         self.recording, self.content = recording, content
-        self.ticks = list(self._story())
+        self.ticks = self._story()
         self.clock = Clock.of(content.drawing, [tick.time for tick in self.ticks])
         self.sheet, self.arms, self.over_time = (
             Viewer(recording, root) for root in (SHEET, ARMS, CHART)
@@ -100,11 +100,8 @@ class Recorder:
         content = self.content
         if content.constructed is None or content.detail != "stages" or self.arms_page is None:
             return []
-        return list(
-            story_of(
-                content.constructed, self.pages[0], self.arms_page, self.quantities, content.staged
-            )
-        )
+        pages = self.pages[0], self.arms_page
+        return list(story_of(content.constructed, *pages, self.quantities, content.staged))
 
     @property
     def words(self) -> bool:

@@ -94,12 +94,8 @@ def log_vehicle(recording: rr.RecordingStream, content: Content) -> None:
 def _log_part(
     recording: rr.RecordingStream, name: str, outline: Sequence[Polyline], hue: Hue
 ) -> None:
-    recording.log(
-        f"{VEHICLE}/{name}",
-        rr.LineStrips2D([xy(strip) for strip in outline]),
-        _style(hue),
-        static=True,
-    )
+    shape = rr.LineStrips2D([xy(strip) for strip in outline])
+    recording.log(f"{VEHICLE}/{name}", shape, _style(hue), static=True)
 
 
 def _style(hue: Hue) -> rr.LineStrips2D:
@@ -107,11 +103,9 @@ def _style(hue: Hue) -> rr.LineStrips2D:
 
 
 def send_positions(
-    recording: rr.RecordingStream,
-    vehicle: Vehicle,
-    at: Mapping[str, Reals],
+    recording: rr.RecordingStream, vehicle: Vehicle, at: Mapping[str, Reals],
     columns: list[rr.TimeColumn],
-) -> None:
+) -> None:  # fmt: skip
     """Log the positions of the parts at some times.
 
     Parameters
@@ -121,52 +115,34 @@ def send_positions(
     """
 
     def place(name: str, x: npt.ArrayLike, y: npt.ArrayLike, **more: npt.ArrayLike) -> None:
-        recording.send_columns(
-            f"{VEHICLE}/{name}",
-            columns,
-            rr.Transform3D.columns(translation=flat(x, y), **more),  # type: ignore[arg-type]
-        )
+        moved = rr.Transform3D.columns(translation=flat(x, y), **more)  # type: ignore[arg-type]
+        recording.send_columns(f"{VEHICLE}/{name}", columns, moved)
 
     place("road", -vehicle.speed * at["time"], np.zeros(len(at["time"])))
     height, pitch = body_over(vehicle, at)
-    place(
-        "body",
-        0.0,
-        height,
-        quaternion=np.stack(
-            [np.zeros_like(pitch), np.zeros_like(pitch), np.sin(pitch / 2), np.cos(pitch / 2)], -1
-        ),
-    )
+    none = np.zeros_like(pitch)
+    turned = np.stack([none, none, np.sin(pitch / 2), np.cos(pitch / 2)], -1)
+    place("body", 0.0, height, quaternion=turned)
     for axle in vehicle.axles:
         body, wheel = at[axle.body], wheel_over(axle, at)
         place(f"{axle.name}/strut", axle.position, FLOOR + body)
         place(f"{axle.name}/wheel", axle.position, rest_height(axle) + wheel)
         foot, length = spring_at(axle, body, wheel)
-        place(
-            f"{axle.name}/spring",
-            axle.position + SPRING_BESIDE,
-            foot,
-            scale=flat(np.ones_like(length), length, 1.0),
-        )
+        scale = flat(np.ones_like(length), length, 1.0)
+        place(f"{axle.name}/spring", axle.position + SPRING_BESIDE, foot, scale=scale)
         _send_gap(recording, axle, at, columns)
 
 
 def _send_gap(
-    recording: rr.RecordingStream,
-    axle: AxleView,
-    at: Mapping[str, Reals],
+    recording: rr.RecordingStream, axle: AxleView, at: Mapping[str, Reals],
     columns: list[rr.TimeColumn],
-) -> None:
+) -> None:  # fmt: skip
     """Log the gap between road and tyre, shaded while it is open; an empty row clears it."""
     if not axle.wheel:
         return
     gap = gap_at(axle, at)
     strokes = gap_strokes(axle, wheel_over(axle, at), at[axle.road])
     open_rows = gap > 0.0
-    recording.send_columns(
-        f"{VEHICLE}/{axle.name}/gap",
-        columns,
-        rr.LineStrips2D.columns(strips=strips(strokes[open_rows].reshape(-1, 2))).partition(
-            strokes.shape[1] * open_rows
-        ),
-    )
+    lines = rr.LineStrips2D.columns(strips=strips(strokes[open_rows].reshape(-1, 2)))
+    parts = lines.partition(strokes.shape[1] * open_rows)
+    recording.send_columns(f"{VEHICLE}/{axle.name}/gap", columns, parts)

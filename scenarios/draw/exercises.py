@@ -196,7 +196,7 @@ def _clear(drawing: Drawing) -> bool:
 def _seen(drawing: Drawing) -> list[list[float]]:
     """Return the points that a sheet must have room for, cm."""
     return [
-        [100.0 * z.real, 100.0 * z.imag]
+        _cm(z)
         for frame in drawing.frames
         for name, z in frame.points.items()
         if name.startswith(("P", "D", "A", "C", "H")) and "~" not in name
@@ -297,22 +297,22 @@ def format_marks(summary: Mapping[str, Any]) -> str:
 
 def write_marked_sheet(made: Exercise, summary: Mapping[str, Any], path: Path) -> None:
     """Write the marking sheet with the student's points on it."""
-    count = len(made.drawing.planes)
     read = []
     for one in summary["marks"]:
-        pairs = [one["read"][2 * i : 2 * i + 2] for i in range(count)]
-        points = [
-            _paper(made, i, y, y_bar) for i, (y, y_bar) in enumerate(pairs)
-        ]  # fmt: skip
+        values = iter(one["read"])
+        points = [_paper(plane, next(values), next(values)) for plane in made.drawing.planes]
         read.append((points, one["verdict"] == RIGHT))
     figures.save(_sheet(made, solved=True, read=read), path)
 
 
-def _paper(made: Exercise, i: int, y: float, y_bar: float) -> list[float]:
-    plane = made.drawing.planes[i]
+def _paper(plane: Plane, y: float, y_bar: float) -> list[float]:
     factor, _ = display(plane.displacement)
     up = plane.scaled_velocity.direction * plane.scaled_velocity.scale
-    z = plane.displacement.at(y / factor) + up * y_bar / factor
+    return _cm(plane.displacement.at(y / factor) + up * y_bar / factor)
+
+
+def _cm(z: complex) -> list[float]:
+    """Return a point of paper in cm."""
     return [100.0 * z.real, 100.0 * z.imag]
 
 
@@ -320,12 +320,9 @@ def _values(made: Exercise, states: Sequence[complex]) -> list[tuple[float, floa
     found = []
     for plane, p in zip(made.drawing.planes, states, strict=False):
         factor, _ = display(plane.displacement)
-        found.append(
-            (
-                factor * plane.displacement.read(p) + 0.0,
-                factor * plane.scaled_velocity.read(p) + 0.0,
-            )
-        )
+        axes = plane.displacement, plane.scaled_velocity
+        y, y_bar = (factor * axis.read(p) + 0.0 for axis in axes)
+        found.append((y, y_bar))
     return found
 
 
@@ -349,21 +346,11 @@ def _sheet(
     head = [lettered(name) for name in exercises.columns(planes)]
     head = [head[0], "t [s]", *head[1:]]
     shown = instants if solved else instants[:1]
-    points = [
-        [[100.0 * f.points[p.state].real, 100.0 * f.points[p.state].imag] for f in shown]
-        for p in planes
-    ]
-    feet_at = [
-        [[100.0 * f.points[p.foot].real, 100.0 * f.points[p.foot].imag] for f in shown]
-        if solved
-        else []
-        for p in planes
-    ]
+    points = [[_cm(f.points[p.state]) for f in shown] for p in planes]
+    feet_at = [[_cm(f.points[p.foot]) for f in shown if solved] for p in planes]
     scale = ", ".join(_format_scale(p) for p in planes)
     right = sum(is_right for _, is_right in read)
-    words = (
-        [f"{right} of {len(read)} points right (green crosses; the others are red)"] if read else []
-    )
+    told = f"{right} of {len(read)} points right (green crosses; the others are red)"
     return figures.exercise_sheet(
         exercises.sheet_data(drawing),
         _seen(drawing),
@@ -374,7 +361,7 @@ def _sheet(
             f"{made.extent}; scale {scale}; " + ", ".join(
                 f"Δτ{p.number} = {p.angular_frequency * made.scene.construction.step:.4g}" for p in planes
             ),
-            *words,
+            *([told] if read else []),
         ],
         head=head,
         filled=figures.Filled(rows, points, feet_at, read),
