@@ -44,8 +44,6 @@ class Knots:
 
     def ahead(self, h, end):
         """Return the step h, or a shorter one that is expected to end on a point before time `end`."""
-        if not (self.stepper.errors.controlled and self.stepper.balance.bends.joined):
-            return h
         shorter = min(h, end - self.motion.state.time)
         if shorter <= _LIKELY * self.motion.state.proposal:
             return h
@@ -56,7 +54,7 @@ class Knots:
     def within(self, h):
         """Return the length h of the attempt, or a shorter one to a point that it should end on."""
         most = self.stepper.method.most_error
-        if not self.stepper.balance.bends.joined or self.stepper.errors.error <= 1.0 / _JUMP:
+        if self.stepper.errors.error <= 1.0 / _JUMP:
             return h
         least = _LEAST_KNOT if self.stepper.errors.error <= most else _CLOSE_KNOT
         self._find(h, least)

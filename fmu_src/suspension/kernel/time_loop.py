@@ -410,8 +410,10 @@ class TimeLoop:
         h = self._proposed_step()
         if h == 0.0:
             return UNSTABLE
-        self.trial.begin(self.knots.ahead(h, min(self.net.next_joint(), latest)))
-        self.trial.on_knot = self.trial.length < h
+        self.trial.begin(h)
+        if self.stepper.errors.controlled and self.stepper.balance.bends.joined:
+            self.trial.length = self.knots.ahead(h, min(self.net.next_joint(), latest))
+            self.trial.on_knot = self.trial.length < h
         status = _AGAIN
         while status == _AGAIN:
             self.trial.stop_at(self.net.next_joint(), latest, self.state.time)
@@ -456,7 +458,7 @@ class TimeLoop:
 
     def _shortens(self):
         """Shorten the step to a point of a smooth table, or for its error, and return whether it is."""
-        if self.trial.cuts < _KNOTS:
+        if self.trial.cuts < _KNOTS and self.stepper.balance.bends.joined:
             self.trial.cuts += 1
             cut = self.knots.within(self.trial.length)
             if cut < self.trial.length:
