@@ -104,6 +104,6 @@ def test_a_sweep_says_how_many_roads_end(car: Path, tmp_path: Path) -> None:
     said = "the road ends before the run in 1 of 2 runs, at the earliest at 13.5 s of 20 s (run 1)"
     assert plan.road_remarks() == [said]
     rows, told = sweep(plan, tmp_path / "journal", workers=1)
-    summary = {**summary_of(plan, rows, told), "files": []}
+    summary = {**summary_of(plan, rows, told), "files": [], "problems": []}
     assert summary["remarks"] == [said]
     assert said in format_sweep(plan, summary, tmp_path)
