@@ -16,8 +16,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.figures.canvas import Sheet, heading_lines, new_page
-from phaseplane.figures.style import HEADING, PLAIN, Look, new_figure, printed
+from phaseplane.figures.canvas import Sheet, new_page
+from phaseplane.figures.style import HEADING, PLAIN, Look, heading_lines, new_figure, printed
 from phaseplane.picture.files import replace_file
 from phaseplane.picture.page import motions_of
 from phaseplane.picture.story import Tick, arms_page, staged, story_of

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from functools import wraps
-from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.figures.style import HEADING, PLAIN, Look, new_figure, printed
+from phaseplane.figures.style import HEADING, PLAIN, Look, heading_lines, new_figure, printed
 from phaseplane.picture.canvas import Canvas
 from phaseplane.picture.page import TYPE, Arrow, Dots, Item, Lines, Page, Text
 from phaseplane.picture.paper import Box, vertices
@@ -56,11 +55,6 @@ def _scale(view: Box, look: Look) -> float:
     if look.inches is not None:
         return max(0.5, look.inches - 2 * _BESIDE) / size.real
     return min(_LARGEST[0] / size.real, _LARGEST[1] / size.imag)
-
-
-def heading_lines(texts: Iterable[str], width: float) -> list[str]:
-    """Return texts in lines that fit into the width of a figure, inches."""
-    return [line for text in texts for line in wrap(text, max(20, int(13 * width)))]
 
 
 class Sheet(Canvas):

@@ -11,8 +11,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import blended_transform_factory
 
-from phaseplane.figures.canvas import heading_lines
-from phaseplane.figures.style import HEADING, PLAIN, Look, Palette, dress, new_figure, printed
+from phaseplane.figures.style import (
+    HEADING,
+    PLAIN,
+    Look,
+    Palette,
+    dress,
+    heading_lines,
+    new_figure,
+    printed,
+)  # fmt: skip
 from phaseplane.picture.quantities import QUANTITIES, Quantity
 from phaseplane.picture.styles import hue_of
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 from matplotlib import rc_context
@@ -37,6 +38,11 @@ _FALLBACK = "DejaVu Sans"  # has the subscripts, primes and bars that other font
 
 HEADING = "heading"
 """The `gid` of the texts above a picture, which a publisher sets as its caption."""
+
+
+def heading_lines(texts: Iterable[str], width: float) -> list[str]:
+    """Return texts in lines that fit into the width of a figure, inches."""
+    return [line for text in texts for line in wrap(text, max(20, int(13 * width)))]
 
 
 @dataclass(frozen=True, slots=True)
