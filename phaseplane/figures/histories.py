@@ -20,7 +20,7 @@ from phaseplane.figures.style import (
     heading_lines,
     new_figure,
     printed,
-)  # fmt: skip
+)
 from phaseplane.picture.quantities import QUANTITIES, Quantity
 from phaseplane.picture.styles import hue_of
 
