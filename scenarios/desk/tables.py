@@ -7,7 +7,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..measures import catalogue
 from ..results.folder import read_results
 from ..sweeps.job import run_sweep
 from .table import Table
@@ -63,9 +62,8 @@ def sweep(
         os.fspath(file), Path(folder) if folder else None, workers=workers, progress=progress
     )
     read_rows = csv.read_csv(where / summary["table"])
-    known = catalogue(plan.scene.fmu.outputs())
     units = dict(zip(plan.keys, plan.units, strict=True))
-    units |= {name: known[name].unit for name in plan.measures}
+    units |= {name: extent["unit"] for name, extent in summary["measures"].items()}
     columns = {
         name: read_rows[name].to_numpy(zero_copy_only=False) for name in read_rows.column_names
     }

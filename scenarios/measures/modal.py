@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+from typing import Any
 
 from phaseplane.suspension.models import build
 from phaseplane.suspension.variables import Variable
@@ -13,14 +14,29 @@ from .reading import Measure, Reading, Run
 
 
 def of_modes(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
-    """Yield natural frequencies and damping ratios, lowest frequency first."""
-    if "stable_step" in outputs:  # a model of this package
-        for name, unit, what in (
-            ("natural_frequencies", "Hz", "frequency"),
-            ("damping_ratios", "1", "damping_ratio"),
-        ):
-            about = f"{name.replace('_', ' ')} of small motions about rest, lowest frequency first"
-            yield Measure(name, unit, (), partial(_of_run, what), about, at_end=True)
+    """Yield natural frequencies and damping ratios, lowest frequency first, and their extremes."""
+    if "stable_step" not in outputs:  # no model of this package
+        return
+    for name, unit, what, extremes in (
+        (
+            "natural_frequencies",
+            "Hz",
+            "frequency",
+            {"lowest_natural_frequency": min, "highest_natural_frequency": max},
+        ),
+        ("damping_ratios", "1", "damping_ratio", {"least_damping_ratio": min}),
+    ):
+        about = f"{name.replace('_', ' ')} of small motions about rest, lowest frequency first"
+        taken = partial(_of_run, what)
+        yield Measure(name, unit, (), taken, about, at_end=True, single=tuple(extremes))
+        for single, extreme in extremes.items():
+            about = f"{single.replace('_', ' ')} of small motions about rest"
+            yield Measure(single, unit, (), partial(_extreme, extreme, taken), about, at_end=True)
+
+
+def _extreme(extreme: Callable[[Any], float], taken: Callable[[Run], Reading], run: Run) -> Reading:
+    values = taken(run).value
+    return Reading(extreme(values) if values else None)
 
 
 def _of_run(what: str, run: Run) -> Reading:

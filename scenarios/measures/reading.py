@@ -95,6 +95,7 @@ class Measure:
     at_end : whether the last row is enough
     at_rows : whether it is taken from the rows of the run as driven
     longest_interval : largest allowed time between points, s
+    single : if it has several values for other things than times, measures with one of them
     details : where to refine the first output it needs: at its `peak` (largest magnitude), where it is
         `least`, at both ends of its `range`, or of its `late range` in the second half of the run, or
         only at `switches` and corners (as all of these are); nowhere if empty
@@ -109,6 +110,7 @@ class Measure:
     at_end: bool = False
     at_rows: bool = False
     longest_interval: float = inf
+    single: tuple[str, ...] = ()
     details: str = ""
 
     @property

@@ -16,7 +16,7 @@ from ..measures import catalogue
 from ..results.folder import OUTPUT, Place, check_replaceable, replace_folder, write_summary
 from ..results.quantities import shown_in
 from .plan import Plan, load_plan
-from .report import check_table, has_sign, summary_of, write_rows
+from .report import check_table, has_sign, summary_of, unit_of, write_rows
 from .running import Row, journal_key, sweep
 
 _PICTURE = "sweep.png"
@@ -81,12 +81,14 @@ def _drawn(plan: Plan, rows: list[Row], path: Path) -> list[str]:
     known = catalogue(plan.scene.fmu.outputs())
     taken = {}
     for k, name in enumerate(plan.measures):
-        unit, factor = shown_in(known[name].unit)
-        values = np.array([row.values[k] for row in rows], float)  # None becomes not a number
+        found = [row.values[k] for row in rows]
+        in_si = unit_of(known[name], [x for x in found if x is not None])
+        unit, factor = shown_in(in_si)
+        values = np.array(found, float)  # None becomes not a number
         if np.isfinite(values).any():
             size = (factor * (abs(values) if has_sign(name) else values)).tolist()
             taken[f"magnitude of {name}" if has_sign(name) else name] = (
-                unit or known[name].unit,
+                unit or in_si,
                 size,
             )
     if not taken:

@@ -337,6 +337,11 @@ def plan_of(path: Path, content: Mapping[str, Any], keys: Mapping[str, str] | No
                 f"{path}: {(keys or {}).get(name, 'measures')}: no measure {shown(name)}"
                 f"{nearest(name, known)}"
             )
+        if known[name].single:
+            raise InputError(
+                f"{path}: {(keys or {}).get(name, 'measures')}: {name} has several values; of each "
+                f"run one is needed: {' or '.join(known[name].single)}"
+            )
     declared = scene.fmu.parameters()
     columns = [_values(path, key, values, declared) for key, values in said.vary.items()]
     if said.method == "grid":

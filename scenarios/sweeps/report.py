@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from phaseplane.suspension.variables import Value
 
 from ..errors import InputError, shown
-from ..measures import catalogue
+from ..measures import COUNT, Measure, catalogue
 from ..results.quantities import quantity
 from ..results.report import UNCOMPILED, aligned
 from .plan import Plan
@@ -60,7 +60,7 @@ def summary_of(plan: Plan, rows: Sequence[Row], more: Mapping[str, Any]) -> dict
             size = _magnitude if has_sign(name) else None
             (low, first), (high, last) = min(found, key=size), max(found, key=size)
             extent[name] = {
-                "unit": known[name].unit,
+                "unit": unit_of(known[name], [x for x, _ in found]),
                 "min": low, "run_of_min": first, "max": high, "run_of_max": last,
             }  # fmt: skip
     return {
@@ -77,6 +77,11 @@ def summary_of(plan: Plan, rows: Sequence[Row], more: Mapping[str, Any]) -> dict
         "warnings": plan.warnings,
         **more,
     }
+
+
+def unit_of(measure: Measure, values: Iterable[object]) -> str:
+    """Return the unit of a measure in a sweep, in which times are counted."""
+    return COUNT if all(isinstance(x, int) for x in values) else measure.unit
 
 
 def has_sign(measure: str) -> bool:

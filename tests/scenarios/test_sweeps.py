@@ -240,7 +240,7 @@ def test_runs_in_one_call_and_runs_that_are_stepped_give_the_same_rows(tmp_path:
     """The energy balance needs steps from row to row; what else is measured must not notice."""
     names = (
         "peak.contact_force", "rms.body_acceleration", "suspension_travel", "airborne_time",
-        "lift_offs", "step_count", "dynamic_load_coefficient", "natural_frequencies",
+        "lift_offs", "step_count", "dynamic_load_coefficient", "lowest_natural_frequency",
     )  # fmt: skip
     found = []
     for k, measures in enumerate((names, (*names, "energy_residual"))):
@@ -250,6 +250,20 @@ def test_runs_in_one_call_and_runs_that_are_stepped_give_the_same_rows(tmp_path:
         found.append([row.values[: len(names)] for row in rows])
     assert found[0] == found[1]
     assert {values[names.index("lift_offs")] for values in found[0]} == {0, 1}
+
+
+def test_a_measure_with_several_values_is_counted_or_refused() -> None:
+    """The number of natural frequencies is not one of them."""
+    text = GRID.replace('"lift_off_count"', '"lift_offs"')
+    told = phaseplane("sweep", str(written(text)), "--workers", "1", "--json")
+    extent = json.loads(told.stdout)["measures"]["lift_offs"]
+    assert (extent["unit"], extent["max"]) == ("count", 1)
+    written(GRID.replace('"lift_off_count"', '"natural_frequencies"'))
+    words = (
+        "measures: natural_frequencies has several values; of each run one is needed: lowest_nat"
+    )
+    with pytest.raises(InputError, match=words):
+        load_plan("sweep.toml")
 
 
 def test_keys_of_the_scene_may_be_varied_too() -> None:

@@ -65,10 +65,12 @@ def test_a_sweep_varies_it_in_other_processes(folder):
     fmu = find_fmu("mass.toml")
     assert pickle.loads(pickle.dumps(fmu)) == fmu
     Path("sweep.toml").write_text(
-        'scene = "mass.toml"\nmeasures = ["natural_frequencies"]\n[vary]\nstiffness = [200, 800]\n'
+        'scene = "mass.toml"\nmeasures = ["lowest_natural_frequency"]\n[vary]\nstiffness = [200, 800]\n'
     )
     told = CliRunner().invoke(main, ["sweep", "sweep.toml", "--workers", "2"])
     assert told.exit_code == 0, told.output
+    low, high = phaseplane.sweep("sweep.toml")["lowest_natural_frequency"]
+    assert high == pytest.approx(2.0 * low)
 
 
 @pytest.mark.parametrize("case", ["full_car", "double_pendulum"])

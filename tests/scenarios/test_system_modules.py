@@ -96,7 +96,7 @@ def test_commands_take_it(folder):
     fmu = find_fmu("two_masses.py")
     assert pickle.loads(pickle.dumps(fmu)) == fmu
     Path("sweep.toml").write_text(
-        'scene = "two_masses.py"\nmeasures = ["natural_frequencies"]\n[vary]\nrate = [200, 800]\n'
+        'scene = "two_masses.py"\nmeasures = ["lowest_natural_frequency"]\n[vary]\nrate = [200, 800]\n'
     )
     for words in (
         ["sweep", "sweep.toml", "--workers", "2"],
