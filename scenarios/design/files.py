@@ -24,9 +24,8 @@ _File = TypeVar("_File")
 
 
 _MEASURE = Kind(instance_of(str, "the name of a measure"), TEXT.schema)
-_TABLE = Kind(
-    instance_of(dict, "a table"), {"type": "object"}
-)  # keys may be nested: damper.rebound_rate
+# keys may be nested: damper.rebound_rate
+_TABLE = Kind(instance_of(dict, "a table"), {"type": "object"})
 MEASURED: dict[str, Any] = {
     "type": "object",
     "properties": {

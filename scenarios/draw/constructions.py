@@ -14,7 +14,7 @@ from phaseplane import constructions
 from phaseplane.constructions.sheet import state_point
 from phaseplane.picture.quantities import rate_of
 
-from ..errors import DrawingError, InputError, one_line
+from ..errors import DrawingError, InputError
 from .planes import planes_of
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def draw_construction(
             else drawing
         )
     except ValueError as error:
-        raise DrawingError(f"construction: {one_line(error)}") from None
+        raise DrawingError(f"construction: {error}") from None
 
 
 def _marched(planes: Construction, settings: Mapping[str, Any], duration: float) -> Drawing:
@@ -155,7 +155,7 @@ def overlay_run(
             drawing = laid(planes_of(model, parameters, {**settings, "plane_distance": distance}))
         return drawing
     except ValueError as error:
-        raise InputError(f"construction: {one_line(error)}") from None
+        raise InputError(f"construction: {error}") from None
 
 
 def _distance_needed(drawing: Drawing) -> float:

@@ -17,7 +17,7 @@ from phaseplane.exercises.letters import lettered
 from phaseplane.exercises.marking import RIGHT
 from phaseplane.exercises.protocol import display
 
-from ..errors import DrawingError, InputError, one_line
+from ..errors import DrawingError, InputError
 from ..scene.equation import EQUATION, formula_of
 from .constructions import Begin, draw_construction
 from .planes import planes_of
@@ -139,7 +139,7 @@ def _begin(scene: Scene, planes: Construction, steps: int, seen: float) -> Begin
             if len(shown) == steps and most >= seen:
                 break
     except (ValueError, ArithmeticError) as error:
-        raise InputError(f"construction: {one_line(str(error))}") from None
+        raise InputError(f"construction: {error}") from None
     if most < _NEGLIGIBLE * seen:
         raise InputError(
             f"nothing to construct: within {duration:.4g} s no {steps} steps move every state point by "
@@ -173,7 +173,7 @@ def _drawn(scene: Scene, settings: Mapping[str, Any], duration: float) -> Drawin
         plain = {**settings, "starts": ()}
         return draw_construction(scene.fmu.model, scene.all_parameters, plain, duration)
     except (DrawingError, ArithmeticError) as error:
-        raise InputError(one_line(str(error))) from None
+        raise InputError(error) from None
 
 
 def _fits(drawing: Drawing, paper: str) -> bool:
@@ -245,7 +245,7 @@ def marked(made: Exercise, text: str, tolerance: float) -> dict[str, Any]:
         read = exercises.read_readings(text, made.drawing.planes)
         found = exercises.mark(planes, rule, made.drawing, read, tolerance)
     except ValueError as error:
-        raise InputError(one_line(f"readings: {error}")) from None
+        raise InputError(f"readings: {error}") from None
     return {
         "scene": made.scene.name,
         "rule": rule.name,

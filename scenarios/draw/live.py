@@ -82,7 +82,7 @@ def show_live(
     try:
         live = recording.Live(before, viewer, path)
     except ValueError as error:
-        raise InputError(one_line(error)) from None
+        raise InputError(error) from None
     with live:
         yield LiveRun(scene, drawing, live)
 
@@ -98,11 +98,11 @@ def show_in(shown: Content, viewer: str) -> None:
     try:
         live = recording.Live(shown, viewer)
     except ValueError as error:
-        raise InputError(one_line(error)) from None
+        raise InputError(error) from None
     with live:
         live.complete(shown)
     if live.problem:
-        raise RunError(one_line(live.problem))
+        raise RunError(live.problem)
 
 
 def is_loopback(address: str) -> bool:
@@ -122,7 +122,7 @@ def page(files: Sequence[Path], address: str) -> Iterator[Server]:
         with recording.serving(files, address) as server:
             yield server
     except OSError as error:
-        raise RunError(one_line(error)) from None
+        raise RunError(error) from None
 
 
 def recordings_in(folder: Path) -> list[Path]:
@@ -133,8 +133,8 @@ def recordings_in(folder: Path) -> list[Path]:
     InputError : if there is no such folder, or no recording in it.
     """
     if not folder.is_dir():
-        raise InputError(one_line(f"serve: no folder {folder}"))
+        raise InputError(f"serve: no folder {folder}")
     files = sorted(folder.rglob("*.rrd"))
     if not files:
-        raise InputError(one_line(f"serve: no recording (.rrd) in {folder}"))
+        raise InputError(f"serve: no recording (.rrd) in {folder}")
     return files

@@ -12,7 +12,7 @@ from phaseplane.suspension.variables import MODELS
 
 from phaseplane import figures
 
-from ..errors import InputError, check_picture, one_line
+from ..errors import InputError, check_picture
 from ..measures.linearised import linearised
 from ..scene.loading import load_scene
 
@@ -45,7 +45,7 @@ def modes(
         # with springs in series with dampers there are damped modes alone
         found = None if system.series and figure is None else modal_planes(system)
     except ValueError as error:
-        raise InputError(f"modes of {scene.name}: {one_line(str(error))}") from None
+        raise InputError(f"modes of {scene.name}: {error}") from None
     modes = [] if found is None else _undamped(found)
     title = scene.title or scene.name
     if figure is not None and found is not None:

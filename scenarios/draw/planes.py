@@ -16,7 +16,7 @@ from phaseplane.suspension.variables import MODELS, Value
 
 from phaseplane import constructions
 
-from ..errors import InputError, one_line
+from ..errors import InputError
 from ..scene.equation import EQUATION, formula_of
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def planes_of(
         system = build(model, parameters)
         return of_system(system, settings, _start(system, parameters))
     except ValueError as error:
-        raise InputError(f"construction: {one_line(error)}") from None
+        raise InputError(f"construction: {error}") from None
 
 
 def _start(system: System, parameters: Mapping[str, Value]) -> Start:

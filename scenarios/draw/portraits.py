@@ -17,7 +17,7 @@ from phaseplane import figures
 from phaseplane import portrait as computed
 from phaseplane.picture.text import bracketed
 
-from ..errors import InputError, check_picture, one_line
+from ..errors import InputError, check_picture
 from ..scene.equation import EQUATION, formula_of
 from ..scene.loading import load_scene
 
@@ -114,7 +114,7 @@ def portrait(
         if made.section is not None and not window:
             made = replace(made, window=computed.fitted_window(made.section, shown, system.turn))
     except (ValueError, OverflowError) as error:
-        raise InputError(f"portrait of {scene.name}: {one_line(error)}") from None
+        raise InputError(f"portrait of {scene.name}: {error}") from None
     title = scene.title or scene.name
     if scene.fmu.model == EQUATION:
         title = f"{title}: {formula_of(scene.all_parameters).words}"

@@ -27,6 +27,8 @@ def open_journal(path: Path, key: str) -> Iterator[tuple[list[Any], Callable[...
 
         if before is None:
             add({"journal": key})
+        else:  # the last line may be incomplete
+            file.write("\n")
         yield before or [], add
 
 
@@ -40,6 +42,6 @@ def _records(path: Path, key: str) -> list[Any] | None:
         return None
     found = []
     for line in lines:
-        with suppress(ValueError):  # the last line may be incomplete
+        with suppress(ValueError):  # an incomplete line, or an empty one
             found.append(json.loads(line))
     return found

@@ -379,6 +379,8 @@ def test_what_is_in_the_journal_is_not_done_again(tmp_path: Path) -> None:
     assert told["made"] == 5
     assert found[2] == Row(2, made_up)
     assert found[3].values != made_up
+    _, told = sweep(plan, journal, workers=1)
+    assert told["made"] == 0  # what followed the incomplete line is there, too
     journal.write_text(
         json.dumps({"journal": "another"}) + "\n" + json.dumps([2, list(made_up), ""])
     )

@@ -28,7 +28,7 @@ class Handover:
 
     def take_run(self, motion, net):
         """Store motion, energies and counts at the end of the last step."""
-        # springs in series are at rest if there were others before
+        # springs in series are relaxed if there were others before
         same = self.n if net.n == self.n else self.net.series.outer
         for i in range(self.n):
             self.q[i] = motion.q[i] if i < same else 0.0

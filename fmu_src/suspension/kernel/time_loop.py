@@ -184,7 +184,7 @@ class TimeLoop:
         return 0
 
     def _enter_state(self, x, at):
-        """Start from the displacements and velocities in x[at:], with springs in series at rest."""
+        """Start from the displacements and velocities in x[at:], with springs in series relaxed."""
         self.net.find_datum(self.state.time, self.state.scale)
         for i in range(self.n):
             self.motion.q[i] = self.motion.v[i] = 0.0
