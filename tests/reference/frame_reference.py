@@ -84,5 +84,5 @@ def solve(parameters: Mapping[str, Any], times: Array) -> Solution:
     """
     frame = Frame(parameters)
     start = [0.0, 0.0, parameters["permanent_set"], 0.0, 0.0, 0.0]
-    rows, switches = integrate(frame, start, times, list(frame.instants))
+    rows, _, switches = integrate(frame, start, times, list(frame.instants))
     return Solution(rows[:, :1], rows[:, 1:2], rows[:, 2:3], rows[-1, 3:], switches)

@@ -47,8 +47,8 @@ class Problem(Protocol):
 
 def integrate(
     problem: Problem, state: Sequence[float], times: Array, joints: Sequence[float]
-) -> tuple[Array, list[Switch]]:
-    """States at the given instants, (len(times), len(state)), and every switch.
+) -> tuple[Array, Array, list[Switch]]:
+    """States at the given instants and their rates, (len(times), len(state)), and every switch.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def integrate(
     ------
     RuntimeError : switches follow each other without end.
     """
-    rows, switches = np.empty((len(times), len(state))), []
+    rows, switches = np.empty((2, len(times), len(state))), []
     now = np.array(state, dtype=float)
     inside = sorted({t for t in joints if times[0] < t < times[-1]})
     for start, end in pairwise([times[0], *inside, times[-1]]):
@@ -72,8 +72,8 @@ def integrate(
                 switches.append(Switch(t, *problem.enter(left, t, now)))
             if len(switches) > ENDLESS and switches[-ENDLESS].time == t:
                 raise RuntimeError(f"switches follow one another without end at {t} s")
-    rows[-1] = now
-    return rows, switches
+    rows[:, -1] = now, problem.derivative(end, now)
+    return *rows, switches
 
 
 def _branch(
@@ -88,8 +88,9 @@ def _branch(
         dense = solver.dense_output()
         upto, left = _first_exit(problem, dense, solver.t_old, solver.t)
         first, last = np.searchsorted(times, [solver.t_old, upto])
-        if last > first:
-            rows[first:last] = dense(times[first:last]).T
+        for k in range(first, last):
+            there = dense(times[k])
+            rows[:, k] = there, problem.derivative(times[k], there)
         if left >= 0:
             return upto, dense(upto), left
     return solver.t, solver.y, -1

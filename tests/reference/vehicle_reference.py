@@ -21,6 +21,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -37,6 +39,32 @@ BRANCHES = (
     ("touchdown", "lift-off"),
 )
 ELEMENTS = ("damper", "bump_stop", "rebound_stop", "tyre")
+KGF = 9.80665  # N
+FAR = 1e9  # N; the limit of a damper that never blows off
+
+#: AP57 section 8 in SI units.
+AP57: dict[str, Any] = {
+    "sprung_mass": 30.0 * KGF, "unsprung_mass": 3.0 * KGF, "gravity": 9.80665,
+    "spring.rate": 1500.0 * KGF, "spring.cubic": 0.0,
+    "damper.rebound_rate": 200.0 * KGF, "damper.bump_rate": 50.0 * KGF,
+    "damper.rebound_limit": 0.0, "damper.bump_limit": 0.0, "damper.limit_slope": 0.0,
+    "tyre.stiffness": 15000.0 * KGF, "tyre.damping": 100.0 * KGF,
+    "bump_stop.gap": 0.08, "bump_stop.stiffness": 0.0,
+    "rebound_stop.gap": 0.08, "rebound_stop.stiffness": 0.0,
+    "road.shape": "bump", "road.height": 0.05, "road.length": 1.0, "speed": 20.0,
+}  # fmt: skip
+#: Its damper, whose slope falls to a fifth beyond +0.30 m/s and -0.60 m/s.
+BLOW_OFF = ", ".join(
+    f"{rate}:{force * KGF!r}"
+    for rate, force in ((-1.6, -40.0), (-0.6, -30.0), (0.0, 0.0), (0.3, 60.0), (1.3, 100.0))
+)
+#: The worked example and its relatives: parameters that differ from it, s, number of instants.
+CASES: dict[str, tuple[dict[str, Any], float, int]] = {
+    "ap57_lift_off": ({}, 1.0, 201),
+    "ap57_contact_by_force": ({"contact": "force"}, 1.0, 201),
+    "ap57_no_lift_off": ({"lift_off": False}, 1.0, 201),
+    "ap57_blow_off": ({"damper.table": BLOW_OFF}, 2.0, 401),
+}
 
 Road = tuple[list[float], list[Callable[[Any], tuple[Any, Any]]]]
 
@@ -44,6 +72,7 @@ Road = tuple[list[float], list[Callable[[Any], tuple[Any, Any]]]]
 def _road(p: Mapping[str, Any], late: float) -> Road:
     """Joints of a road, and on each stretch between them (one more) elevation and velocity."""
     height, passing = p["road.height"], p["road.length"] / p["speed"]
+    late += p.get("road.start", 0.0)
     turn, half = 2.0 * np.pi / passing, 0.5 * height
 
     def level(t: Any) -> tuple[Any, Any]:
@@ -86,17 +115,27 @@ class Axle:
     road: Road
 
 
-def _axle(p: Mapping[str, Any], of: str, share: float, late: float, wheels: bool) -> Axle:
-    """One axle from the public parameters; `share` of the body's mass rests on it."""
+def _damper(p: Mapping[str, Any], of: str) -> tuple[Any, Any]:
+    """Lines and corners of a damper, from its table of five points or its rates and limits (0: none)."""
+    if table := p.get(f"{of}damper.table"):
+        points = [tuple(map(float, point.split(":"))) for point in table.split(",")]
+        slopes = [(g - f) / (b - a) for (a, f), (b, g) in pairwise(points)]
+        lines = [(f - c * a, c) for (a, f), c in zip(points, slopes, strict=False)]
+        return tuple(lines), tuple(a for a, _ in points[1:-1])
     bump, rebound, slope = (p[f"{of}damper.{name}"]
                             for name in ("bump_rate", "rebound_rate", "limit_slope"))  # fmt: skip
-    low, high = -p[f"{of}damper.bump_limit"] / bump, p[f"{of}damper.rebound_limit"] / rebound
+    low = -(p[f"{of}damper.bump_limit"] or FAR) / bump
+    high = (p[f"{of}damper.rebound_limit"] or FAR) / rebound
+    ends = (low * (bump - slope), slope), (high * (rebound - slope), slope)
+    return (ends[0], (0.0, bump), (0.0, rebound), ends[1]), (low, 0.0, high)
+
+
+def _axle(p: Mapping[str, Any], of: str, share: float, late: float, wheels: bool) -> Axle:
+    """One axle from the public parameters; `share` of the body's mass rests on it."""
     wheel = p[f"{of}unsprung_mass"] if wheels else 0.0
     return Axle(
         (p[f"{of}spring.rate"], p[f"{of}spring.cubic"]),
-        ((low * (bump - slope), slope), (0.0, bump), (0.0, rebound),
-         (high * (rebound - slope), slope)),
-        (low, 0.0, high),
+        *_damper(p, of),
         ((-p[f"{of}bump_stop.gap"], p[f"{of}bump_stop.stiffness"]),
          (p[f"{of}rebound_stop.gap"], p[f"{of}rebound_stop.stiffness"])),
         wheel,
@@ -115,6 +154,7 @@ class Vehicle:
     def __init__(self, model: str, p: Mapping[str, Any]) -> None:
         axles, self.wheels = MODELS[model]
         self.by_gap = p.get("contact") != "force"
+        self.may_leave = p.get("lift_off", True)
         mass = p["sprung_mass"]
         if axles == 1:
             self.mobility = ((1.0 / mass,),)
@@ -199,7 +239,7 @@ class Vehicle:
                 tyre = axle.tyre[0] * z + axle.tyre[1] * z_rate - axle.load
                 if self.by_gap and flight:
                     tyre = np.maximum(tyre, axle.tyre[0] * z - axle.load)
-                found.append(tyre if flight else -tyre)
+                found.append((tyre if flight else -tyre) if self.may_leave else never)
         return found
 
     def enter(self, exit_: int, t: float, state: Array) -> tuple[str, str]:
@@ -212,15 +252,34 @@ class Vehicle:
 
 @dataclass(frozen=True)
 class Solution:
-    """Displacements (m) and velocities (m/s), bodies before wheels and front before rear.
+    """Displacements (m), velocities (m/s), accelerations (m/s2): bodies before wheels, front before rear.
 
     `works` are at the last instant, J: for each axle dissipated by damper and tyre, brought in by road.
     """
 
+    times: Array
     displacements: NDArray[np.float64]  # (instants, coordinates)
     velocities: NDArray[np.float64]
+    accelerations: NDArray[np.float64]
     works: NDArray[np.float64]  # (axles, 3)
     switches: list[Switch]
+
+    @property
+    def peak(self) -> float:
+        """Largest displacement, m."""
+        return float(np.abs(self.displacements).max())
+
+    @property
+    def motion(self) -> dict[str, Array]:
+        """Displacements and velocities of a quarter car by the names of the package."""
+        names = [
+            f"{of}_{what}" for what in ("displacement", "velocity") for of in ("body", "wheel")
+        ]
+        return dict(zip(names, (*self.displacements.T, *self.velocities.T), strict=True))
+
+    def instants(self, element: str, branch: str) -> list[float]:
+        """When `element` entered its branch, s."""
+        return [s.time for s in self.switches if (s.element, s.branch) == (element, branch)]
 
 
 def solve(model: str, parameters: Mapping[str, Any], times: Array) -> Solution:
@@ -230,16 +289,25 @@ def solve(model: str, parameters: Mapping[str, Any], times: Array) -> Solution:
     ----------
     model : key of `MODELS`
     parameters : all that the equations need, by public name, SI units; `road.shape` is `bump`,
-        `obstacle` or `sine`, and begins at t = 0 under the first axle
+        `obstacle` or `sine`, and begins at `road.start` (0 if left out) under the first axle
     times : ascending, s
     """
-    vehicle = Vehicle(model, parameters)
+    vehicle, times = Vehicle(model, parameters), np.asarray(times, dtype=float)
     n = vehicle.n
-    rows, switches = integrate(
+    rows, rates, switches = integrate(
         vehicle, [0.0] * (2 * n + 3 * len(vehicle.axles)), times, vehicle.joints
     )
-    return Solution(rows[:, :n], rows[:, n : 2 * n], rows[-1, 2 * n :].reshape(-1, 3), switches)
+    works = rows[-1, 2 * n :].reshape(-1, 3)
+    return Solution(times, rows[:, :n], rows[:, n : 2 * n], rates[:, n : 2 * n], works, switches)
 
 
-#: A damper that never blows off and a tyre that never leaves the road, whatever the motion.
-HELD = {"damper.bump_limit": 1e9, "damper.rebound_limit": 1e9, "gravity": 1e9}
+def quarter_car(parameters: Mapping[str, Any], times: Array) -> Solution:
+    """The quarter car of AP57 section 8 with some parameters changed."""
+    return solve("QuarterCar", AP57 | dict(parameters), times)
+
+
+@cache
+def solved(name: str) -> Solution:
+    """The motion of one of `CASES`."""
+    parameters, duration, count = CASES[name]
+    return quarter_car(parameters, np.linspace(0.0, duration, count))

@@ -18,7 +18,7 @@ from phaseplane.scenarios.scene.schema import Scene
 from phaseplane.scenarios.simulate.driver import Drive, OpenFmu, opened
 from phaseplane.scenarios.simulate.runner import Interrupted, run, run_with
 from phaseplane.suspension.session import simulate
-from quarter_car_reference import solved
+from vehicle_reference import solved
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 BARE = ("show.figures=[]", "show.recording=false")
@@ -71,8 +71,8 @@ def test_against_the_independent_reference(fmu: Path, case: str, reference: str)
     exact = solved(reference)
     assert len(exact.times) == len(results.columns["time"]) == 201
     for name in ("body_displacement", "wheel_displacement"):
-        assert abs(results.columns[name] - getattr(exact, name)).max() < 1e-6 * exact.peak
-    tyre = [event.time for event in exact.events if event.element == "tyre"]
+        assert abs(results.columns[name] - exact.motion[name]).max() < 1e-6 * exact.peak
+    tyre = [switch.time for switch in exact.switches if switch.element == "tyre"]
     measures = results.summary["measures"]
     found = sorted([*measures["lift_offs"]["value"], *measures["touchdowns"]["value"]])
     assert found == pytest.approx(tyre, abs=1e-6)

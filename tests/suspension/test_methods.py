@@ -7,7 +7,8 @@ from math import inf, pi, sqrt
 
 import numpy as np
 import pytest
-import quarter_car_reference as reference
+import truth as campaign
+import vehicle_reference as reference
 from phaseplane.suspension import characteristics, roads
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import build
@@ -93,7 +94,7 @@ def test_the_step_of_wilson_is_its_own_amplification_matrix() -> None:
 
 @pytest.mark.parametrize("parameters", [{}, {"spring.rate": 5e4, "lift_off": False}])
 def test_wilson_is_of_order_two(parameters: dict[str, object]) -> None:
-    truth = reference.solve(parameters, np.linspace(0.0, 0.4, 21))
+    truth = reference.quarter_car(parameters, np.linspace(0.0, 0.4, 21))
     steps = 5e-4 / 2.0 ** np.arange(4)
     errors = [error(parameters, truth, method="wilson", step=h) for h in steps]
     assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(2.0, abs=0.1)
@@ -104,26 +105,28 @@ def test_theta_below_its_limit_is_refused() -> None:
         Integrator(oscillator(), "wilson", theta=1.3)
 
 
-def error(parameters: dict[str, object], truth: reference.Reference, **options: object) -> float:
+def error(
+    parameters: dict[str, object], truth: reference.Solution | campaign.Truth, **options: object
+) -> float:
     integrator = Integrator(build("QuarterCar", parameters), **options)
     rows = []
     for t in truth.times:
         assert integrator.advance(t) == 0
         integrator.sample(t)
         rows.append(list(integrator.sample_q))
-    exact = np.column_stack([truth.body_displacement, truth.wheel_displacement])
+    exact = truth.displacements
     return float(np.abs(np.array(rows) - exact).max() / np.abs(exact).max())
 
 
 @pytest.mark.parametrize("parameters", [{}, STOPS, {"road.shape": "sine"}])
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-10])
 def test_exact_is_right_to_its_interpolant(parameters: dict[str, object], tolerance: float) -> None:
-    truth = reference.solve(parameters, np.linspace(0.0, 0.5, 26))
+    truth = reference.quarter_car(parameters, np.linspace(0.0, 0.5, 26))
     assert error(parameters, truth, method="exact", tolerance=tolerance) < tolerance
 
 
 def test_exact_at_any_fixed_step_is_right_to_rounding() -> None:
-    truth = reference.solve(STOPS, np.linspace(0.0, 0.5, 26))
+    truth = campaign.solve(build("QuarterCar", STOPS), np.zeros(4), np.linspace(0.0, 0.5, 26))
     assert error(STOPS, truth, method="exact", step=0.02) < 2e-13
     assert error({**STOPS, "tyre.damping": 990.0}, truth, method="exact", step=0.02) > 1e-5
 
