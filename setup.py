@@ -70,7 +70,8 @@ CALLED_FROM_PYTHON = re.compile(r"^static (?=[^;{=\n]*\b__pyx_p[wf]_)", re.MULTI
 # Substeps are compiled at -O3, which unrolls their loops early: runs with curved forces take 10 to 20 %
 # less time, and compiling 1 s more. The attribute resets the flags above, so it names them again.
 INNERMOST = re.compile(
-    r"^static (?=[^;{=\n]*\b__pyx_f_\w+_(?:\d+(?:Columns|Balance|Bends|Laws)_|(?:multiply|resist)\b))",
+    r"^static (?=[^;{=\n]*\b__pyx_f_\w+_"
+    r"(?:\d+(?:Columns|Inverses|Iteration|Balance|Bends|Laws)_|(?:multiply|resist)\b))",
     re.MULTILINE,
 )
 LEVELS = """\
@@ -96,11 +97,11 @@ DIRECTIVES = {
 # in the order in which they need each other
 MODULES = (
     "layout", "outcomes", "arrays", "state", "linear", "bernstein", "signals", "laws",
-    "series_springs", "elements", "branches", "network", "dense", "bends", "balance", "columns",
-    "motion", "modes", "errors", "method", "extrapolated", "increments", "wilson", "exact",
-    "methods", "stepper", "straight_tyres", "switches", "knots", "step_readings", "potential",
-    "ledger", "stability", "reading", "switch_log", "limited", "trial", "time_loop", "handover",
-    "integrator", "rest", "inputs", "contacts", "account", "run", "lines",
+    "series_springs", "elements", "branches", "network", "dense", "bends", "balance", "inverses",
+    "iteration", "columns", "motion", "modes", "errors", "method", "extrapolated", "increments",
+    "wilson", "exact", "methods", "stepper", "straight_tyres", "switches", "knots", "step_readings",
+    "potential", "ledger", "stability", "reading", "switch_log", "limited", "trial", "time_loop",
+    "handover", "integrator", "rest", "inputs", "contacts", "account", "run", "lines",
 )  # fmt: skip
 
 INTEGERS = re.compile(r"^cdef int ([_A-Z0-9, ]+)$", re.MULTILINE)

@@ -18,7 +18,7 @@ if not cython.compiled:
     from .linear import solve
 
 
-# sizes of the C arrays here, in `bends` and in `columns`
+# sizes of the C arrays here, and in what steps with it
 MOST_COORDINATES, MOST_ROWS = 32, 64
 
 

@@ -66,7 +66,7 @@ class Extrapolated(Method):
 
     def enter(self):
         """Discard the matrices."""
-        self.columns.forget()
+        self.columns.inverses.forget()
 
     def attempt(self, t, h):
         """Step from t to t + h; return 0 or a key of `integrator.FAILURES`."""
@@ -76,7 +76,7 @@ class Extrapolated(Method):
         """Take all columns, and find the error from the last two."""
         self.balance.prepare(t, h)
         if self.balance.bends.count:
-            self.columns.enough = self.errors.negligible(h)
+            self.columns.iteration.enough = self.errors.negligible(h)
         status = self.columns.attempt(h, self.motion.q, self.motion.v, self.motion.a, self.motion.j)
         if status != 0:
             return status

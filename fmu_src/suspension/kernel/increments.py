@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import cython
 
-from .columns import LEAST_SHARE
 from .extrapolated import Extrapolated
+from .iteration import LEAST_SHARE
 from .outcomes import DIVERGED, NOT_CONVERGED, NOT_POSITIVE
 
 if not cython.compiled:

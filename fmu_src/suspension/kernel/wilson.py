@@ -30,7 +30,7 @@ class Wilson(Method):
 
     def enter(self):
         """Discard the matrices."""
-        self.columns.forget()
+        self.columns.inverses.forget()
 
     def attempt(self, t, h):
         """Step from t to t + h; return 0 or a key of `integrator.FAILURES`."""
@@ -38,7 +38,7 @@ class Wilson(Method):
         self.balance.prepare(t, h)
         for i in range(n):
             self.start_a[i] = self.motion.a[i] + self.motion.drift[i]
-        self.columns.enough = 0.0
+        self.columns.iteration.enough = 0.0
         status = self.columns.attempt(
             self.theta * h, self.motion.q, self.motion.v, self.start_a, self.motion.j
         )
