@@ -181,8 +181,10 @@ def passed_within_steps(tolerance: float) -> int:
 
 
 def test_steps_pass_points_of_a_smooth_table_if_the_tolerance_allows() -> None:
-    assert passed_within_steps(1e-1) > 0
-    assert passed_within_steps(1e-9) == 0
+    assert passed_within_steps(1e-3) > 20
+    assert (
+        passed_within_steps(1e-9) <= 2
+    )  # in short steps, whose error is far below the one allowed
 
 
 def test_a_fixed_step_of_higher_order_ends_on_every_point() -> None:

@@ -1,5 +1,5 @@
 cimport cython
-from libc.math cimport fabs
+from libc.math cimport fabs, pow
 from .bernstein cimport Crossing
 from .motion cimport Motion
 from .network cimport Network
@@ -7,7 +7,7 @@ from .stepper cimport Stepper
 from .switches cimport Switches
 
 cdef int _COARSE
-cdef double _JUMP, _LIKELY, _LEAST_KNOT, _CLOSE_KNOT, _SHORT_OF_KNOT, _NEAR_KNOT, _BEYOND_END
+cdef double _MISSED_JUMP, _MOST_EFFECT, _LIKELY, _LEAST_KNOT, _CLOSE_KNOT, _SHORT_OF_KNOT, _NEAR_KNOT, _BEYOND_END
 
 @cython.final
 cdef class Knots:
@@ -17,20 +17,26 @@ cdef class Knots:
     cdef Network net
     cdef Crossing crossing
     cdef int row
-    cdef bint is_end
-    cdef double at, value
+    cdef bint lands, ends_table, is_end
+    cdef double at, value, bound
 
     @cython.locals(shorter=double)
     cdef double ahead(self, double h, double end) noexcept nogil
     @cython.locals(most=double, least=double)
     cdef double within(self, double h) noexcept nogil
-    cdef inline double _cut(self, double h) noexcept nogil
     @cython.locals(row='double *', at=int, third=double, way=double, _iteration=int, over=double, rate=double,
                    step=double)
     cdef double met(self, double h) noexcept nogil
     @cython.locals(e=int, kind=int, p=int, first=int, last=int, row=int, k=int, degree=int, m=int,
-                   at=int, value=double)
-    cdef void _find(self, double h, double least) noexcept nogil
-    @cython.locals(at=double)
-    cdef bint _passes_at_once(self, double value, int side, int degree, double least, int row,
-                              bint is_end) noexcept nogil
+                   side=int, unit=double, size=double)
+    cdef void _find(self, double h, double least, double most) noexcept nogil
+    @cython.locals(at=int)
+    cdef inline bint _passes(self, int p, int side) noexcept nogil
+    @cython.locals(jump=double)
+    cdef double _jump(self, int p, int side) noexcept nogil
+    @cython.locals(n=int, r=int, row='double *', at=int, rate=double, most=double, i=int, m=int, x=double)
+    cdef double _effect(self, int e, int kind, double h) noexcept nogil
+    @cython.locals(other=int)
+    cdef double _factor(self, int e, int kind, double *row, int at) noexcept nogil
+    @cython.locals(at=double, end=double)
+    cdef bint _ends(self, int side, int degree, double least, int row, double size) noexcept nogil

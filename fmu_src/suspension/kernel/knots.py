@@ -1,20 +1,24 @@
 """Points of smooth tables: steps end there if the jump of the second derivative of a force matters.
 
-It affects the result of the extrapolation much more than the difference of its columns. A step is
-shortened to end just before the point, as what comes after it would spoil the step; its septic is then
-continued to the point.
+If the second derivative of an acceleration jumps by J within a step h, the columns integrate it as the
+trapezoidal rule does, and the extrapolated velocity is wrong by up to `_MISSED_JUMP` J h^3, much more
+than their difference shows. If that is too much, the step is shortened to end just before the point, as
+what comes after it would spoil the step; its septic is then continued to the point.
 """
 
 from __future__ import annotations
 
 import cython
 
-from .layout import CONTACT, DAMPER, PIECE, START
+from .layout import CONTACT, DAMPER, MODULATION, PIECE, SPRING, START
 
 if not cython.compiled:
-    from math import fabs
+    from math import fabs, pow
 
-_JUMP = 40.0  # largest error of a step in which a second derivative jumps, over the error found
+# largest sum of w B3(x n) / (6 n^3) over the columns of n substeps with weights w, where the jump is at x
+# in the step, and B3 is the periodic Bernoulli polynomial; the same at orders 6 and 8
+_MISSED_JUMP = 6.2e-4
+_MOST_EFFECT = 0.5  # of a point, over the error allowed
 _LIKELY = 0.6  # of the step proposed by the last error; a shorter one may pass points
 _LEAST_KNOT = 0.02  # of a step: a point closer to its ends does not matter
 _CLOSE_KNOT = 1e-4  # of a step that must be repeated anyway
@@ -36,39 +40,38 @@ class Knots:
         self.switches = switches
         self.stepper, self.motion = self.switches.stepper, self.switches.motion
         self.net, self.crossing = self.switches.net, self.switches.crossing
-        # the point found last: where the attempt passes it, its value, that of `switches.row` which
-        # passes it, and whether the table ends there
+        # where the attempt should end, and whether that is just before a point: its value, that of
+        # `switches.row` which passes it, and whether the table ends there
         self.at = self.value = 0.0
         self.row = 0
+        self.lands = self.ends_table = False
+        # of the piece searched: its end, and whether it is that of the table
+        self.bound = 0.0
         self.is_end = False
 
     def ahead(self, h, end):
-        """Return the step h, or a shorter one that is expected to end on a point before time `end`."""
+        """Return the step h, or a shorter one that points before time `end` are expected to allow."""
         shorter = min(h, end - self.motion.state.time)
         if shorter <= _LIKELY * self.motion.state.proposal:
             return h
         self.motion.foresee(shorter)
-        self._find(shorter, _LEAST_KNOT)
-        return self._cut(shorter) if self.at < 1.0 - _LEAST_KNOT else h
+        self.stepper.errors.begin(shorter)
+        self._find(shorter, _LEAST_KNOT, _MOST_EFFECT)
+        return self.at * shorter if self.at < 1.0 else h
 
     def within(self, h):
-        """Return the length h of the attempt, or a shorter one to a point that it should end on."""
+        """Return the length h of the attempt, or a shorter one that the points it passes allow."""
         most = self.stepper.method.most_error
-        if self.stepper.errors.error <= 1.0 / _JUMP:
-            return h
         least = _LEAST_KNOT if self.stepper.errors.error <= most else _CLOSE_KNOT
-        self._find(h, least)
-        return self._cut(h) if self.at < 1.0 - least else h
-
-    def _cut(self, h):
-        return _SHORT_OF_KNOT * self.at * h
+        self._find(h, least, _MOST_EFFECT * most)
+        return self.at * h if self.at < 1.0 else h
 
     def met(self, h):
         """Return the length of the attempt if it is continued to the point found last, or else h.
 
         The point is found by Newton's method along the Taylor series of the row at the end.
         """
-        if self.stepper.method.order <= _COARSE or self.stepper.errors.own_jerks:
+        if not self.lands or self.stepper.method.order <= _COARSE or self.stepper.errors.own_jerks:
             return h
         self.switches.read_attempt(self.motion.state.time, h)
         row, at = self.switches.row, self.row + 4
@@ -82,16 +85,17 @@ class Knots:
                 return h
             way -= over / rate
         step = h + way
-        if self.is_end:
+        if self.ends_table:
             step += _BEYOND_END * h
         if fabs(step - h) < _NEAR_KNOT * h and self.stepper.errors.can_read(step / h, h):
             return step
         return h
 
-    def _find(self, h, least):
-        """Find where the attempt first passes a point of a table, or its end; 2 if it passes none.
+    def _find(self, h, least, most):
+        """Find the fraction of the attempt after which it should end because of points; 2 if nowhere.
 
-        Passages before the fraction `least` do not count.
+        That is the first point, or beyond it, if the points passed have an effect of at most `most` times
+        the error allowed in such a step. Passages before the fraction `least` do not count.
         """
         self.at = 2.0
         self.switches.read_attempt(self.motion.state.time, h)
@@ -105,25 +109,71 @@ class Knots:
                 k = self.net.place(p, self.switches.row[row])
                 degree = self.switches.polynomial(e, kind, h)
                 self.crossing.extent(degree)
-                for m in range(k, first - 1, -1):
-                    at = PIECE * m + START
-                    value = self.net.piece[at] if m > first else self.net.low[m]
-                    if not self._passes_at_once(value, -1, degree, least, row, m == first):
-                        break
-                for m in range(k, last + 1):
-                    at = PIECE * (m + 1) + START
-                    value = self.net.piece[at] if m < last else self.net.high[m]
-                    if not self._passes_at_once(value, 1, degree, least, row, m == last):
-                        break
+                unit = -1.0
+                for side in range(-1, 2, 2):
+                    m = k
+                    while first <= m <= last and self._passes(m, side):
+                        if unit < 0.0:
+                            unit = self._effect(e, kind, h) / (most * self.stepper.errors.allowed)
+                        size = unit * self._jump(m, side)
+                        if size > 1.0 and self._ends(side, degree, least, row, size):
+                            break
+                        m += side
 
-    def _passes_at_once(self, value, side, degree, least, row, is_end):
-        """Return whether the polynomial of a row passes a point before `least`.
+    def _passes(self, p, side):
+        """Find the end of piece p; return whether the polynomial may pass it."""
+        self.is_end = p == (self.net.run_first[p] if side < 0 else self.net.run_last[p])
+        at = PIECE * (p if side < 0 else p + 1) + START
+        if not self.is_end:
+            self.bound = self.net.piece[at]
+        else:
+            self.bound = self.net.low[p] if side < 0 else self.net.high[p]
+        return self.crossing.low < self.bound if side < 0 else self.crossing.high > self.bound
 
-        If it passes the point later, but earlier than others found, the point is stored.
+    def _jump(self, p, side):
+        """Return by how much the second derivative jumps at the end of piece p, beyond a table to 0."""
+        self.net.read_piece(p, self.bound)
+        jump = self.net.curvature
+        if not self.is_end:
+            self.net.read_piece(p + side, self.bound)
+            jump -= self.net.curvature
+        return fabs(jump)
+
+    def _effect(self, e, kind, h):
+        """Return the error that the attempt makes where the second derivative of a law jumps by 1, m."""
+        n, r = self.net.n, self.net.element_row[e]
+        row, at = self.switches.row, 8 * r + (1 if kind == DAMPER else 0)
+        rate = max(fabs(row[at + 1]), fabs(row[at + 5]), fabs(row[at + 4] - row[at]) / h)
+        most = 0.0
+        for i in range(n):
+            x = 0.0
+            for m in range(n):
+                x += self.net.flexibility[n * m + i] * self.net.row_direction[n * r + m]
+            most = max(most, fabs(x) * self.stepper.errors.velocity_scale[i])
+        if self.net.modulated[e]:
+            most *= self._factor(e, kind, row, 8 * r)
+        return _MISSED_JUMP * h * h * h * rate * rate * most
+
+    def _factor(self, e, kind, row, at):
+        """Return the larger of the factors of a modulated damper's law at both ends of the attempt."""
+        if kind == SPRING:
+            return 1.0
+        other = self.net.piece_now(e, MODULATION if kind == DAMPER else DAMPER)
+        at += 1 if kind == MODULATION else 0
+        return max(fabs(self.net.law(other, row[at])), fabs(self.net.law(other, row[at + 4])))
+
+    def _ends(self, side, degree, least, row, size):
+        """Let the attempt end on the point in `bound`, or beyond it, if it passes it after `least`.
+
+        If it does not matter in a step of the present length by the factor `size`, it does not in one
+        that is shorter by the third root. Return whether points that are passed later make no difference.
         """
-        if not (self.crossing.low < value if side < 0 else self.crossing.high > value):
-            return 0
-        at = self.crossing.exit(value, side, degree, False)
-        if least <= at < self.at:
-            self.at, self.value, self.row, self.is_end = at, value, row, is_end
-        return at < least
+        at = self.crossing.exit(self.bound, side, degree, False)
+        if not least <= at < 1.0 - least:
+            return at >= 1.0 - least
+        end = _SHORT_OF_KNOT * max(at, pow(size, -1.0 / 3.0))
+        if end < self.at:
+            self.at = end
+            self.lands = end == _SHORT_OF_KNOT * at
+            self.value, self.row, self.ends_table = self.bound, row, self.is_end
+        return self.lands

@@ -412,8 +412,9 @@ class TimeLoop:
             return UNSTABLE
         self.trial.begin(h)
         if self.stepper.errors.controlled and self.stepper.balance.bends.joined:
-            self.trial.length = self.knots.ahead(h, min(self.net.next_joint(), latest))
-            self.trial.on_knot = self.trial.length < h
+            soon = min(self.net.next_joint(), latest)
+            shorter = self.knots.ahead(h, soon)
+            self.trial.length, self.trial.on_knot = shorter, shorter < h
         status = _AGAIN
         while status == _AGAIN:
             self.trial.stop_at(self.net.next_joint(), latest, self.state.time)
