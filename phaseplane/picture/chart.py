@@ -90,15 +90,17 @@ class Chart:
         ]
         halves = [text.box(_EM).half.real for text in named]
         left, right = -0.17 * _WIDTH, max([1.73 * _WIDTH, _NAMES + 2.0 * max(halves) + _EM])
-        half = complex(right - left, 1.5 * _HEIGHT) / 2.0
-        view = Box(complex((left + right) / 2.0, 0.49 * _HEIGHT), half)
+        half = complex(right - left, 1.55 * _HEIGHT) / 2.0
+        view = Box(complex((left + right) / 2.0, 0.465 * _HEIGHT), half)
         sheet = Drawing("", (), (), {}, StoredFrames(()))
         page = Page(sheet, view, _EM, [np.zeros(1, complex)])
-        zero = self.at(self.start, 0.0)
-        page.arrow("axis", zero, zero + 1.03 * _WIDTH)
-        page.arrow("axis", self.at(self.start, self.low), self.at(self.start, self.high) + 0.01j)
-        unit = bracketed(self.quantity.unit)
-        page.write(Text("axis", f"{self.quantity.name}{unit}", complex(0.05, _HEIGHT + 1.7 * _EM)))
+        zero, corner = self.at(self.start, 0.0), self.at(self.start, self.low)
+        page.lines("value", [[zero, zero + _WIDTH]], 0.7)
+        page.arrow("axis", corner, corner + 1.03 * _WIDTH)
+        page.arrow("axis", corner, self.at(self.start, self.high) + 0.01j)
+        words = Text("axis", f"{self.quantity.name}{bracketed(self.quantity.unit)}", 0j)
+        aside = words.box(_EM).half.real + 0.6 * _EM
+        page.write(replace(words, centre=complex(aside, _HEIGHT + 1.7 * _EM)))
         self._values(page)
         for role, name in zip(self.roles, self.names, strict=True):
             curve = self._curve(self.times, self.values[name])
@@ -119,7 +121,7 @@ class Chart:
         step = round_step(factor * (self.end - self.start) or 1.0, 6)
         last = int(factor * (self.end - self.start) / step)
         for i in range(1, last + 1):
-            z = self.at(self.start + i * step / factor, 0.0)
+            z = self.at(self.start + i * step / factor, self.low)
             page.lines("axis", [[z, z + 0.4j * _EM]])
             text = number(i * step) + (f" {unit}" if i == last else "")
             page.write_if_free(Text("value", text, z - 1.0j * _EM, 0.8, "value"))

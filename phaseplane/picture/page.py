@@ -347,7 +347,7 @@ class Page:
         """Draw the axes with arrows, ticks, values and names."""
         known = [
             (plane, motion, graduation_of(plane.displacement, motion, 2.2 * self.em),
-             graduation_of(plane.scaled_velocity, motion, 1.6 * self.em))
+             graduation_of(plane.scaled_velocity, motion, 1.5 * self.em))
             for plane in self.drawing.planes for motion in (self._motion(plane),)
         ]  # fmt: skip
         for plane, motion, _, up in known if self._in_columns else ():
@@ -384,6 +384,8 @@ class Page:
         """Draw the y-bar axis only over the range of the motion, to keep clear of other planes."""
         axis, em = plane.scaled_velocity, self.em
         start, tip = self._upright(plane, motion, graduation)
+        below = [v for v in graduation.values if axis.at(v).imag < tip.imag - 0.7 * em]
+        graduation = replace(graduation, values=below)  # clear of the arrow
         self.arrow("axis", start, tip)
         self._ticks(axis, graduation, 0.35 * em)
         # on the side of the axis away from the motion
@@ -463,6 +465,9 @@ class Page:
             self.lines(curve.role, [curve.vertices])
         highest = max((c.vertices[0].imag for c in chosen if c.role == "line"), default=0.0)
         low, high = (z.real for z in self.view.corners)
+        for curve in reversed(chosen):  # the last value of an axis has its unit
+            if curve.role == "axis" and curve.label:
+                self.write_if_free(_value(curve.vertices[-1] - 0.8j * self.em, curve.label))
         for curve in chosen:
             end = curve.vertices[-1]
             if curve.role == "line":
@@ -472,15 +477,12 @@ class Page:
                     centre = complex(edge - shift * self.em, end.imag) + side * self.em
                     if self.write_if_free(Text("line", typeset(curve.label), centre)):
                         break
-            elif curve.role == "axis":
-                self.write_if_free(_value(end - 0.8j * self.em, curve.label))
-            elif curve.role not in ("auxiliary", "shortcut", "trail"):
-                named = [c for c in chosen if c.role == curve.role and c.label]
-                words = ", ".join(
-                    typeset(c.label) for c in named if abs(c.vertices[-1] - end) < self.em
-                )
-                half = Text(curve.role, words, 0j).box(self.em).half.real
-                self.write_if_free(Text(curve.role, words, end + half + 0.5 * self.em))
+            elif curve.role not in (*CURVES, "axis") and curve.label:
+                name = Text(curve.role, words_at_end(curve, chosen), 0j)
+                beside = end + name.box(self.em).half.real + 0.5 * self.em
+                for up in (0.0, 0.4, 0.8, 1.2) if name.text else ():
+                    if self.write_if_free(replace(name, centre=beside + up * 1j * self.em)):
+                        break
         for curve in chosen:
             if curve.role == "auxiliary" and curve.label:
                 self._along(curve)
@@ -663,6 +665,14 @@ class Page:
             ]
             # lines are everywhere here, so numbers avoid only letters and points
             self.letter(named, _VALUE, lines=False)
+
+
+def words_at_end(curve: Curve, curves: Sequence[Curve]) -> str:
+    """Return the names of all curves of its role that end with a curve; empty if it is not the first."""
+    end = curve.vertices[-1]
+    near = 0.01 * abs(end - curve.vertices[0])
+    alike = [c for c in curves if c.role == curve.role and abs(c.vertices[-1] - end) <= near]
+    return ", ".join(typeset(c.label) for c in alike) if alike[0] is curve else ""
 
 
 def _joined(way: Points, most: int | None) -> Points:

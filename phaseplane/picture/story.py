@@ -14,7 +14,8 @@ from phaseplane.constructions.storage import Frame
 from phaseplane.suspension.units import counted
 
 from . import dimensions
-from .page import CURVES, Arrow, Page
+from .letters import text_box
+from .page import CURVES, Arrow, Page, words_at_end
 from .paper import Box, around, table
 from .quantities import Quantity
 from .styles import MOVING_POINT
@@ -36,6 +37,7 @@ _AWAY = 0.25
 _TELLING = 6  # fewest steps from which those are chosen
 _CANDIDATES = 1000  # most of them
 _VERTICES = 1000  # of a motion in each tick
+_ARMS = 13.5  # width of the pane of the turn angles, em
 _TOLD = ("lift_off", "touchdown")
 _EMPTY = "The empty sheet: axes and auxiliary curves"
 _HELP = (
@@ -71,11 +73,14 @@ def arms_page(drawing: Drawing) -> Page:
     """Return the common arm of the turn angles, divided in centimetres of paper."""
     curves = [curve for curve in drawing.curves if curve.role not in CURVES]
     vertices = [z for curve in curves for z in curve.vertices]
-    view = around(vertices, 0.1) if vertices else Box(0j, 0.1 + 0.1j)
-    em = view.size / 26.0
-    # room for the names of equal angles, and for the values below the arm
-    view = Box(view.centre + (2.5 - 0.8j) * em, view.half + (2.5 + 0.8j) * em)
-    page = Page(drawing, view, em)
+    arms = around(vertices, 0.0) if vertices else Box(0j, 0.1 + 0.1j)
+    names = [words_at_end(curve, curves) for curve in curves if curve.role != "axis"]
+    room = max((2.0 * text_box(0j, name, 1.0).half.real for name in names), default=0.0) + 0.5
+    em = 2.0 * arms.half.real / (_ARMS - room - 1.0)
+    # room for the names beside the arms, and for the values below them
+    low, high = arms.corners
+    low, high = low - (0.5 + 1.6j) * em, high + (room + 0.5 + 1.6j) * em
+    page = Page(drawing, Box((low + high) / 2.0, (high - low) / 2.0), em)
     page.curves(list(dict.fromkeys(c.role for c in curves)))
     return page
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import lru_cache
-from operator import mul
 from textwrap import wrap
 from unicodedata import normalize
 
@@ -38,6 +37,7 @@ _EVENTS = {
 }
 # characters of a row and rows of a protocol in the pane of the text in a window of 1366x768
 _ROW, _MOST_ROWS = 68, 20
+_NOTHING = 1e-12  # a smaller reading is one of rounding
 LETTER_OF_EVENT = {"lift_off": "U", "touchdown": "V", "jolt": "J", "sticking": "F"}
 
 
@@ -135,8 +135,9 @@ def readings_table(readings: Mapping[str, float], quantities: Mapping[str, Quant
     if not readings:
         return ""
     head, form, order, factors = _table_form(tuple((n, quantities.get(n)) for n in readings))
-    values = map(mul, factors, map(readings.__getitem__, order))
-    return head + (form % tuple(values)).replace("-", MINUS)
+    values = (f * readings[name] for f, name in zip(factors, order, strict=True))
+    seen = tuple([0.0 if abs(value) < _NOTHING else value for value in values])
+    return head + (form % seen).replace("-", MINUS)
 
 
 @lru_cache

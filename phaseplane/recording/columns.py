@@ -19,7 +19,7 @@ import rerun as rr
 
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture.paper import Points, Strip
-from phaseplane.picture.styles import Hue, style_of
+from phaseplane.picture.styles import GREY, Hue, style_of
 
 Integers = npt.NDArray[np.int64]
 Reals = npt.NDArray[np.float64]
@@ -115,8 +115,15 @@ def seconds(times: npt.ArrayLike) -> rr.TimeColumn:
 
 @cache
 def rgba(hue: Hue, strength: float = 1.0) -> int:
-    """Return the shade of a hue that is legible on dark and on light, as 0xRRGGBBAA."""
-    return (int(hue.on("either")[1:], 16) << 8) | round(255 * strength)
+    """Return the shade of a hue that is legible on dark and on light, 0xRRGGBBAA; a weak one is greyer.
+
+    The viewer does not blend lines: a transparent one is only darker, and stands out on light ground.
+    """
+    both = (bytes.fromhex(of.on("either")[1:]) for of in (hue, GREY))
+    mixed = (
+        round(strength * own + (1.0 - strength) * grey) for own, grey in zip(*both, strict=True)
+    )
+    return int.from_bytes(bytes([*mixed, 255]), "big")
 
 
 def colours(values: Sequence[int]) -> npt.NDArray[np.uint32]:

@@ -39,7 +39,8 @@ def blueprint(content: Content, recorder: Recorder) -> rrb.Blueprint:
         left.append((SHEET_SHARE, _sheets(content, recorder.pages)))
     below = lanes_share(content)
     if below:
-        left.append((below, _lanes()))
+        time = None if content.live else _whole_time()
+        left.append((below, rrb.StateTimelineView(origin=LANES, name="lanes", time_view=time)))
     right: list[tuple[float, rrb.View | rrb.Container]] = []
     if recorder.words:
         right.append((6.6, rrb.TextDocumentView(origin=WORDS, name="construction step")))
@@ -51,7 +52,7 @@ def blueprint(content: Content, recorder: Recorder) -> rrb.Blueprint:
     if recorder.arms_page is not None and content.detail != "trail":
         beside.append(_view([f"+ {ARMS}/**"], "turn angles", recorder.arms_page.view))
     if beside:
-        right.append((1.9, rrb.Tabs(*beside) if len(beside) > 1 else beside[0]))
+        right.append((1.9, rrb.Horizontal(*beside)))
     plots: list[rrb.View] = [_plot(panel, content) for panel in panels(content)]
     if recorder.chart is not None:
         plots.insert(0, _view([f"+ {CHART}/**"], "over time", recorder.chart.stays.view))
@@ -167,10 +168,6 @@ def _view(contents: list[str], name: str, box: Box, **more: object) -> rrb.Spati
     )
 
 
-def _lanes() -> rrb.View:
-    return rrb.StateTimelineView(origin=LANES, name="lanes")
-
-
 def _whole_time() -> rrb.TimeAxis:
     everything = rr.encodings.TimeRange(
         start=rrb.TimeRangeBoundary.infinite(), end=rrb.TimeRangeBoundary.infinite()
@@ -183,11 +180,12 @@ def _plot(panel: Panel, content: Content) -> rrb.TimeSeriesView:
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
     margin = 0.05 * (high - low) or 1.0
+    named = 4 if content.drawing is not None else 8  # above that names would hide the curves
     ends = (number(end if abs(end) > _ROUNDING * margin else 0.0, 3) for end in (low, high))
     return rrb.TimeSeriesView(
         origin=panel.path,
         name=f"{panel.title}, {' to '.join(ends)}" if high > low else panel.title,
-        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=len(panel.names) < 5),
+        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=len(panel.names) <= named),
         axis_x=None if content.live else _whole_time(),
         axis_y=rrb.ScalarAxis(range=(low - margin, high + margin)) if finite.size else None,
         overrides=overlays(panel),  # type: ignore[arg-type]

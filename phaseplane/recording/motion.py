@@ -26,9 +26,9 @@ _HALF_WIDTH = 0.1  # half width of a plane, m of paper
 _APART = 0.34  # distance between the origins of planes, m of paper
 _AT_REST = 1e-3  # of the largest motion with the same unit
 _ROUND = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0)
-_EMS = 47.0  # of type over the height of a window on a small screen
-_MOST_EMS = 40.0  # of type over the height of a view
-_PANE = 1.3  # width of a pane over its height
+# width and height of the sheet with its lanes, of the bar above it, and of its type in the viewer, in
+# pixels of a window of 1366x768; the width is less, since larger windows are higher
+_WIDTH, _HEIGHT, _BAR, _TYPE = 875.0, 700.0, 30.0, 16.75
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,19 +143,19 @@ def pages_of(content: Content) -> list[Page]:
             around(np.concatenate(motions), 0.15), *(around(motion, 0.15) for motion in motions)
         ]  # fmt: skip
         drawing = Drawing(content.title, tuple(p.plane for p in planes), (), {}, StoredFrames(()))
-    views = [_fitted(view) for view in (views if len(views) > 2 else views[:1])]
-    ems = min(_MOST_EMS, _EMS * SHEET_SHARE / (SHEET_SHARE + lanes_share(content)))
-    pages = [Page(drawing, view, 2.0 * view.half.imag / ems, motions) for view in views]
+    high = _HEIGHT * SHEET_SHARE / (SHEET_SHARE + lanes_share(content)) - _BAR
+    views = [_fitted(view, _WIDTH / high) for view in (views if len(views) > 2 else views[:1])]
+    pages = [Page(drawing, v, 2.0 * v.half.imag * _TYPE / high, motions) for v in views]
     pages[0].axes_of_planes()
     pages[0].curves()
     return pages
 
 
-def _fitted(view: Box) -> Box:
-    """Return a view widened or heightened to the shape of its pane."""
+def _fitted(view: Box, shape: float) -> Box:
+    """Return a view widened or heightened to the shape of its pane, width over height."""
     half = view.half
     return Box(
-        view.centre, complex(max(half.real, _PANE * half.imag), max(half.imag, half.real / _PANE))
+        view.centre, complex(max(half.real, shape * half.imag), max(half.imag, half.real / shape))
     )
 
 

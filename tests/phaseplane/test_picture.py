@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import cmath
-from dataclasses import replace
+from dataclasses import asdict, replace
 from itertools import combinations
 from math import pi
 from pathlib import Path
@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from phaseplane.scenarios.draw.constructions import draw_construction
+from phaseplane.scenarios.scene.loading import load_scene
 from recorded import (
     CONTACT_SCHEME,
     PLANES,
@@ -42,9 +44,9 @@ from phaseplane.picture.styles import (
     luminance,
     style_of,
 )
-from phaseplane.picture.text import level_text, markdown, typeset
+from phaseplane.picture.text import level_text, markdown, readings_table, typeset
 from phaseplane.recording import Content, record
-from phaseplane.recording.columns import legible
+from phaseplane.recording.columns import legible, rgba
 from phaseplane.recording.motion import pages_of
 
 
@@ -240,6 +242,52 @@ def test_all_columns_of_a_chart_are_named_in_its_view() -> None:
     slow = construct_motion(EquationPlane(lambda v, x, t: x, True), delta, step=0.1, duration=3.0)
     texts = Chart(slow, {"time": [0.0, 3.0], "y": [0.0, 1.0]}, ("y",), QUANTITIES[0]).stays.texts
     assert "3 s" in [text.text for text in texts]
+
+
+def test_the_values_of_the_time_stand_below_the_curves_of_a_chart() -> None:
+    made = construct_motion(ap57(), delta, step=0.0025, steps=10)
+    shown = {"time": [0.0, 0.025], "wheel_displacement": [0.05, -0.05]}
+    chart = Chart(made, shown, ("wheel_displacement",), QUANTITIES[0])
+    times = [text for text in chart.stays.texts if text.centre.real > 0.05 and text.kind == "value"]
+    assert len(times) >= 3
+    for text in times:
+        box = text.box(chart.stays.em)
+        assert box.centre.imag + box.half.imag <= chart.at(0.0, chart.low).imag
+        assert chart.stays.view.contains(box)
+
+
+def test_turn_angles_are_named_and_their_arm_has_a_unit() -> None:
+    half_car = load_scene("half_car_pitch")
+    four = draw_construction(
+        half_car.fmu.model, half_car.all_parameters, asdict(half_car.construction), 0.02
+    )
+    two = construct_motion(ap57(), delta, step=0.0025, steps=10)
+    for made, wanted in ((two, ["Δτ₁", "Δτ₂"]), (four, ["Δτ₁₁, Δτ₂₁", "Δτ₁₂, Δτ₂₂"])):
+        page = arms_page(made)
+        assert [text.text for text in page.texts if "τ" in text.text] == wanted
+        assert sum(text.text.endswith(" cm") for text in page.texts) == 1
+        assert page.view.half.real / page.em <= 7.0  # half of a pane of 230 pixels
+        boxes = [text.box(page.em) for text in page.texts]
+        assert all(one.overlap(other) == 0.0 for one, other in combinations(boxes, 2))
+        assert all(page.view.contains(box) for box in boxes)
+
+
+def test_rounding_is_read_off_as_zero() -> None:
+    read = {"wheel_displacement": -0.0, "wheel_velocity": 4.2e-21, "wheel_acceleration": -1.5e-16}
+    table = readings_table(read, dict.fromkeys(read))
+    assert table.splitlines()[-1] == "| wheel | 0 | 0 | 0 |"
+
+
+@given(strength=st.floats(0.1, 0.9), hue=st.sampled_from(list(PARTS.values())))
+def test_weak_lines_stand_out_less_on_any_ground(*, strength: float, hue: Hue) -> None:
+    weak = rgba(hue, strength)
+    assert weak & 255 == 255  # the viewer does not blend lines with their ground
+    shade = f"#{weak >> 8:06x}"
+    for ground in (PAPER.light, PAPER.dark):
+        assert contrast(shade, ground) < 1.1 * contrast(hue.on("either"), ground)
+    red, green, blue = (int(shade[i : i + 2], 16) for i in (1, 3, 5))
+    full = [int(hue.on("either")[i : i + 2], 16) for i in (1, 3, 5)]
+    assert np.ptp([red, green, blue]) < np.ptp(full)
 
 
 def test_curves_that_coincide_have_one_label() -> None:

@@ -12,6 +12,7 @@ from recorded import Recorded, content, drawing, paper
 
 from phaseplane.picture.page import Arrow
 from phaseplane.recording import VIEWS, AxleView, Content, Vehicle, record
+from phaseplane.recording.lanes import SHEET_SHARE, lanes_share
 from phaseplane.recording.motion import pages_of
 
 STATIC = 0.02
@@ -211,6 +212,44 @@ def test_lanes_show_what_changes(tmp_path: Path) -> None:
     assert labels == ["on the road", "off the road"]
     calm = recorded(tmp_path, Content("a run", histories={**MOTION, "airborne": 0 * TIME}))
     assert not any(path.startswith("/lanes") for path in calm.rows)
+
+
+def test_lanes_show_the_whole_time_and_leave_the_type_of_the_sheet_its_size(tmp_path: Path) -> None:
+    shown = replace(content(), histories=MOTION, vehicle=QUARTER)
+    made = recorded(tmp_path, shown)
+    (lanes,) = (path for path, row in made.layout
+                if row.get("ViewBlueprint:class_identifier") == ["StateTimeline"])  # fmt: skip
+    whole = {path: row["TimeAxis:view_range"] for path, row in made.layout if "TimeAxis" in path}
+    assert whole[f"{lanes}/TimeAxis"] == [{"start": None, "end": None}]
+    assert lanes_share(shown) > 0.0
+    for content_ in (shown, content()):
+        share = SHEET_SHARE / (SHEET_SHARE + lanes_share(content_))
+        wide, high = 910.0, 700.0 * share - 30.0  # pixels of its pane in a window of 1366x768
+        for page in pages_of(content_):
+            scale = min(wide / page.view.half.real, high / page.view.half.imag) / 2.0
+            assert scale * page.em > 16.0
+            assert page.view.half.imag * scale > 0.49 * high
+            assert page.view.half.real * scale > 0.47 * wide
+
+
+def test_turn_angles_stand_beside_the_vehicle(tmp_path: Path) -> None:
+    made = recorded(tmp_path, replace(content(), histories=MOTION, vehicle=QUARTER))
+    names = {path: row["ViewBlueprint:display_name"][0] for path, row in made.layout
+             if "ViewBlueprint:display_name" in row}  # fmt: skip
+    horizontal = [
+        [names.get(f"/{part}") for part in row["ContainerBlueprint:contents"]]
+        for _, row in made.layout
+        if row.get("ContainerBlueprint:container_kind") == [2]
+    ]
+    assert ["side view", "turn angles"] in horizontal
+
+
+@pytest.mark.parametrize(("axles", "named"), [(2, True), (3, False)])
+def test_the_curves_of_a_plot_are_named(tmp_path: Path, axles: int, *, named: bool) -> None:
+    columns = {f"{part}{i}_displacement": TIME for i in range(axles) for part in ("a", "b", "c")}
+    made = recorded(tmp_path, Content("a run", histories={"time": TIME, **columns}))
+    (legend,) = (r["PlotLegend:visible"] for p, r in made.layout if p.endswith("PlotLegend"))
+    assert legend == [named]
 
 
 def test_columns_of_any_unit_are_plotted(tmp_path: Path) -> None:
