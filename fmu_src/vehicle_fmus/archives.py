@@ -40,6 +40,14 @@ def zipped(members: Mapping[str, bytes]) -> bytes:
     return buffer.getvalue()
 
 
+def write_into(folder: Path, files: Mapping[str, bytes]) -> list[Path]:
+    """Write all files to a folder, created if it is missing, or none; return their paths."""
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    contents = {Path(folder, name): content for name, content in files.items()}
+    write_all(contents)
+    return list(contents)
+
+
 def write_all(contents: Mapping[Path, bytes]) -> None:
     """Write all files beside their targets, then move them into place."""
     written: dict[Path, Path] = {}

@@ -18,14 +18,14 @@ from uuid import UUID
 from xml.etree import ElementTree
 
 from phaseplane.suspension.models import ALL, FILES
-from phaseplane.suspension.variables import Value, refuse_unknown
+from phaseplane.suspension.variables import Value
 
 from . import systems
-from .archives import digest_of, write_all, zipped
+from .archives import digest_of, write_into, zipped
 from .content import SLAVES, hashed, picture_file, production, suspension_name, suspension_sources
 from .manual import DOCUMENTATION, page
 from .model_description import completed, written
-from .reference import reference_files, session_of
+from .reference import accepted_parameters, reference_files
 from .slaves.vehicle_slave import START_VALUES
 from .versions import installed
 from .wrapper import ended_once
@@ -67,24 +67,16 @@ def build(
     RuntimeError : pythonfmu could not build an FMU (the message includes its output), or its library
         for Linux is not a known one that lets a process exit cleanly.
     """
-    parameters, own = parameters or {}, own or {}
-    refuse_unknown(models, {**FILES, **own}, f"FMUs exist for {', '.join(FILES)}, not for")
-    refuse_unknown(parameters, models, "start values given for a model that is not built:")
+    own = own or {}
     files: dict[str, bytes] = {}
     roads: dict[str, bytes] = {}  # one may serve several systems
-    for model in models:
-        given = parameters.get(model, {})
-        accepted = session_of(model, given).parameters  # reads the tables, too
-        start = {name: accepted[name] for name in given}
+    for model, start, accepted in accepted_parameters(models, parameters or {}, own):
         files[f"{model}.fmu"] = _packed(model, start, own.get(model))
         if references:
             files |= reference_files(model, start)
         if ssp and systems.connections(model):
             files[f"{model}.ssp"] = _system(model, accepted, roads)
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    contents = {Path(folder, name): content for name, content in files.items()}
-    write_all(contents)
-    return list(contents)
+    return write_into(folder, files)
 
 
 def _system(model: str, parameters: Mapping[str, Value], roads: dict[str, bytes]) -> bytes:

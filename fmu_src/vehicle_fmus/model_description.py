@@ -83,6 +83,12 @@ def _complete_variable(element: Element, variable: Variable, start: Value) -> No
     kind = element[0]
     if "start" in kind.attrib and isinstance(start, float):
         kind.set("start", repr(start))  # all digits: pythonfmu writes 16
+    for name, text in range_and_unit(variable).items():
+        kind.set(name, text)
+
+
+def range_and_unit(variable: Variable) -> dict[str, str]:
+    """Return the attributes of a variable's range and unit."""
     attributes = {
         "unit": variable.unit or None,
         "displayUnit": variable.display or None,
@@ -90,9 +96,7 @@ def _complete_variable(element: Element, variable: Variable, start: Value) -> No
         "max": variable.maximum,
         "nominal": variable.nominal,
     }
-    for name, value in attributes.items():
-        if value is not None:
-            kind.set(name, str(value))
+    return {name: str(value) for name, value in attributes.items() if value is not None}
 
 
 def model_structure(declared: tuple[Variable, ...]) -> Element:

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement, register_namespace
 
+from phaseplane.suspension.models import FILES
 from phaseplane.suspension.road_source import RoadSource
 from phaseplane.suspension.session import Session
-from phaseplane.suspension.variables import SOLVER_OUTPUTS, SOURCES, Value, variables
+from phaseplane.suspension.variables import (
+    SOLVER_OUTPUTS,
+    SOURCES,
+    Value,
+    refuse_unknown,
+    variables,
+)
 
 from .model_description import written
 
@@ -79,9 +86,7 @@ def declared_inside(files: Mapping[str, bytes]) -> dict[str, bytes]:
     return members
 
 
-def session_of(
-    model: str, parameters: Mapping[str, object], tolerance: float | None = None
-) -> Session | RoadSource:
+def session_of(model: str, parameters: Mapping[str, object]) -> Session | RoadSource:
     """Return a session that computes the results of the FMU from time zero, without the FMU.
 
     Raises
@@ -89,7 +94,30 @@ def session_of(
     ParameterError : unknown model or parameter, or a value that is refused.
     """
     kind: type[Session | RoadSource] = RoadSource if model in SOURCES else Session
-    return kind(model, parameters, 0.0, tolerance)
+    return kind(model, parameters)
+
+
+def accepted_parameters(
+    models: Sequence[str],
+    parameters: Mapping[str, Mapping[str, object]],
+    own: Collection[str],
+) -> Iterator[tuple[str, dict[str, Value], Mapping[str, Value]]]:
+    """Yield each model to pack with its start values, checked, and with all its parameters.
+
+    Parameters
+    ----------
+    parameters : the start values by model; texts of tables are read
+    own : names of user-defined systems that have been loaded
+
+    Raises
+    ------
+    ParameterError : unknown model or parameter, or a value that is refused.
+    """
+    refuse_unknown(models, (*FILES, *own), f"FMUs exist for {', '.join(FILES)}, not for")
+    refuse_unknown(parameters, models, "start values given for a model that is not built:")
+    for model in models:
+        accepted = session_of(model, given := parameters.get(model, {})).parameters
+        yield model, {name: accepted[name] for name in given}, accepted
 
 
 def reference_files(model: str, start: Mapping[str, Value]) -> dict[str, bytes]:

@@ -8,19 +8,26 @@ from xml.etree.ElementTree import Element, SubElement
 from phaseplane.suspension.models import ALL
 from phaseplane.suspension.variables import Value, Variable, variables
 
-from ..model_description import CHOSEN, in_words, model_structure, unit_definitions, written
+from ..model_description import (
+    CHOSEN,
+    in_words,
+    model_structure,
+    range_and_unit,
+    unit_definitions,
+    written,
+)
 from .model import Translation
 
-CATEGORIES = {
+_CATEGORIES = {
     "logEvents": "Times of lift-off, touchdown and contact with end stops.",
     "logStatusDiscard": "Steps that failed.",
     "logStatusError": "Calls and values that were refused.",
     "logAll": "All messages.",
 }
-EXPERIMENT = {"startTime": "0.0", "stopTime": "1.0", "tolerance": "1e-06", "stepSize": "0.001"}
+_EXPERIMENT = {"startTime": "0.0", "stopTime": "1.0", "tolerance": "1e-06", "stepSize": "0.001"}
 _TYPES = {float: "Real", int: "Integer", bool: "Boolean", str: "String"}
-SPEAKING = {"author": "The phaseplane developers", "license": "MIT",
-            "copyright": "(c) 2026 The phaseplane developers"}  # fmt: skip
+_MAKERS = {"author": "The phaseplane developers", "license": "MIT",
+           "copyright": "(c) 2026 The phaseplane developers"}  # fmt: skip
 
 
 def description(
@@ -41,14 +48,7 @@ def description(
     token : the GUID
     """
     declared = variables(model)
-    given = {k: v for k, v in about.items() if v and k != "guid"}
-    root = Element(
-        "fmiModelDescription",
-        {
-            "fmiVersion": "2.0", "modelName": model, "guid": token, "description": ALL[model].summary,
-            "variableNamingConvention": "structured", **SPEAKING, **given,
-        },
-    )  # fmt: skip
+    root = begun(model, {"fmiVersion": "2.0", "guid": token}, about)
     kind = SubElement(
         root, "CoSimulation", modelIdentifier=model, canHandleVariableCommunicationStepSize="true",
         canGetAndSetFMUstate="true", canSerializeFMUstate="true",
@@ -57,16 +57,31 @@ def description(
     )  # fmt: skip
     SubElement(SubElement(kind, "SourceFiles"), "File", name="all.c")
     root.append(unit_definitions(declared))
-    categories = SubElement(root, "LogCategories")
-    for name, text in CATEGORIES.items():
-        SubElement(categories, "Category", name=name, description=text)
-    SubElement(root, "DefaultExperiment", EXPERIMENT)
+    append_categories(root)
     held = SubElement(root, "ModelVariables")
     for k, variable in enumerate(declared):
         value = start.get(variable.name, variable.start)
         _variable(held, k, variable, value, variable.name in in_c.fixed)
     root.append(model_structure(declared))
     return written(root)
+
+
+def begun(model: str, given: Mapping[str, str], about: Mapping[str, str]) -> Element:
+    """Return the root of a description, with the attributes given and those of both versions of FMI."""
+    told = {k: v for k, v in about.items() if v and k != "guid"}
+    names = {"modelName": model, "description": ALL[model].summary}
+    return Element(
+        "fmiModelDescription",
+        {**given, **names, "variableNamingConvention": "structured", **_MAKERS, **told},
+    )
+
+
+def append_categories(root: Element) -> None:
+    """Append the categories of log messages and the default experiment."""
+    categories = SubElement(root, "LogCategories")
+    for name, text in _CATEGORIES.items():
+        SubElement(categories, "Category", name=name, description=text)
+    SubElement(root, "DefaultExperiment", _EXPERIMENT)
 
 
 def _variable(held: Element, k: int, variable: Variable, start: Value, fixed: bool) -> None:
@@ -107,21 +122,10 @@ def role(k: int, variable: Variable, fixed: bool, continuous: bool) -> dict[str,
 
 def values(variable: Variable, start: Value) -> dict[str, str]:
     """Return the attributes of a variable that belong to its type: start value, range and unit."""
-    detail = {
-        name: str(value)
-        for name, value in {
-            "unit": variable.unit or None,
-            "displayUnit": variable.display or None,
-            "min": 0.0 if variable.positive else variable.minimum,
-            "max": variable.maximum,
-            "nominal": variable.nominal,
-        }.items()
-        if value is not None and not isinstance(start, str | bool)
-    }
-    if variable.causality != "output" and not isinstance(start, str):
-        detail["start"] = str(start).lower() if isinstance(start, bool) else repr(start)
+    detail = {} if isinstance(start, str | bool) else range_and_unit(variable)
+    if variable.causality != "output":
+        text = str(start).lower() if isinstance(start, bool) else repr(start)
+        detail["start"] = start if isinstance(start, str) else text
     if isinstance(start, int) and not isinstance(start, bool):
-        detail = {k: str(int(float(v))) for k, v in detail.items() if k in ("min", "max", "start")}
-    if isinstance(start, str) and variable.causality != "output":
-        detail["start"] = start
+        return {k: str(int(float(v))) for k, v in detail.items() if k in ("min", "max", "start")}
     return detail

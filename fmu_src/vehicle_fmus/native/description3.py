@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement
 
-from phaseplane.suspension.models import ALL
 from phaseplane.suspension.variables import Value, Variable, variables
 
 from ..model_description import unit_definitions, written
-from .description import CATEGORIES, EXPERIMENT, SPEAKING, role, values
+from .description import append_categories, begun, role, values
 from .model import Translation
 
 _TYPES = {float: "Float64", int: "Int32", bool: "Boolean", str: "String"}
@@ -33,15 +32,7 @@ def description(
     Value references are those of FMI 2.0; after them follow the time and the clocks of the tyres.
     """
     declared = variables(model)
-    given = {k: v for k, v in about.items() if v and k != "guid"}
-    root = Element(
-        "fmiModelDescription",
-        {
-            "fmiVersion": "3.0", "modelName": model, "instantiationToken": token,
-            "description": ALL[model].summary, "variableNamingConvention": "structured", **SPEAKING,
-            **given,
-        },
-    )  # fmt: skip
+    root = begun(model, {"fmiVersion": "3.0", "instantiationToken": token}, about)
     SubElement(
         root, "CoSimulation", modelIdentifier=model, canGetAndSetFMUState="true",
         canSerializeFMUState="true", canHandleVariableCommunicationStepSize="true",
@@ -50,10 +41,7 @@ def description(
         hasEventMode="true", providesDirectionalDerivatives="true",
     )  # fmt: skip
     root.append(_with_second(unit_definitions(declared)))
-    categories = SubElement(root, "LogCategories")
-    for name, text in CATEGORIES.items():
-        SubElement(categories, "Category", name=name, description=text)
-    SubElement(root, "DefaultExperiment", EXPERIMENT)
+    append_categories(root)
     held, structure = SubElement(root, "ModelVariables"), SubElement(root, "ModelStructure")
     for k, variable in enumerate(declared):
         value = start.get(variable.name, variable.start)

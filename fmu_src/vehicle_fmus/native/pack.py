@@ -9,13 +9,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from uuid import UUID
 
-from phaseplane.suspension.models import FILES
-from phaseplane.suspension.variables import Value, refuse_unknown
+from phaseplane.suspension.variables import Value
 
-from ..archives import digest_of, write_all, zipped
+from ..archives import digest_of, write_into, zipped
 from ..content import picture_file, production
 from ..manual import DOCUMENTATION, page
-from ..reference import declared_inside, reference_files, session_of
+from ..reference import accepted_parameters, declared_inside, reference_files
 from . import description, description3
 from .compilers import FLAGS, Platform, chosen, compiled
 from .model import model_in_c
@@ -75,26 +74,18 @@ def build(
     ValueError : unknown version or platform, or a platform without a compiler.
     RuntimeError : a compiler failed (the message includes its output).
     """
-    parameters, own = parameters or {}, own or {}
-    refuse_unknown(models, {**FILES, **own}, f"FMUs exist for {', '.join(FILES)}, not for")
-    refuse_unknown(parameters, models, "start values given for a model that is not built:")
+    own = own or {}
     if fmi not in VERSIONS:
         raise ValueError(f"FMI {fmi}: native FMUs are packed for {' or '.join(map(str, VERSIONS))}")
     targets = chosen(platforms)
     files: dict[str, bytes] = {}
-    for model in models:
-        given = parameters.get(model, {})
-        accepted = session_of(model, given).parameters  # reads the tables, too
-        start = {name: accepted[name] for name in given}
+    for model, start, _ in accepted_parameters(models, parameters or {}, own):
         reference = reference_files(model, start) if references else {}
         members = _members(model, start, fmi, targets, own.get(model))
         inside = declared_inside(reference) if references else {}
         files[f"{model}.fmu"] = zipped({**members, **inside})
         files |= reference
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    contents = {Path(folder, name): content for name, content in files.items()}
-    write_all(contents)
-    return list(contents)
+    return write_into(folder, files)
 
 
 def _members(
