@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 import click
 
 from ..errors import InputError, RunError, one_line
+from ..progress import Progress, silent
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED, PIPE_CLOSED, TERMINATED = 0, 1, 2, 130, 141, 143
 _SHOW_BAR_AFTER = 1.0  # s
@@ -247,7 +248,7 @@ def figure_option(what: str, more: str = "") -> Callable[[Any], Any]:
 dark_option = click.option("--dark", is_flag=True, help="Use a dark background.")
 
 
-def _tenths(label: str) -> Callable[[float], None]:
+def _tenths(label: str) -> Progress:
     """Return a function that prints a line on stderr for each tenth done, once a job has taken long."""
     started, tenths = monotonic(), 0
 
@@ -261,7 +262,7 @@ def _tenths(label: str) -> Callable[[float], None]:
 
 
 @contextmanager
-def progress_bar(label: str, *, lines: bool = False) -> Iterator[Callable[[float], None] | None]:
+def progress_bar(label: str, *, lines: bool = False) -> Iterator[Progress]:
     """Show a progress bar on a terminal after the first second; until it is called, the time taken.
 
     Parameters
@@ -269,7 +270,7 @@ def progress_bar(label: str, *, lines: bool = False) -> Iterator[Callable[[float
     lines : whether to print a line for each tenth where there is no terminal, after ten seconds
     """
     if not sys.stderr.isatty():
-        yield _tenths(label) if lines else None
+        yield _tenths(label) if lines else silent
         return
     bar: Any = None
     started = monotonic()

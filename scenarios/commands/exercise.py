@@ -8,7 +8,7 @@ import click
 
 from ..draw import exercises
 from ..errors import InputError
-from ..results.folder import OUTPUT, Place, check_replaceable, replace_folder, write_summary
+from ..results.folder import Place, replace_folder, write_summary
 from ..results.plain import as_json
 from ..scene.loading import load_scene
 from .console import DONE, FAILED, FiniteRange, json_option, output_option, set_option
@@ -65,20 +65,17 @@ def exercise(
     if readings is not None:
         summary = exercises.marked(made, _text_of(readings), 1e-3 * tolerance)
         if output is not None:
-            place = Place(output, "exercise", loaded.file, named=True)
-            check_replaceable(place)
+            place = Place(output, "exercise", loaded.file)
             with replace_folder(place) as draft:
                 exercises.write_marked_sheet(made, summary, draft / "marked.pdf")
                 write_summary({**summary, "origin": place.origin}, draft)
         click.echo(as_json(summary) if as_data else exercises.format_marks(summary))
         return DONE if summary["right"] == made.steps else FAILED
-    folder = output or OUTPUT / "exercises" / loaded.name
-    place = Place(folder, "exercise", loaded.file, named=output is not None)
-    check_replaceable(place)
+    place = Place.chosen(output, f"exercises/{loaded.name}", "exercise", loaded.file)
     with replace_folder(place) as draft:
         exercises.write_sheets(made, draft)
         write_summary({"scene": loaded.name, "steps": made.steps, "origin": place.origin}, draft)
-        names = [str(folder / path.name) for path in sorted(draft.iterdir())]
+        names = [str(place.folder / path.name) for path in sorted(draft.iterdir())]
     if as_data:
         click.echo(as_json({"scene": loaded.name, "steps": made.steps, "files": names}))
     else:

@@ -13,12 +13,12 @@ import click
 from phaseplane.suspension.units import counted
 from phaseplane.suspension.variables import ParameterError, refuse_unknown
 
-from phaseplane import figures
+from phaseplane import figures, recording
 
-from ..draw.constructions import draw_construction, drawing_summary, overlay_run
+from ..draw.constructions import draw_scene, drawing_summary, overlay_run
 from ..draw.live import show_in
-from ..draw.pictures import RULES_SHOWN, draw, record
-from ..draw.recording_content import content, of_results, readings
+from ..draw.pictures import RULES_SHOWN, draw
+from ..draw.recording_content import of_results, of_scene
 from ..errors import (
     MOVING,
     PICTURES,
@@ -118,7 +118,7 @@ def replay(
 def replay_construction(
     what: str,
     overrides: Sequence[str | Setting],
-    recording: Path | None,
+    save: Path | None,
     figure: Path | None,
     viewer: str = "",
     over: Path | None = None,
@@ -134,7 +134,7 @@ def replay_construction(
     what : a scene, a results folder, or the table in one
     over : a table with the motion that the construction of the scene is laid over
     overrides : `key=value` texts; for results only those of `construction`
-    recording, figure : files to write
+    save, figure : files to write
     viewer : address of a running viewer to show it in
     kind : name of the figure; its rule is used unless overrides give one
     look : how the figure is printed: dark, width (m), font, mono, headed
@@ -145,7 +145,7 @@ def replay_construction(
     InputError : if the scene, the folder or a file name is not valid.
     RunError : if the construction diverges, or the viewer refuses the recording.
     """
-    check_recording(recording)
+    check_recording(save)
     if figure is not None:
         check_picture(figure, PICTURES + MOVING)
     try:
@@ -174,31 +174,21 @@ def replay_construction(
         scene = load_scene(_scene_or_folder(what), overrides, expect=False)
         if over is None:
             scene.check_construction()
-        settings = asdict(scene.construction)
-        model, parameters = scene.fmu.model, scene.all_parameters
-        columns = read_table(over)[0] if over is not None else {}
+        columns = None if over is None else read_table(over)[0]
         try:
             drawing = (
-                overlay_run(columns, model, parameters, settings)
-                if over is not None
-                else draw_construction(model, parameters, settings, scene.construction_time)
+                draw_scene(scene)
+                if columns is None
+                else overlay_run(
+                    columns, scene.fmu.model, scene.all_parameters, asdict(scene.construction)
+                )
             )
         except ArithmeticError as error:
             raise RunError(f"the construction cannot be drawn: {error}") from None
         title = scene.title or scene.name
-        shown = partial(
-            content,
-            title=title,
-            model=scene.fmu.model,
-            parameters=scene.all_parameters,
-            drawing=drawing,
-            columns=columns or readings(drawing),
-            units={},
-            duration=scene.duration,
-            shown={},
-        )
-    if recording is not None:
-        record(shown(), recording)
+        shown = partial(of_scene, scene, drawing, columns)
+    if save is not None:
+        recording.record(shown(), save)
     if viewer:
         show_in(shown(), viewer)
     last = len(drawing.frames) - 1
@@ -209,7 +199,7 @@ def replay_construction(
             draw(kind, figure, drawing, title=title, look=look, step=at_step)
         except ValueError as error:  # the drawing lacks what the figure shows
             raise InputError(f"--kind {kind}: {error}") from None
-    files = [str(path) for path in (recording, figure) if path is not None]
+    files = [str(path) for path in (save, figure) if path is not None]
     return {**drawing_summary(drawing, perf_counter() - started), "files": files}
 
 

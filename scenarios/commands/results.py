@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from phaseplane import recording
+
 from .. import draw
 from ..errors import InputError, check_recording
 from ..results.folder import OUTPUT, read_summary
@@ -63,7 +65,7 @@ def show(
     if save is not None:
         found, units = timed(paths[0], columns, pair)
         title = str(data["summary"].get("title") or paths[0].name)
-        draw.pictures.record(draw.recording_content.of_table(title, found, units, pair), save)
+        recording.record(draw.recording_content.of_table(title, found, units, pair), save)
         data["files"] = [*data.get("files", []), str(save)]
     click.echo(as_json(data) if as_data else format_contents(data, paths[0]))
 

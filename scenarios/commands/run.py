@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from signal import SIGTERM
@@ -16,12 +15,11 @@ import click
 
 from .. import draw
 from ..errors import DrawingError, InputError, RunError, check_recording, one_line
+from ..progress import Progress, silent
 from ..results.finished import FinishedFolder
 from ..results.folder import (
-    OUTPUT,
     Place,
     Results,
-    check_replaceable,
     read_summary,
     replace_folder,
     write_results,
@@ -50,11 +48,11 @@ if TYPE_CHECKING:
 
     from ..scene.schema import Scene
 
-Progress = Callable[[str], AbstractContextManager[Callable[[float], None] | None]]
+ProgressBar = Callable[[str], AbstractContextManager[Progress]]
 
 
-def _silent(_label: str) -> AbstractContextManager[None]:
-    return nullcontext()
+def _no_bar(_label: str) -> AbstractContextManager[Progress]:
+    return nullcontext(silent)
 
 
 @click.command()
@@ -120,7 +118,7 @@ def run_scene(
     reference: str,
     overrides: Sequence[str | Setting] = (),
     folder: Path | None = None,
-    progress: Progress = _silent,
+    progress: ProgressBar = _no_bar,
     *,
     viewer: str = "",
     save: Path | None = None,
@@ -136,8 +134,7 @@ def run_scene(
     reference : name of a case, or path of a scene file
     overrides : `key=value` texts
     folder : folder to write to; `out/<scene>` if None
-    progress : makes a context for a slow task from its label; the context may yield a function to call
-        with the fraction done, 0 to 1
+    progress : makes a context for a slow task from its label
     viewer : address of a running viewer that shows the run while it is under way; a failing viewer
         does not disturb the run
     save : a recording (.rrd) that is written during the run and completed at its end
@@ -157,8 +154,7 @@ def run_scene(
     """
     check_recording(save)
     scene = load_scene(reference, overrides, expect=expect)
-    place = Place(folder or OUTPUT / scene.name, "run", scene.file, named=folder is not None)
-    check_replaceable(place)
+    place = Place.chosen(folder, scene.name, "run", scene.file)
     problems: list[str] = []
     facts: dict[str, Any] = {"drawn": None, "problems": problems}
     drawing = None
@@ -168,12 +164,7 @@ def run_scene(
         started = perf_counter()
         try:
             with progress(f"construction of {scene.name}"):
-                drawing = draw.constructions.draw_construction(
-                    scene.fmu.model,
-                    scene.all_parameters,
-                    asdict(scene.construction),
-                    scene.construction_time,
-                )
+                drawing = draw.constructions.draw_scene(scene)
             drawing_time = perf_counter() - started
         except (ArithmeticError, DrawingError) as error:
             problems.append(f"the construction cannot be drawn: {one_line(error)}")
@@ -233,7 +224,7 @@ def _written(
 
 
 def _drawn(
-    pictures: Mapping[str, Callable[[Path], None]], standing: FinishedFolder, progress: Progress
+    pictures: Mapping[str, Callable[[Path], None]], standing: FinishedFolder, progress: ProgressBar
 ) -> Iterator[str]:
     """Add the pictures to the results; yield a line for each that could not be drawn."""
     for name, write in pictures.items():

@@ -12,8 +12,9 @@ from typing import Any
 
 import click
 
-from .. import draw
-from ..errors import InputError
+from phaseplane import recording
+
+from ..errors import InputError, RunError
 
 _LOOPBACK = "127.0.0.1"
 _METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "pt": 0.0254 / 72.0}
@@ -86,11 +87,26 @@ def serve(folder: Path, address: str) -> None:
 
     The page is served until Ctrl-C.
     """
-    files = draw.live.recordings_in(folder)
+    files = recordings_in(folder)
     with page(True, address, files) as shown:
         for path in files:
             click.echo(f"  {path.relative_to(folder)}", err=True)
         until_interrupted(shown)
+
+
+def recordings_in(folder: Path) -> list[Path]:
+    """Return all recordings in a folder and its subfolders.
+
+    Raises
+    ------
+    InputError : if there is no such folder, or no recording in it.
+    """
+    if not folder.is_dir():
+        raise InputError(f"serve: no folder {folder}")
+    files = sorted(folder.rglob("*.rrd"))
+    if not files:
+        raise InputError(f"serve: no recording (.rrd) in {folder}")
+    return files
 
 
 @contextmanager
@@ -99,13 +115,15 @@ def page(wanted: bool, address: str, files: Sequence[Path] = ()) -> Iterator[Any
     if not wanted:
         yield None
         return
-    if not draw.live.is_loopback(address):
+    if not recording.is_loopback(address):
         click.echo(f"phaseplane: warning: {address} lets other machines see the page", err=True)
     before = signal(SIGTERM, default_int_handler)
     try:
-        with draw.live.page(files, address) as server:
+        with recording.serving(files, address) as server:
             click.echo(f"{server.page}\n(press Ctrl-C to stop)", err=True)
             yield server
+    except OSError as error:
+        raise RunError(error) from None
     finally:
         signal(SIGTERM, before)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,6 +10,7 @@ import numpy as np
 from phaseplane.suspension.batch import run_many
 
 from ..errors import InputError, RunError
+from ..progress import Progress, silent
 from ..results.signals import signals_in
 from ..sweeps.plan import Plan
 from ..toml_files import read_content
@@ -104,7 +105,7 @@ def read_task(path: Path) -> Task:
     return Task(space, time, signals, said.search or SearchOfFit())
 
 
-def fit(task: Task, journal: Path, progress: Callable[[float], None] | None = None) -> Fit:
+def fit(task: Task, journal: Path, progress: Progress = silent) -> Fit:
     """Fit the parameters: least squares over all signals, each over its root mean square.
 
     The best of several starts is followed to its minimum by a trust-region method within the bounds. The

@@ -18,7 +18,8 @@ from phaseplane.picture.text import bracketed, in_words
 
 from ..errors import InputError, one_line
 from ..measures import catalogue
-from ..results.folder import OUTPUT, Place, check_replaceable, replace_folder, write_summary
+from ..progress import Progress, silent
+from ..results.folder import Place, replace_folder, write_summary
 from ..results.quantities import quantity, shown_in
 from ..results.report import UNCOMPILED, aligned
 from ..results.tables import write_table
@@ -28,7 +29,6 @@ from .optimum import Optimum, read_problem, solve
 from .space import Space
 
 SCENE, TABLE, PICTURE = "scene.toml", "runs.csv", "study.png"
-Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def optimise(
     path = _file(file)
     problem = read_problem(path)
     place = _place(path, folder, "optimise")
-    found = solve(problem, _journal(place), progress)
+    found = solve(problem, _journal(place), progress or silent)
     return _written(place, problem.space, found.best, _optimum_told(found), _format_optimum(found),
                     lambda draft: _draw_optimum(found, draft))  # fmt: skip
 
@@ -98,7 +98,7 @@ def fit_parameters(
     path = _file(file)
     task = read_task(path)
     place = _place(path, folder, "fit")
-    found = fit(task, _journal(place), progress)
+    found = fit(task, _journal(place), progress or silent)
     shares = task.space.shares(found.values.tolist())
     return _written(place, task.space, shares, _fit_told(found), _format_fit(found),
                     lambda draft: _draw_fit(found, draft))  # fmt: skip
@@ -112,12 +112,7 @@ def _file(file: str | os.PathLike[str]) -> Path:
 
 
 def _place(path: Path, folder: str | os.PathLike[str] | None, kind: str) -> Place:
-    place = Place(
-        Path(folder) if folder else OUTPUT / "studies" / path.stem, kind, path,
-        named=folder is not None,
-    )  # fmt: skip
-    check_replaceable(place)
-    return place
+    return Place.chosen(Path(folder) if folder else None, f"studies/{path.stem}", kind, path)
 
 
 def _journal(place: Place) -> Path:

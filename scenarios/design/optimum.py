@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from ..errors import InputError, RunError
 from ..measures import catalogue
+from ..progress import Progress, silent
 from ..scene.expectations import Bounds, bounds_from
 from ..sweeps.plan import Plan
 from ..sweeps.running import run_chunk
@@ -134,9 +135,7 @@ def read_problem(path: Path) -> Problem:
     return Problem(space, objective, sign, against, bounds, search)
 
 
-def solve(
-    problem: Problem, journal: Path, progress: Callable[[float], None] | None = None
-) -> Optimum:
+def solve(problem: Problem, journal: Path, progress: Progress = silent) -> Optimum:
     """Find the best parameters: a differential evolution, then a sequential quadratic programme.
 
     Each generation, and the differences of each gradient, are one batch of runs.

@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import InputError, shown
+from ..progress import Progress, silent
 from ..simulate.versions import versions
 from ..sweeps.journal import open_journal
 from ..sweeps.plan import Plan, plan_of
@@ -128,7 +129,7 @@ class Runs:
     make: Make
     keep: Callable[[Sequence[float], Sequence[float | None]], None]
     stages: Sequence[int]
-    progress: Callable[[float], None] | None = None
+    progress: Progress = silent
     stage: int = 0
     of_stage: set[bytes] = field(default_factory=set)
     known: dict[bytes, tuple[float | None, ...]] = field(default_factory=dict)
@@ -158,11 +159,10 @@ class Runs:
         self._report()
 
     def _report(self) -> None:
-        if self.progress is not None:
-            done = sum(self.stages[: self.stage])
-            if self.stage < len(self.stages):  # a stage is complete at its end only
-                done += min(len(self.of_stage), self.stages[self.stage] - 1)
-            self.progress(done / sum(self.stages))
+        done = sum(self.stages[: self.stage])
+        if self.stage < len(self.stages):  # a stage is complete at its end only
+            done += min(len(self.of_stage), self.stages[self.stage] - 1)
+        self.progress(done / sum(self.stages))
 
     def add(self, row: Points, numbers: Sequence[float | None]) -> None:
         """Add a run that has been made."""
@@ -177,7 +177,7 @@ def journaled(
     journal: Path,
     said: object,
     stages: Sequence[int],
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = silent,
 ) -> Iterator[Runs]:
     """Yield the runs of a study, with those that were made before it was interrupted.
 

@@ -7,7 +7,7 @@ import base64
 import os
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,9 +15,9 @@ from typing import Any
 
 from phaseplane import recording
 
-from ..draw.constructions import draw_construction
+from ..draw.constructions import draw_scene
 from ..draw.pictures import RULES_SHOWN, draw, figure_of
-from ..draw.recording_content import content, readings
+from ..draw.recording_content import of_scene
 from ..scene.layers import Setting
 from ..scene.loading import load_scene
 from .picture import Picture
@@ -75,10 +75,7 @@ def show(
         settings.insert(0, Setting("construction.rule", RULES_SHOWN[kind], "kind"))
     found = load_scene(os.fspath(scene), settings, expect=False)
     found.check_construction()
-    model, parameters = found.fmu.model, found.all_parameters
-    drawing = draw_construction(
-        model, parameters, asdict(found.construction), found.construction_time
-    )
+    drawing = draw_scene(found)
     title = found.title or found.name
     if kind == "animation":
         path = Path(_open.enter_context(TemporaryDirectory())) / f"{found.name}.gif"
@@ -88,11 +85,7 @@ def show(
     if kind != "recording":
         return Picture(figure_of(kind, drawing, title=title, look=look, step=at_step))
     path = Path(_open.enter_context(TemporaryDirectory())) / f"{found.name}.rrd"
-    shown = content(
-        title=title, model=model, parameters=parameters, drawing=drawing, columns=readings(drawing),
-        units={}, duration=found.duration, shown={},
-    )  # fmt: skip
-    recording.record(shown, path)
+    recording.record(of_scene(found, drawing), path)
     server = _open.enter_context(recording.serving([path]))
     frame = f'<iframe src="{escape(server.page)}" width="100%" height="{height}"></iframe>'
     return Page(frame, path)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..progress import Progress, silent
 from ..results.folder import read_results
 from ..sweeps.job import run_sweep
 from .table import Table
@@ -36,7 +36,7 @@ def sweep(
     folder: str | os.PathLike[str] | None = None,
     *,
     workers: int | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> Table:
     """Make the runs of a sweep file, write their folder, and return its table.
 
@@ -59,7 +59,10 @@ def sweep(
     from pyarrow import csv  # noqa: PLC0415  (heavy)
 
     plan, summary, where = run_sweep(
-        os.fspath(file), Path(folder) if folder else None, workers=workers, progress=progress
+        os.fspath(file),
+        Path(folder) if folder else None,
+        workers=workers,
+        progress=progress or silent,
     )
     read_rows = csv.read_csv(where / summary["table"])
     units = dict(zip(plan.keys, plan.units, strict=True))

@@ -169,11 +169,11 @@ def _read(asked: Mapping[str, Any]) -> tuple[Fmu, dict[str, Value], dict[str, An
     if fmu.model == EQUATION:
         check_equation(checked)
     parameters = {name: v.start for name, v in declared.items()} | checked
-    parameters.pop(LENGTH, None) if LENGTH not in checked else None
+    if LENGTH not in checked:
+        parameters.pop(LENGTH, None)
     settings = {**_DEFAULTS, **tables.get("construction", {})}
-    for name in ("plane_distance",):
-        if isinstance(settings[name], str):
-            settings[name] = to_si(settings[name], "m")
+    if isinstance(settings["plane_distance"], str):
+        settings["plane_distance"] = to_si(settings["plane_distance"], "m")
     return fmu, parameters, settings
 
 

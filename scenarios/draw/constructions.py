@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from itertools import pairwise
 from math import ceil, inf
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from phaseplane.constructions import Construction
     from phaseplane.constructions.primitives import Drawing
 
+    from ..scene.schema import Scene
+
     Columns = Mapping[str, npt.NDArray[np.float64]]
     ReadAt = Callable[[Sequence[float], Sequence[str]], Columns]
 
@@ -42,6 +44,16 @@ class Begin(NamedTuple):
 
     time: float
     states: tuple[tuple[float, float], ...]
+
+
+def draw_scene(scene: Scene) -> Drawing:
+    """Return the graphical construction of a scene; see `draw_construction`."""
+    return draw_construction(
+        scene.fmu.model,
+        scene.all_parameters,
+        asdict(scene.construction),
+        scene.construction_time,
+    )
 
 
 def draw_construction(

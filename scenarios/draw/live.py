@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -13,11 +13,11 @@ import numpy as np
 from phaseplane import recording
 
 from ..errors import InputError, RunError, one_line
-from .recording_content import content, known, of_results
+from .recording_content import known, of_results, of_scene
 
 if TYPE_CHECKING:
     from phaseplane.constructions.primitives import Drawing
-    from phaseplane.recording import Content, Live, Server
+    from phaseplane.recording import Content, Live
 
     from ..results.folder import Results
     from ..scene.schema import Scene
@@ -68,14 +68,11 @@ def show_live(
     InputError : if this is not the address of a viewer.
     """
     outputs = scene.fmu.outputs()
-    before = content(
-        title=scene.title or scene.name,
-        model=scene.fmu.model,
-        parameters=scene.all_parameters,
-        drawing=drawing,
+    before = of_scene(
+        scene,
+        drawing,
         columns={name: np.zeros(0) for name in ("time", *scene.columns)},
         units={name: outputs[name].unit for name in scene.columns},
-        duration=scene.duration,
         shown=asdict(scene.shown),
         live=True,
     )
@@ -103,38 +100,3 @@ def show_in(shown: Content, viewer: str) -> None:
         live.complete(shown)
     if live.problem:
         raise RunError(live.problem)
-
-
-def is_loopback(address: str) -> bool:
-    """Whether only this machine can reach an address."""
-    return recording.is_loopback(address)
-
-
-@contextmanager
-def page(files: Sequence[Path], address: str) -> Iterator[Server]:
-    """Serve recordings to browsers until the end of the block.
-
-    Raises
-    ------
-    RunError : if nothing can be served at this address.
-    """
-    try:
-        with recording.serving(files, address) as server:
-            yield server
-    except OSError as error:
-        raise RunError(error) from None
-
-
-def recordings_in(folder: Path) -> list[Path]:
-    """Return all recordings in a folder and its subfolders.
-
-    Raises
-    ------
-    InputError : if there is no such folder, or no recording in it.
-    """
-    if not folder.is_dir():
-        raise InputError(f"serve: no folder {folder}")
-    files = sorted(folder.rglob("*.rrd"))
-    if not files:
-        raise InputError(f"serve: no recording (.rrd) in {folder}")
-    return files

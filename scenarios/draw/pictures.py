@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
     from phaseplane.constructions.primitives import Drawing
     from phaseplane.figures.style import Figure
-    from phaseplane.recording import Content
 
     from ..results.folder import Results
     from ..scene.schema import Scene
@@ -62,7 +61,9 @@ def pictures_of(
         pictures["plane.png" if k == 1 else f"plane_{k}.png"] = plane
     if scene.show.recording:
         shown = asdict(scene.shown)
-        pictures[RECORDING] = lambda path: record(of_results(results, drawing, shown), path)
+        pictures[RECORDING] = lambda path: recording.record(
+            of_results(results, drawing, shown), path
+        )
     return pictures
 
 
@@ -166,11 +167,6 @@ def _by_starts(results: Results) -> dict[str, dict[str, tuple[Any, Any]]]:
         if name != "time":
             found.setdefault(own, {})[f"start {start}"] = time, column
     return found
-
-
-def record(shown: Content, path: Path) -> None:
-    """Write a recording."""
-    recording.record(shown, path)
 
 
 def histories(results: Results, axle: str = "") -> dict[str, npt.NDArray[np.float64]]:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from phaseplane.recording import Content, Vehicle
 
     from ..results.folder import Results
+    from ..scene.schema import Scene
 
     Columns = Mapping[str, npt.NDArray[np.float64]]
 
@@ -187,6 +188,31 @@ def _profile(road: Signal, duration: float) -> Iterator[tuple[float, float]]:
     for i in range(_ROAD_POINTS + 1):
         instant = duration * i / _ROAD_POINTS
         yield instant, road.value(instant)
+
+
+def of_scene(
+    scene: Scene,
+    drawing: Drawing | None,
+    columns: Columns | None = None,
+    units: Mapping[str, str] | None = None,
+    shown: Mapping[str, Any] | None = None,
+    *,
+    live: bool = False,
+) -> Content:
+    """Return the content of the recording of a scene, by default with the readings of its drawing."""
+    if columns is None:
+        columns = {} if drawing is None else readings(drawing)
+    return content(
+        title=scene.title or scene.name,
+        model=scene.fmu.model,
+        parameters=scene.all_parameters,
+        drawing=drawing,
+        columns=columns,
+        units=units or {},
+        duration=scene.duration,
+        shown=shown or {},
+        live=live,
+    )
 
 
 def of_results(results: Results, drawing: Drawing | None, shown: Mapping[str, Any]) -> Content:

@@ -52,6 +52,20 @@ class Place(NamedTuple):
     file: Path | None = None
     named: bool = True
 
+    @classmethod
+    def chosen(
+        cls, folder: Path | None, default: str, kind: str, file: Path | None = None
+    ) -> Place:
+        """Return the folder that the user names, or else the one of this name in `out`.
+
+        Raises
+        ------
+        FolderError : see `check_replaceable`.
+        """
+        place = cls(folder or OUTPUT / default, kind, file, named=folder is not None)
+        check_replaceable(place)
+        return place
+
     @property
     def origin(self) -> dict[str, str]:
         """The origin of the results, as plain data.

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from .stepping import Rows
 
 Columns = dict[str, npt.NDArray[np.float64]]
-Progress = Callable[[float], None]
 Watch = Callable[["Rows"], None]
 INTERRUPTED = "interrupted"
 """The reason of a run that was stopped by a signal."""

@@ -21,8 +21,9 @@ from phaseplane.vehicle_fmus.archives import write_all
 from phaseplane.vehicle_fmus.wrapper import mend_unpacked
 
 from ..errors import InputError, RunError, one_line
+from ..progress import Progress, silent
 from ..scene.fmus import Fmu
-from .drive import INTERRUPTED, Columns, Drive, Progress, Watch
+from .drive import INTERRUPTED, Columns, Drive, Watch
 from .fmu_cache import cached_fmu, is_plain
 from .sharing import share_modules
 from .stepping import Rows, initialise, integrate, is_fmi3, most_rows, step_through
@@ -144,7 +145,7 @@ class OpenFmu:
         at_end: Sequence[str] = (),
         *,
         interrupted: Callable[[], int],
-        progress: Progress | None = None,
+        progress: Progress = silent,
         watch: Watch | None = None,
         realtime: bool = False,
     ) -> Drive:
@@ -164,8 +165,7 @@ class OpenFmu:
         started = perf_counter()
 
         def going_on(time: float) -> bool:
-            if progress is not None:
-                progress(time / duration)
+            progress(time / duration)
             if watch is not None:
                 watch(rows)
             if realtime:

@@ -15,11 +15,12 @@ from .. import simulate
 from ..errors import InputError, RunError, one_line
 from ..measures import catalogue, outputs_needed
 from ..measures.solution import GoingOn, Solution, instants, refinement, solved, solved_by
+from ..progress import Progress, silent
 from ..results.folder import Results
 from ..scene.equation import EQUATION
 from ..scene.expectations import judged_measures
 from .controlling import controlled
-from .drive import INTERRUPTED, Drive, Progress, Watch
+from .drive import INTERRUPTED, Drive, Watch
 from .evaluation import evaluate
 from .interrupts import deferred_interrupt
 from .versions import versions
@@ -47,7 +48,7 @@ class Interrupted(KeyboardInterrupt):
 def run(
     scene: Scene,
     *,
-    progress: Progress | None = None,
+    progress: Progress = silent,
     watch: Watch | None = None,
     realtime: bool = False,
 ) -> Results:
@@ -97,7 +98,7 @@ def run_with(fmu: OpenFmu, scene: Scene, build_time: float | None = None, **how:
     return results
 
 
-def solve(scene: Scene, *, progress: Progress | None = None) -> Results:
+def solve(scene: Scene, *, progress: Progress = silent) -> Results:
     """Run a scene in this process, without its FMU, whose rows would have the same bits.
 
     Parameters
@@ -118,8 +119,7 @@ def solve(scene: Scene, *, progress: Progress | None = None) -> Results:
     with deferred_interrupt() as interrupted:
 
         def going_on(time: float) -> bool:
-            if progress is not None:
-                progress(time / scene.duration)
+            progress(time / scene.duration)
             return not interrupted()
 
         drive, own = _driven(scene, going_on)
@@ -170,7 +170,7 @@ def _results(
     )
 
 
-def _solved(scene: Scene, progress: Progress | None = None) -> Results:
+def _solved(scene: Scene, progress: Progress = silent) -> Results:
     """Solve an equation in this process, at the points that the measures need.
 
     Raises

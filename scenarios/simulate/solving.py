@@ -12,8 +12,9 @@ from phaseplane.suspension.variables import Value
 
 from phaseplane.equations import motion
 
+from ..progress import Progress, silent
 from ..scene.equation import formula_of
-from .drive import INTERRUPTED, Progress
+from .drive import INTERRUPTED
 
 
 def solve(
@@ -21,7 +22,7 @@ def solve(
     times: npt.NDArray[np.float64],
     *,
     starts: Sequence[tuple[float, float]] = (),
-    progress: Progress | None = None,
+    progress: Progress = silent,
     interrupted: Callable[[], int] = lambda: 0,
 ) -> tuple[dict[str, npt.NDArray[np.float64]], float, str]:
     """Return the motion at the given times, to ten digits, followed through the switches of f.
@@ -45,9 +46,8 @@ def solve(
     starts = (first, *starts)
 
     def going_on(number: int, time: float) -> bool:
-        if progress is not None:
-            part = (time - times[0]) / (times[-1] - times[0])
-            progress((number + part) / len(starts))
+        part = (time - times[0]) / (times[-1] - times[0])
+        progress((number + part) / len(starts))
         return number > 0 or not interrupted()
 
     columns: dict[str, npt.NDArray[np.float64]] = {}

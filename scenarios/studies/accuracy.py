@@ -19,6 +19,7 @@ from typing import Any, Literal
 from phaseplane.suspension.variables import MODELS
 
 from ..errors import one_line
+from ..progress import Progress, silent
 from ..scene.sections import RULES
 from . import peers, project_solvers
 from .problems import Problem
@@ -26,7 +27,6 @@ from .reference import largest_error, truth
 from .workbench import Run, UnableError, Workbench, silenced, timed
 
 Family = Literal["incremental", "FMU", "construction", "peer"]
-Progress = Callable[[float], None]
 
 REPEATS = 7
 _TOLERANCES = tuple(10.0**-k for k in range(2, 13))
@@ -158,7 +158,7 @@ def measure(
     problem: Problem,
     compared: Sequence[Solver],
     repeats: int = REPEATS,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> list[Point]:
     """Run every solver on one problem.
 
@@ -177,7 +177,7 @@ def measure(
 
 
 def _measured(
-    problem: Problem, compared: Sequence[Solver], repeats: int, progress: Progress | None
+    problem: Problem, compared: Sequence[Solver], repeats: int, progress: Progress
 ) -> list[Point]:
     bench = Workbench(problem, truth(problem))
     points: list[Point] = []
@@ -185,14 +185,12 @@ def _measured(
     for k, solver in enumerate(compared):
         for found in _tried(bench, solver):
             (timed if isinstance(found, _Timed) else points).append(found)  # type: ignore[arg-type]
-        if progress is not None:
-            progress(0.7 * (k + 1) / len(compared))
+        progress(0.7 * (k + 1) / len(compared))
     for k in range(repeats):
         for one in timed:
             if one.spent < _LONG_ENOUGH:
                 one.again()
-        if progress is not None:
-            progress(0.7 + 0.3 * (k + 1) / repeats)
+        progress(0.7 + 0.3 * (k + 1) / repeats)
     points += [one.point(one.seconds) for one in timed]
     order = {(solver.name, solver.family): k for k, solver in enumerate(compared)}
     return sorted(points, key=lambda p: (order[p.solver, p.family], -p.value))

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from phaseplane import figures
 
-from ..results.folder import OUTPUT, Place, check_replaceable, replace_folder, write_summary
+from ..progress import Progress, part_of, silent
+from ..results.folder import Place, replace_folder, write_summary
 from . import stability as study
 from .accuracy import measure, solvers
 from .accuracy_report import as_data, panels, table
 from .problems import PROBLEMS, find_problem
+
+if TYPE_CHECKING:
+    from phaseplane.figures.style import Figure
 
 
 def study_accuracy(
@@ -20,7 +24,7 @@ def study_accuracy(
     with_peers: bool,
     repeats: int,
     folder: Path | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = silent,
 ) -> tuple[dict[str, Any], str, Path]:
     """Measure error against run time, and write data, tables and a picture to a folder.
 
@@ -38,32 +42,23 @@ def study_accuracy(
     ------
     InputError : if there is no such problem or scene, or its model is not of this package.
     """
-    place = Place(folder or OUTPUT / "accuracy", "accuracy", named=folder is not None)
-    check_replaceable(place)
+    place = Place.chosen(folder, "accuracy", "accuracy")
     problems = [find_problem(name) for name in references or PROBLEMS]
     compared = solvers(with_peers=with_peers)
-    points = []
+    points, width = [], 1.0 / len(problems)
     for k, problem in enumerate(problems):
-
-        def part(done: float, k: int = k) -> None:
-            if progress is not None:
-                progress((k + done) / len(problems))
-
-        points += measure(problem, compared, repeats, part)
+        points += measure(problem, compared, repeats, part_of(progress, k * width, width))
     data = as_data(problems, points, repeats)
     tables = "\n\n".join(table(problem, points) for problem in problems)
-    with replace_folder(place) as draft:
-        figure = figures.work_precision(panels(problems, points), title="Error against run time")
-        figures.save(figure, draft / "accuracy.png")
-        (draft / "accuracy.txt").write_text(f"{tables}\n", encoding="utf-8")
-        write_summary({**data, "origin": place.origin}, draft)
+    figure = figures.work_precision(panels(problems, points), title="Error against run time")
+    _write(place, data, tables, figure)
     return data, tables, place.folder
 
 
 def study_stability(
     references: Sequence[str],
     folder: Path | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = silent,
     size: int = 32,
 ) -> tuple[dict[str, Any], str, Path]:
     """Find the largest stable steps, and write data, a table and a picture to a folder.
@@ -82,18 +77,14 @@ def study_stability(
     ------
     InputError : if there is no such problem or scene, or its model is not of this package.
     """
-    place = Place(folder or OUTPUT / "stability", "stability", named=folder is not None)
-    check_replaceable(place)
+    place = Place.chosen(folder, "stability", "stability")
     problems = [find_problem(name) for name in references or PROBLEMS]
     if not references:
         problems = [problem for problem in problems if problem.kind == "non-smooth"]
 
-    def part(first: float, width: float) -> Callable[[float], None]:
-        return lambda done: progress(first + width * done) if progress is not None else None
-
-    made = study.maps(size, part(0.0, 0.5))
-    found = study.limits(problems, part(0.5, 0.3))
-    happened = study.extremes(part(0.8, 0.2))
+    made = study.maps(size, part_of(progress, 0.0, 0.5))
+    found = study.limits(problems, part_of(progress, 0.5, 0.3))
+    happened = study.extremes(part_of(progress, 0.8, 0.2))
     data, table = study.as_data(made, found, happened), study.table(found, happened)
     figure = figures.stability_sheet(
         {name: (made.phases, curve) for name, curve in made.curves.items()},
@@ -112,8 +103,13 @@ def study_stability(
             if one.theory is not None
         ],
     )  # fmt: skip
-    with replace_folder(place) as draft:
-        figures.save(figure, draft / "stability.png")
-        (draft / "stability.txt").write_text(f"{table}\n", encoding="utf-8")
-        write_summary({**data, "origin": place.origin}, draft)
+    _write(place, data, table, figure)
     return data, table, place.folder
+
+
+def _write(place: Place, data: Mapping[str, Any], text: str, figure: Figure) -> None:
+    """Write the picture, the text and the data of a study to its folder."""
+    with replace_folder(place) as draft:
+        figures.save(figure, draft / f"{place.kind}.png")
+        (draft / f"{place.kind}.txt").write_text(f"{text}\n", encoding="utf-8")
+        write_summary({**data, "origin": place.origin}, draft)

@@ -7,7 +7,7 @@ bisection: the shortest fixed step with which a run fails or creates energy.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from math import sqrt
 from typing import Any
@@ -18,11 +18,11 @@ from phaseplane.suspension import characteristics
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.systems import Element, System
 
+from ..progress import Progress, silent
 from .accuracy_report import compared_versions, machine
 from .extremes import CASES, TOLERANCES, Happened, run_case
 from .problems import Problem
 
-Progress = Callable[[float], None]
 Matrix = npt.NDArray[np.float64]
 
 LINEAR = 2.0 * sqrt(3.0)
@@ -221,7 +221,7 @@ class Maps:
     bounced: Matrix
 
 
-def maps(size: int = 32, progress: Progress | None = None) -> Maps:
+def maps(size: int = 32, progress: Progress = silent) -> Maps:
     """Return all spectral radii and energy growths, on a grid of `size` points along each side."""
     phases, grid = np.linspace(0.05, 8.0, 4 * size), np.linspace(0.1, 8.0, size)
     damping_ratios, ratios = np.geomspace(1e-3, 1e3, size), np.geomspace(1e-2, 1e4, size)
@@ -229,8 +229,7 @@ def maps(size: int = 32, progress: Progress | None = None) -> Maps:
     parts = 4.0
 
     def report(done: float) -> None:
-        if progress is not None:
-            progress(done / parts)
+        progress(done / parts)
 
     curves = {
         name: np.array([radius(name, options, x) for x in phases]) for name, options, _ in METHODS
@@ -247,7 +246,7 @@ def maps(size: int = 32, progress: Progress | None = None) -> Maps:
     return Maps(phases, curves, grid, damping_ratios, damped, ratios, coupled, bounced)
 
 
-def limits(problems: Sequence[Problem], progress: Progress | None = None) -> list[Limit]:
+def limits(problems: Sequence[Problem], progress: Progress = silent) -> list[Limit]:
     """Return the theoretical and the measured limit of every method on every problem."""
     found = []
     for k, problem in enumerate(problems):
@@ -255,18 +254,16 @@ def limits(problems: Sequence[Problem], progress: Progress | None = None) -> lis
         for name, options, phase in METHODS:
             step = measured_limit(problem, options, (phase or LINEAR) / omega)
             found.append(Limit(problem.name, name, phase / omega if phase else None, step))
-        if progress is not None:
-            progress((k + 1) / len(problems))
+        progress((k + 1) / len(problems))
     return found
 
 
-def extremes(progress: Progress | None = None) -> list[Happened]:
+def extremes(progress: Progress = silent) -> list[Happened]:
     """Return the outcome of each extreme case."""
     found = []
     for k, case in enumerate(CASES):
         found.append(run_case(case))
-        if progress is not None:
-            progress((k + 1) / len(CASES))
+        progress((k + 1) / len(CASES))
     return found
 
 

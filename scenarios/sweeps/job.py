@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,8 @@ from phaseplane import figures
 
 from ..errors import one_line
 from ..measures import catalogue
-from ..results.folder import OUTPUT, Place, check_replaceable, replace_folder, write_summary
+from ..progress import Progress, silent
+from ..results.folder import Place, replace_folder, write_summary
 from ..results.quantities import shown_in
 from .plan import Plan, load_plan
 from .report import check_table, has_sign, summary_of, unit_of, write_rows
@@ -30,7 +31,7 @@ def run_sweep(
     workers: int | None = None,
     dask: str = "",
     table: str = "runs.csv",
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = silent,
 ) -> tuple[Plan, dict[str, Any], Path]:
     """Make the runs of a sweep file and write table, picture and summary to a folder.
 
@@ -52,10 +53,7 @@ def run_sweep(
     """
     check_table(table)
     plan = load_plan(file)
-    place = Place(
-        folder or OUTPUT / "sweeps" / plan.name, "sweep", plan.file, named=folder is not None
-    )
-    check_replaceable(place)
+    place = Place.chosen(folder, f"sweeps/{plan.name}", "sweep", plan.file)
     folder = place.folder
     # the journal's name depends on the sweep and on how it is run, so that rows are never mixed
     journal = folder.with_name(f".{folder.name}.{journal_key(plan, through)}.journal")

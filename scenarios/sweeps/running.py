@@ -36,6 +36,7 @@ from .. import simulate as simulating
 from ..errors import InputError, RunError, one_line
 from ..measures import Measure, Run, catalogue, take
 from ..measures.solution import instants, refinement, solved
+from ..progress import Progress, silent
 from ..scene.equation import EQUATION
 from ..simulate import runner
 from ..simulate.interrupts import deferred_interrupt
@@ -80,7 +81,7 @@ def sweep(
     through: str = "process",
     workers: int | None = None,
     dask: str = "",
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = silent,
 ) -> tuple[list[Row], dict[str, Any]]:
     """Make all runs of a plan.
 
@@ -123,8 +124,7 @@ def sweep(
             waiting.discard(future)
             rows.update((row.run, row) for row in made)
             keep(*((row.run, row.values, row.reason) for row in made))
-            if progress is not None:
-                progress(len(rows) / len(plan.points))
+            progress(len(rows) / len(plan.points))
 
         try:
             # so that no chunk is submitted unnoticed, and a process starts without the caller's script

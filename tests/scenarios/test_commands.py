@@ -25,6 +25,7 @@ from phaseplane.scenarios.sweeps.plan import Range, SweepFile
 from phaseplane.suspension.variables import MODELS
 from pyarrow import parquet
 
+from phaseplane import recording
 from phaseplane.recording import Content
 
 
@@ -183,8 +184,8 @@ def test_any_table_is_recorded_with_a_plane_of_two_columns(
     tables: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shown: list[Content] = []
-    plain = draw.pictures.record
-    monkeypatch.setattr(draw.pictures, "record", lambda of, to: (shown.append(of), plain(of, to)))
+    plain = recording.record
+    monkeypatch.setattr(recording, "record", lambda of, to: (shown.append(of), plain(of, to)))
     told = phaseplane("show", "a.csv", "--plane", "x,y", "--save", "plane.rrd")
     assert told.exit_code == 0, told.output
     assert told.stdout.splitlines()[-1] == "plane.rrd"

@@ -167,4 +167,5 @@ def test_what_tells_its_parts_has_a_bar(monkeypatch: pytest.MonkeyPatch) -> None
 def test_elsewhere_nothing_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stderr", io.StringIO())
     with console.progress_bar("ap57") as show:
-        assert show is None
+        show(0.5)
+    assert sys.stderr.getvalue() == ""  # type: ignore[attr-defined]

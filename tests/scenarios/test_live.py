@@ -148,7 +148,7 @@ def test_a_page_for_other_machines_is_warned_of(monkeypatch: pytest.MonkeyPatch)
     def page(_files: object, address: str) -> Iterator[SimpleNamespace]:
         yield SimpleNamespace(page=f"http://{address}:1/", wait=lambda: None)
 
-    monkeypatch.setattr("phaseplane.scenarios.draw.live.page", page)
+    monkeypatch.setattr("phaseplane.recording.serving", page)
     Path("f.rrd").touch()
     for address, warned in (("127.0.0.1", False), ("0.0.0.0", True)):
         result = CliRunner().invoke(main, ["serve", ".", "--address", address])

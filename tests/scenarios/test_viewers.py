@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from hosting import HANGS
 from phaseplane.scenarios.commands.run import run_scene
-from phaseplane.scenarios.draw.live import recordings_in
+from phaseplane.scenarios.commands.viewing import recordings_in
 from phaseplane.scenarios.scene.names import case_names
 from phaseplane.suspension.variables import MODELS
 from PIL import Image
