@@ -12,6 +12,7 @@ from math import ceil, floor
 from typing import Literal, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from phaseplane.constructions.construction import FLIGHT
 from phaseplane.constructions.primitives import Axis, Curve, Drawing, Mark, Plane, Scheme
@@ -20,7 +21,7 @@ from phaseplane.constructions.storage import Frame
 
 from .layers import Layer, is_main, layers_at
 from .letters import place, text_box
-from .paper import Box, Boxes, Points, Strip, arcs, columns, table
+from .paper import Box, Boxes, Points, Strip, arcs, columns, table, telling_vertices
 from .quantities import display_unit
 from .styles import style_of
 from .text import LETTER_OF_EVENT, MINUS, bracketed, level_text, number, typeset
@@ -32,10 +33,12 @@ CURVES = ("auxiliary", "line", "shortcut", "trail")
 another start."""
 _LETTER, _VALUE = 10.0 / TYPE, 7.0 / TYPE  # sizes, em
 
+_PLACES = 12  # for the label of a curve on each of its segments
 _BESIDE = (0.0, 1.2, -1.2, 2.4, -2.4, 3.6, -3.6, 4.8, -4.8)  # places of the name of an axis, em
 _WIDEST = 0.27  # part of the width that the name of an axis may take up
 _RECEDING = 0.45  # opacity of what earlier stages drew
 _SEEN = 2e-4  # m of paper: distance of two points that are seen apart
+_STRAIGHT = 0.01  # em: how far a thinned curve may be from the whole one
 _RECENT = 200  # steps of a long motion that are drawn in full
 MOST_LETTERED = 24
 """Events that are lettered; more of them are small dots."""
@@ -209,6 +212,7 @@ class Page:
         self._strips: list[Strip] = []  # whose segments are not among them yet
         # shared by all pages that follow this one
         self._ways: list[Points] = []
+        self._few: list[tuple[Points, npt.NDArray[np.int64]]] = []
         self._last: list[tuple[Frame, list[Layer]]] = []  # the last step drawn, and its layers
 
     @property
@@ -223,7 +227,7 @@ class Page:
         """Return an empty page of the same view, whose letters keep clear of what is on this one."""
         page = Page(self.drawing, self.view, self.em, self.motions, taken=list(self.taken))
         page._segments, page._ways = self.segments, self._ways
-        page._last = self._last
+        page._few, page._last = self._few, self._last
         return page
 
     @cached_property
@@ -404,7 +408,8 @@ class Page:
         axis = plane.scaled_velocity
         ends = [0.0, *graduation.values, *reach_of(axis, motion)]
         start, tip = axis.at(min(ends)) - 0.8j * self.em, axis.at(max(ends)) + 1.6j * self.em
-        highest = self.view.centre.imag + self.view.half.imag - 0.2 * self.em
+        above = 1.8 if self._in_columns else 0.2  # room for the name of the plane
+        highest = self.view.centre.imag + self.view.half.imag - above * self.em
         return start, complex(tip.real, min(tip.imag, max(highest, start.imag)))
 
     @property
@@ -435,7 +440,7 @@ class Page:
     def _name(self, edge: complex, name: str, sense: float) -> None:
         """Write the name of an axis, ending (sense > 0) or beginning at the edge of the view.
 
-        It avoids the axes, and lines I and II, which may be close to them.
+        It avoids the axes, and lines I and II, which may be close to them, and the motion if it can.
         """
         text = Text("axis", name, edge, 8.5 / TYPE, "name")
         half = text.box(self.em).half
@@ -447,8 +452,13 @@ class Page:
         ]
         lines = [(c.vertices[0], c.vertices[-1]) for c in self.drawing.curves if c.role == "line"]
         ends = np.concatenate([self.segments, np.array(lines, complex).reshape(-1, 2)])
-        struck = Boxes(np.array(centres)[:, None], np.array(half)).inside(ends[:, 0], ends[:, 1])
-        for i in np.argsort(struck.sum(axis=1) > 0.0, kind="stable"):
+        boxes = Boxes(np.array(centres)[:, None], np.array(half))
+        ways = np.concatenate([np.stack([z[:-1], z[1:]], 1) for z in self.motions])
+        struck, crossed = (
+            boxes.inside(z[:, 0], z[:, 1]).sum(axis=1) > 0.0
+            for z in (ends, ways if len(self.drawing.frames) else ways[:0])
+        )
+        for i in np.argsort(2 * struck + crossed, kind="stable"):
             if self.write_if_free(replace(text, centre=centres[i])):
                 return
 
@@ -461,8 +471,8 @@ class Page:
     def curves(self, roles: Sequence[str] | None = CURVES) -> None:
         """Draw the fixed curves of the given roles, or of all, with their labels."""
         chosen = [c for c in self.drawing.curves if roles is None or c.role in roles]
-        for curve in chosen:
-            self.lines(curve.role, [curve.vertices])
+        for curve in chosen:  # motions from other starts recede behind the one that is drawn
+            self.lines(curve.role, [curve.vertices], 0.6 if curve.role == "trail" else 1.0)
         highest = max((c.vertices[0].imag for c in chosen if c.role == "line"), default=0.0)
         low, high = (z.real for z in self.view.corners)
         for curve in reversed(chosen):  # the last value of an axis has its unit
@@ -501,8 +511,11 @@ class Page:
             float(np.ptp(reach_of(plane.displacement, self._motion(plane)))),
         )
         text = level_text(curve.label, unit, factor)
-        for vertex in reversed(curve.vertices):
-            if self.write_if_free(Text("auxiliary", text, vertex, _VALUE)):
+        ends = np.asarray(curve.vertices, complex)
+        part = np.linspace(0.0, 1.0, _PLACES)[:, None]
+        places = ends[:-1] + part * (ends[1:] - ends[:-1])
+        for z in reversed(places.T.ravel().tolist()):
+            if self.write_if_free(Text("auxiliary", text, z, _VALUE)):
                 return
 
     def _motion(self, plane: Plane) -> Points:
@@ -525,15 +538,28 @@ class Page:
 
         Parameters
         ----------
-        most : vertices of each curve, which is thinned to them
+        most : vertices of each whole curve, which is thinned to them; default: all
         """
-        ways = [way[:steps] for way in self.ways]
-        if ways and len(ways[0]) > 2 * _RECENT:  # a long motion would be a blot
-            past = [_joined(way[:-_RECENT], most) for way in ways]
-            self.lines("trail", past, 0.4, 0.5 * strength)
-            ways = [way[-_RECENT:] for way in ways]
-        recent = [_joined(way, most) for way in ways if len(way)]
-        self.lines("trail", recent, 1.0, strength)
+        known = min(map(len, self.ways), default=0)
+        last = known if steps is None else min(steps, known)
+        since = last - _RECENT if last > 2 * _RECENT else 0
+        if since:  # a long motion would be a blot
+            self.lines("trail", self._trail(0, since, most), 0.4, 0.5 * strength)
+        if last:
+            self.lines("trail", self._trail(since, last, most), 1.0, strength)
+
+    def _trail(self, first: int, last: int, most: int | None) -> list[Strip]:
+        """Return the motion in all planes between two steps."""
+        if most is None:
+            return [_joined(way[first:last]) for way in self.ways]
+        if not self._few:
+            joined = map(_joined, self.ways)
+            self._few += [(z, telling_vertices(z, _STRAIGHT * self.em, most)) for z in joined]
+        strips: list[Strip] = []
+        for way, (whole, kept) in zip(self.ways, self._few, strict=True):
+            begin, end = (step * (way.shape[1] - 1) for step in (first, last))
+            strips.append(whole[[begin, *kept[(kept > begin) & (kept < end)], end]])
+        return strips
 
     def missed(self) -> None:
         """Draw the steps that miss the next state point, as those over a known motion do."""
@@ -675,10 +701,9 @@ def words_at_end(curve: Curve, curves: Sequence[Curve]) -> str:
     return ", ".join(typeset(c.label) for c in alike) if alike[0] is curve else ""
 
 
-def _joined(way: Points, most: int | None) -> Points:
-    """Return the ways of several steps as one polyline of about `most` vertices."""
-    points = np.append(way[:, :-1].ravel(), way[-1, -1])
-    return np.append(points[:: max(1, len(points) // most)], points[-1]) if most else points
+def _joined(way: Points) -> Points:
+    """Return the ways of several steps as one polyline."""
+    return np.append(way[:, :-1].ravel(), way[-1, -1])
 
 
 def _wanted(layer: Layer, item: int, repeated: bool, turn: bool) -> bool:

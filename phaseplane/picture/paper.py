@@ -151,6 +151,28 @@ def arcs(centre: npt.ArrayLike, start: npt.ArrayLike, end: npt.ArrayLike) -> Poi
     return centre[..., None] + radius[..., None] * np.exp(1j * turn[..., None] * fraction)
 
 
+def telling_vertices(points: Points, close: float, most: int) -> npt.NDArray[np.int64]:
+    """Return the numbers of at most so many vertices of a polyline whose curve is nearly the same.
+
+    Every other vertex is dropped if it lies within a distance of the chord of its neighbours, as long as
+    there are any such; the distance grows until no more than `most` are left.
+    """
+    kept = np.arange(len(points))
+    while True:
+        start, middle, end = (points[kept[i : len(kept) - 2 + i : 2]] for i in range(3))
+        chord, apart = end - start, middle - start
+        with np.errstate(divide="ignore", invalid="ignore"):
+            along = np.clip(np.nan_to_num((apart / chord).real), 0.0, 1.0)
+        away = abs(apart - along * chord)
+        near = ~(away >= close) | np.isinf(away)
+        if near.any():
+            kept = np.delete(kept, 1 + 2 * np.flatnonzero(near))
+        elif len(kept) <= most:
+            return kept
+        else:
+            close *= 2.0
+
+
 def table(frames: StoredFrames, names: Sequence[str]) -> Points:
     """Return the named points of the frames, shape (frames, names).
 

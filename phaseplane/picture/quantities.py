@@ -43,6 +43,8 @@ QUANTITIES = (
     Quantity("force", "N", 1.0, "N", ("force",)),
     Quantity("energy", "J", 1.0, "J", ("energy",)),
     Quantity("angle", "°", _DEGREES, "rad", ("angle",)),
+    Quantity("angular velocity", "rad/s", 1.0, "rad/s"),
+    Quantity("angular acceleration", "rad/s²", 1.0, "rad/s2"),
 )
 _LENGTHS = ((2.0, "m", 1.0), (0.01, "cm", 100.0), (0.0, "mm", 1000.0))
 

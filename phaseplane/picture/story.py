@@ -15,10 +15,10 @@ from phaseplane.suspension.units import counted
 
 from . import dimensions
 from .letters import text_box
-from .page import CURVES, Arrow, Page, words_at_end
+from .page import CURVES, TYPE, Arrow, Page, words_at_end
 from .paper import Box, around, table
 from .quantities import Quantity
-from .styles import MOVING_POINT
+from .styles import MOVING_POINT, style_of
 from .text import (
     event_text,
     format_time,
@@ -36,8 +36,9 @@ FEWEST, MOST = 40, 60
 _AWAY = 0.25
 _TELLING = 6  # fewest steps from which those are chosen
 _CANDIDATES = 1000  # most of them
-_VERTICES = 1000  # of a motion in each tick
 _ARMS = 13.5  # width of the pane of the turn angles, em
+_RING = 0.8  # size of the ring of a state point, relative to that of a moving one
+_VERTICES = 4000  # of a motion in a plane
 _TOLD = ("lift_off", "touchdown")
 _EMPTY = "The empty sheet: axes and auxiliary curves"
 _HELP = (
@@ -207,6 +208,8 @@ def _lettered(stays: Page, frame: Frame, index: int) -> Page:
     """Return a page with P and D of a step lettered, which keep their places through its stages."""
     page = _page(stays, index)
     page.step(frame, repeated=True)
+    ring = 0.5 * _RING * style_of(MOVING_POINT[0]).size / TYPE * stays.em * (1 + 1j)
+    page.taken += [Box(frame.points[plane.state], ring) for plane in stays.drawing.planes]
     page.letters(frame, _kept(stays.drawing, frame, len(_stages(stays.drawing, frame))))
     return page
 
@@ -231,7 +234,7 @@ def _tick(
     states = [frame.points[plane.state] for plane in drawing.planes]
     arrives = any(mark.stage == stage and mark.role == "successor" for mark in scheme.marks)
     for role in MOVING_POINT[2 if arrives else 0 :]:  # the ring would hide a short step
-        page.dots(role, states, 1.3 if role == "state" else 0.8)
+        page.dots(role, states, 1.3 if role == "state" else _RING)
     kept = {typeset(mark.label) for mark in _kept(drawing, frame, stage + 1)}
     drawn = [letter for letter in lettered.texts if letter.text.split(" ")[0] in kept]
     for letter in drawn:

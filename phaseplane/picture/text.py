@@ -97,7 +97,7 @@ def level_text(label: str, unit: str, factor: float) -> str:
 
 def number(value: float, digits: int = 6) -> str:
     """Return a number as text, with a minus sign."""
-    return f"{value:.{digits}g}".replace("-", MINUS)
+    return f"{value + 0.0:.{digits}g}".replace("-", MINUS)
 
 
 def in_words(name: str) -> str:

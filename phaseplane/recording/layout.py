@@ -26,7 +26,7 @@ from .steps import ARMS, CHART, EVENTS, SHEET, WORDS
 _STAGES_PER_SECOND = 1.0
 _LONGEST = 60.0  # s that the viewer takes to play the motion
 _LIVE = 1.0  # s of a live run that are drawn in full
-_ROUNDING = 1e-9  # of the range of a plot: an end that is as good as zero
+_ROUNDING = 1e-6  # of the range of a plot: an end that is as good as zero
 
 
 def blueprint(content: Content, recorder: Recorder) -> rrb.Blueprint:
@@ -181,7 +181,7 @@ def _plot(panel: Panel, content: Content) -> rrb.TimeSeriesView:
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
     margin = 0.05 * (high - low) or 1.0
     named = 4 if content.drawing is not None else 8  # above that names would hide the curves
-    ends = (number(end if abs(end) > _ROUNDING * margin else 0.0, 3) for end in (low, high))
+    ends = (number(end if abs(end) > _ROUNDING * (high - low) else 0.0, 3) for end in (low, high))
     return rrb.TimeSeriesView(
         origin=panel.path,
         name=f"{panel.title}, {' to '.join(ends)}" if high > low else panel.title,

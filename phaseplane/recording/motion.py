@@ -83,11 +83,13 @@ def made_planes(
     histories: Mapping[str, npt.ArrayLike],
     units: Mapping[str, str],
 ) -> list[StatePlane]:
-    """Return a plane for each pair of columns, one below the other or in a square, scaled to its range.
+    """Return a plane for each pair of columns, one below the other or in rows, scaled to its range.
 
     A motion smaller than a thousandth of the largest one of its kind counts as rest.
     """
-    beside = 1 if len(pairs) <= 2 else ceil(len(pairs) ** 0.5)
+    across = ceil((_WIDTH / _HEIGHT * len(pairs)) ** 0.5) if len(pairs) > 2 else 1
+    rows = max(1, ceil(len(pairs) / across))
+    beside = ceil(len(pairs) / rows)
     largest: dict[str, float] = {}
     of_unit: dict[str, float] = {}
     for name in (name for pair in pairs for name in pair):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 from dataclasses import asdict, replace
-from itertools import combinations
+from itertools import combinations, product
 from math import pi
 from pathlib import Path
 
@@ -30,7 +30,7 @@ from phaseplane.picture.canvas import Canvas
 from phaseplane.picture.chart import Chart, part_of
 from phaseplane.picture.letters import NEAR, place, text_box
 from phaseplane.picture.page import Arrow, Dots, Lines, Page, graduation_of
-from phaseplane.picture.paper import Box, arcs
+from phaseplane.picture.paper import Box, arcs, telling_vertices
 from phaseplane.picture.quantities import QUANTITIES, display_unit, unit_text
 from phaseplane.picture.story import arms_page, story_of, told_steps
 from phaseplane.picture.styles import (
@@ -44,7 +44,7 @@ from phaseplane.picture.styles import (
     luminance,
     style_of,
 )
-from phaseplane.picture.text import level_text, markdown, readings_table, typeset
+from phaseplane.picture.text import level_text, markdown, number, readings_table, typeset
 from phaseplane.recording import Content, record
 from phaseplane.recording.columns import legible, rgba
 from phaseplane.recording.motion import pages_of
@@ -222,6 +222,47 @@ def test_what_is_long_past_is_faint_in_a_story() -> None:
     assert past.weight < 0.5 * recent.weight
     assert past.strength < 0.6 * recent.strength
     assert [strip[-1] for strip in past.strips] == [strip[0] for strip in recent.strips]
+
+
+def test_a_long_motion_stays_smooth_in_a_story() -> None:
+    spring = EquationPlane(lambda v, x, t: x, True, initial_displacement=1.0)
+    made = construct_motion(spring, delta, step=0.5, steps=1000)
+    stays = pages_of(Content("spring", made))[0]
+    *_, last = story_of(made, stays, arms_page(made), {}, (5,))
+    radius = abs(stays.motions[0][0])
+    strips = [s for i in last.page.of(Lines) if i.role == "trail" for s in i.strips]
+    for strip in strips:
+        assert max(abs(radius - abs(np.add(strip[1:], strip[:-1]) / 2.0))) < 0.06 * stays.em
+    assert sum(map(len, strips)) < 6000
+
+
+@given(st.lists(st.complex_numbers(max_magnitude=1e3), min_size=2, max_size=200), st.integers(2, 9))
+def test_a_thinned_curve_has_few_vertices_and_both_ends(points: list[complex], most: int) -> None:
+    kept = telling_vertices(np.array(points), 1e-3, most)
+    assert len(kept) <= most
+    assert (kept[0], kept[-1]) == (0, len(points) - 1)
+    assert (np.diff(kept) > 0).all()
+
+
+def test_a_thinned_curve_keeps_its_corners() -> None:
+    square = np.concatenate([1j**k * (1 - 1j + 2j * np.linspace(0, 1, 50)) for k in range(4)])
+    kept = square[telling_vertices(square, 1e-6, 1000)]
+    assert all(abs(kept - 1j**k * (1 + 1j)).min() < 1e-9 for k in range(4))
+    assert len(kept) < 20
+
+
+def test_the_letters_of_a_stage_leave_its_moving_points_free() -> None:
+    ticks = list(story_of(drawing(), stays := pages_of(content())[0], arms_page(drawing()), {}))
+    for tick in ticks:
+        rings = [
+            z for dots in tick.page.of(Dots) if dots.role == MOVING_POINT[0] for z in dots.points
+        ]
+        for text, ring in product(tick.page.texts, rings):
+            assert abs(text.box(stays.em).nearest(ring) - ring) > 0.5 * stays.em, text.text
+
+
+def test_there_is_no_negative_zero() -> None:
+    assert number(-0.0) == "0"
 
 
 def test_all_columns_of_a_chart_are_named_in_its_view() -> None:

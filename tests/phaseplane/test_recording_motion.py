@@ -13,7 +13,7 @@ from recorded import Recorded, content, drawing, paper
 from phaseplane.picture.page import Arrow
 from phaseplane.recording import VIEWS, AxleView, Content, Vehicle, record
 from phaseplane.recording.lanes import SHEET_SHARE, lanes_share
-from phaseplane.recording.motion import pages_of
+from phaseplane.recording.motion import made_planes, pages_of
 
 STATIC = 0.02
 TIME = np.linspace(0.0, 0.3, 301)
@@ -263,7 +263,7 @@ def test_columns_of_any_unit_are_plotted(tmp_path: Path) -> None:
 
 
 def test_the_range_of_a_plot_ends_in_zero_if_only_rounding_goes_below(tmp_path: Path) -> None:
-    columns = {"time": TIME, "displacement": TIME - 1e-17}
+    columns = {"time": TIME, "displacement": TIME - 1e-8}
     made = recorded(tmp_path, Content("rounding", histories=columns))
     names = {row["ViewBlueprint:display_name"][0] for _, row in made.layout
              if "ViewBlueprint:display_name" in row}  # fmt: skip
@@ -288,6 +288,22 @@ def test_many_planes_stand_in_a_square_each_with_its_name_and_axes() -> None:
         assert not any(axis.start.real <= z.real <= axis.tip.real for z in others)
     boxes = [text.box(page.em) for text in page.texts]
     assert all(one.overlap(other) < 1e-12 for one, other in combinations(boxes, 2))
+
+
+def test_names_of_many_planes_above_lanes_are_not_cut_off() -> None:
+    pairs = tuple((f"x{k}_displacement", f"x{k}_velocity") for k in range(16))
+    columns = {"time": TIME, **{name: 4.12 * np.sin(20 * TIME) for pair in pairs for name in pair}}
+    lanes = {f"x{k}_airborne": TIME[5] < TIME for k in range(4)}
+    page, *_ = pages_of(Content("sixteen", histories={**columns, **lanes}, pairs=pairs))
+    cut = [text.text for text in page.texts if not page.view.contains(text.box(page.em))]
+    assert not cut
+
+
+@pytest.mark.parametrize(("count", "across"), [(2, 1), (3, 2), (4, 2), (8, 4), (9, 3), (15, 5)])
+def test_planes_stand_in_rows_that_fill_a_wide_pane(count: int, across: int) -> None:
+    pairs = [(f"x{k}", f"v{k}") for k in range(count)]
+    planes = made_planes(pairs, {}, {})
+    assert len({p.plane.displacement.origin.real for p in planes}) == across
 
 
 def test_rounding_is_drawn_as_rest() -> None:

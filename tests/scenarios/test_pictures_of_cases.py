@@ -192,6 +192,14 @@ def test_no_line_strikes_the_name_of_an_axis(name: str) -> None:
                 assert (beside | above).all(), text.text
 
 
+def test_the_name_of_an_axis_keeps_clear_of_the_motion() -> None:
+    drawing = drawing_of("end_stop_impact", 2.0)
+    page, *_ = pages_of(Content("end_stop_impact", drawing, readings(drawing)))
+    for text, motion in product((t for t in page.texts if t.kind == "name"), page.motions):
+        box = text.box(page.em)
+        assert not any(box.holds(z) for z in motion), text.text
+
+
 @pytest.mark.parametrize("name", DRAWN)
 def test_planes_do_not_overlap(name: str) -> None:
     drawing = drawing_of(name)
