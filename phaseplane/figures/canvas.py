@@ -24,6 +24,7 @@ from phaseplane.picture.text import is_letter
 _LARGEST = (11.0, 10.0)  # inches that the sheet may take up
 _BESIDE = 0.1  # inches
 _SMALL, _LETTER = 8.0, 0.6  # type of the legend: size, points, and width of a letter, em
+_ABOVE = {"trail": 3.0, "normal": 3.0, "arc": 3.5, "successor": 3.5}  # order of drawing; others 2
 _DASH_DOT_DOT = (0, (4, 2.5, 0.1, 2.5, 0.1, 2.5))
 _MONO: dict[str, Any] = {  # of lines with round ends; only the integral curve is solid
     "run": (0, (1, 2)),
@@ -135,7 +136,7 @@ class Sheet(Canvas):
             [vertices(strip) for strip in item.strips], colors=self.colour(item.role),
             linewidths=style.width * item.weight, linestyles=self.dashes(item.role),
             alpha=item.strength, capstyle="round",
-            zorder=3.0 if item.role in ("trail", "normal") else 2.0, gid=item.role,
+            zorder=_ABOVE.get(item.role, 2.0), gid=item.role,
         )  # fmt: skip
         return self.axes.add_collection(lines, autolim=False)
 

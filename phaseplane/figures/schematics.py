@@ -88,7 +88,7 @@ def _page(drawing: Drawing, view: Box, look: Look) -> Page:
 
 def _obstacle_page(drawing: Drawing, look: Look) -> Page:
     width, height, below = 0.24, 0.07, 0.09
-    page = _page(drawing, Box(complex(0.12, -0.028), 0.16 + 0.125j), look)
+    page = _page(drawing, Box(complex(0.125, -0.028), 0.175 + 0.125j), look)
     part = np.linspace(0.0, 1.0, 201)
     page.arrow("axis", -0.02 + 0j, 0.275 + 0j)
     page.arrow("axis", -0.0j, 0.085j)
@@ -101,18 +101,18 @@ def _obstacle_page(drawing: Drawing, look: Look) -> Page:
     page.lines("normal", [stairs])
     for x in (0.25, 0.5, 0.75, 1.0):
         page.lines("foot", [[complex(width * x, 0.0), complex(width * x, -below)]])
-    _say(page, 0.289 + 0j, "t, x")
-    _say(page, complex(0.283, -below), "t")
+    _say(page, 0.287 + 0j, r"$t,\ x$")
+    _say(page, complex(0.287, -below), "t")
     _say(page, 0.012 + 0.083j, "ξ")
     _say(page, complex(-0.012, z - below), "z")
-    _say(page, complex(-0.014, -z - below), "−z")
-    for number, x in enumerate((0.125, 0.5, 0.875), 1):
-        _say(page, complex(width * x, 0.2 * height if number != 2 else 0.5 * height), str(number))
+    _say(page, complex(-0.014, -z - below), "$-z$")
+    for number, (x, y) in enumerate(((0.125, 0.2), (0.4, 0.5), (0.875, 0.2)), 1):
+        _say(page, complex(width * x, height * y), str(number))
     row = complex(0.0, -below - z)
     ends = [complex(width * x, 0.0) + row for x in (0.0, 0.25, 0.75, 1.0)]
-    for (one, other), words in zip(pairwise(ends), ("T/4", "T/2", "T/4"), strict=True):
+    for (one, other), words in zip(pairwise(ends), ("$T/4$", "$T/2$", "$T/4$"), strict=True):
         dimensions.length(page, one - 0.012j, other - 0.012j, words, towards=-1j)
-    dimensions.length(page, ends[0] - 0.027j, ends[-1] - 0.027j, "d = v T", towards=-1j)
+    dimensions.length(page, ends[0] - 0.027j, ends[-1] - 0.027j, r"$d = v\,T$", towards=-1j)
     middle = complex(0.5 * width, 0.0)
     dimensions.length(page, middle, middle + 1j * height, "a", towards=1.0)
     return page
@@ -128,7 +128,11 @@ def _system(drawing: Drawing, look: Look, axles: Sequence[str], *, wheels: bool)
     _block(page, complex(places[0] - 0.05, floor), complex(places[-1] + 0.05, floor + 0.03))
     several = len(axles) > 1
     middle = complex(0.5 * places[-1], floor + 0.015)
-    _say(page, middle, "M, J" if several and wheels else typeset("M1, M2, M3") if several else "M")
+    _say(
+        page,
+        middle,
+        r"$M,\ J$" if several and wheels else typeset("M1, M2, M3") if several else "M",
+    )
     for x, n in zip(places, axles, strict=True):
         foot = _TYRE + 0.02 if wheels else 0.012
         _spring(page, complex(x - 0.02, foot), _STRUT, f"P{n}")
@@ -146,7 +150,7 @@ def _system(drawing: Drawing, look: Look, axles: Sequence[str], *, wheels: bool)
         _coordinate(page, complex(x + 0.055, -0.01), f"xi{n}")
     if several and wheels:
         dimensions.length(
-            page, complex(places[0], -0.016), complex(places[-1], -0.016), "L = a + b",
+            page, complex(places[0], -0.016), complex(places[-1], -0.016), "$L = a + b$",
             towards=-1j,
         )  # fmt: skip
     return page

@@ -14,7 +14,7 @@ from phaseplane.figures.published import needs
 from phaseplane.figures.style import Look
 from phaseplane.picture import dimensions
 from phaseplane.picture.page import Page
-from phaseplane.picture.paper import arcs, around, bounds
+from phaseplane.picture.paper import Box, arcs, around, bounds
 from phaseplane.picture.text import format_time, typeset
 from phaseplane.picture.views import frame_at, motion_points, name_room
 
@@ -30,6 +30,7 @@ _PREDICTED: tuple[Named, ...] = (
     ("P{n}~", "P{n}'*", "construction"),
     ("{d}{n}~", "{d}{n}'*", "construction"),
 )
+_SLENDER = 0.5  # least width over height of a close-up, for a column of text
 _CENTRE: tuple[Named, ...] = (("S{n}", "S{n}", "construction"),)
 
 
@@ -54,7 +55,7 @@ def figure4b(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple
     p, d, p_new, ahead, foot, centre = _points(one, plane, letters)
     page.lines("construction", [[p, ahead], [foot, ahead], [d, p_new]])
     page.lines("foot", [[centre, p], [centre, ahead]])
-    page.lines("arc", [arcs(centre, p, p_new)])
+    page.lines("arc", [arcs(centre, p, p_new, finest=0.01)])
     _finish(page, one, plane, letters, ahead)
     return page, f"P' on the osculating circle about S: {_which(one)}"
 
@@ -126,7 +127,9 @@ def _close_up(
     _needs(drawing, figure, rule)
     frame, plane = _clearest(drawing, named, index)
     p, d, *others = _points(frame, plane, named)
-    page = new_page(drawing, around(np.array([p, d, *others]), 0.12), look)
+    view = around(np.array([p, d, *others]), 0.12)
+    wide = complex(max(view.half.real, _SLENDER * view.half.imag), view.half.imag)
+    page = new_page(drawing, Box(view.centre, wide), look)
     page.y_axis(plane)
     page.lines("normal", [[d, p]])
     return page, frame, plane

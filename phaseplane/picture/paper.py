@@ -19,9 +19,6 @@ Points = npt.NDArray[np.complex128]
 Lengths = npt.NDArray[np.floating]
 Strip = Sequence[complex] | Points
 
-# Radians of arc between two vertices: the chord then differs from the arc by 0.1 % of its radius.
-_ARC_RESOLUTION = 0.1
-
 
 @dataclass(frozen=True, slots=True)
 class Box:
@@ -131,12 +128,15 @@ def around(points: Iterable[complex] | Points, margin: float = 0.05) -> Box:
     return Box(complex(centre), complex(half))
 
 
-def arcs(centre: npt.ArrayLike, start: npt.ArrayLike, end: npt.ArrayLike) -> Points:
+def arcs(
+    centre: npt.ArrayLike, start: npt.ArrayLike, end: npt.ArrayLike, *, finest: float = 0.1
+) -> Points:
     """Return polylines along the shorter arcs about `centre` from `start` to the rays through `end`.
 
     Parameters
     ----------
     centre, start, end : points, all of the same shape
+    finest : largest turn between two vertices, rad; by default chords differ from arcs by 0.1 %
 
     Returns
     -------
@@ -147,7 +147,7 @@ def arcs(centre: npt.ArrayLike, start: npt.ArrayLike, end: npt.ArrayLike) -> Poi
     with np.errstate(invalid="ignore"):
         turn = np.angle((end - centre) * radius.conj())
     largest = np.max(np.abs(turn), initial=0.0, where=np.isfinite(turn))
-    fraction = np.linspace(0.0, 1.0, ceil(largest / _ARC_RESOLUTION) + 2)
+    fraction = np.linspace(0.0, 1.0, ceil(largest / finest) + 2)
     return centre[..., None] + radius[..., None] * np.exp(1j * turn[..., None] * fraction)
 
 

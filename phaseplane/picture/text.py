@@ -22,7 +22,7 @@ MINUS = "\N{MINUS SIGN}"
 _BAR, _DOT, _DOTS = "\N{COMBINING MACRON}", "\N{COMBINING DOT ABOVE}", "\N{COMBINING DIAERESIS}"
 _INDICES = {ord(plain): index for plain, index in zip("0123456789m", "₀₁₂₃₄₅₆₇₈₉ₘ", strict=True)}
 _GREEK = {"dtau": "Δτ", "tau": "τ", "xi": "ξ", "Omega": "Ω", "kappa": "κ"}
-_LETTER = re.compile("(?!I+[₀-₉]*$)([A-Za-z]|Δτ)[₀-₉ₘ]*\N{PRIME}?\\*?")
+_LETTER = re.compile("(?!I+[₀-₉]*$)([A-Za-zξ]|Δτ)[₀-₉ₘ]*\N{PRIME}?\\*?")
 _LEVEL = re.compile(r"[a-z]\d* = (-?[\d.e+-]+)(?: (\w+))?")
 # A letter that stands alone, with its number and its rates: P1', xi''/Omega^2, x2st.
 _SYMBOL = re.compile(

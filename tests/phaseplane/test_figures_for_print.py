@@ -161,7 +161,8 @@ def test_figure_5_has_the_accelerations_of_eq_9(over_obstacle: Drawing) -> None:
     assert heights[1] == pytest.approx(-heights[3])
     lengths = [stairs[2, 0] - stairs[1, 0], stairs[4, 0] - stairs[3, 0]]
     assert lengths[1] == pytest.approx(2.0 * lengths[0])
-    assert {"a", "z", "d = v T", "T/2"} <= words(figure)
+    assert {"a", "z", "$-z$", "1", "2", "3", r"$d = v\,T$", "$T/2$"} <= words(figure)
+    assert {r"$t,\ x$", "t"} <= words(figure)  # what the axes are
 
 
 def test_figure_2_ends_in_the_foot_of_the_normal(over_obstacle: Drawing) -> None:
@@ -184,6 +185,8 @@ def test_figure_3_has_a_triangle_similar_to_that_of_the_normal() -> None:
     qp = abs(step.points[f"P{n}"] - step.points[f"Q{n}"])
     qd = abs(step.points[f"D{n}"] - step.points[f"Q{n}"])
     assert abs(corner - p) / abs(p_new - corner) == pytest.approx(qp / qd)
+    width, height = figure.get_size_inches()
+    assert width > 0.4 * height
 
 
 def test_a_font_without_subscripts_borrows_them(drawing: Drawing, tmp_path: Path) -> None:

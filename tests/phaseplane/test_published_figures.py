@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cmath import phase
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -153,6 +154,7 @@ def test_figure_4b_has_its_circle() -> None:
     turned = abs(phase((arc[-1] - d) / (p - d)))
     assert turned == pytest.approx(plane.angular_frequency * 3 * STEP)
     assert abs(((centre - d) / (p - d)).imag) < 1e-9
+    assert max(abs(phase((b - centre) / (a - centre))) for a, b in pairwise(arc)) < 0.011  # smooth
     assert hidden(figure) == []
 
 
@@ -178,6 +180,8 @@ def test_figure_8_turns_the_planes_in_opposite_senses() -> None:
     normals, arcs = strips(figure, "normal"), strips(figure, "turn")
     turns = [phase((arc[-1] - d) / (arc[0] - d)) for (d, _), arc in zip(normals, arcs, strict=True)]
     assert turns == pytest.approx([-23.452 * STEP, 70.7107 * STEP], rel=1e-4)
+    order = {c.get_gid(): c.get_zorder() for c in figure.axes[0].collections}
+    assert order["successor"] > order["trail"]  # or nothing of the step would be seen
 
 
 def test_figure_13_has_the_lines_of_points_0_to_20(grounded: Drawing) -> None:
