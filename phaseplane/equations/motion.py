@@ -183,30 +183,14 @@ def steps(
             if h <= max(1e-15 * abs(t), 1e-300) or h < least * 1e-3:
                 raise MotionError(t)
             continue
-        x1, v1 = made[0], made[1]
-        if 0 in mode:
-            v1, x1 = system.project(mode, v1, x1, t + h)
-        step = Step(
-            t,
-            t + h if end - t > h * (1.0 + 1e-12) else end,
-            (x, v, a),
-            (x1, v1, _acceleration(system, mode, t + h, x1, v1)),
-            mode,
-        )
+        step = _ended(system, mode, t, (x, v, a), made, h)
+        if end - t <= h * (1.0 + 1e-12):
+            step = step._replace(end=end)
         met = _first_end(system, step, rounding) if mode else None
         if met is not None:
             k, part = met
             made = _step(system, mode, t, x, v, a, part)
-            x1, v1 = made[0], made[1]
-            if 0 in mode:
-                v1, x1 = system.project(mode, v1, x1, t + part)
-            step = Step(
-                t,
-                t + part,
-                (x, v, a),
-                (x1, v1, _acceleration(system, mode, t + part, x1, v1)),
-                mode,
-            )
+            step = _ended(system, mode, t, (x, v, a), made, part)
         yield step
         t, (x, v, a) = step.end, step.last
         if met is None:
@@ -238,6 +222,22 @@ def steps(
         a = _acceleration(system, mode, t, x, v)
         h = min(h, _first(t, x, v, a, end)) if h > 0.0 else _first(t, x, v, a, end)
     raise MotionError(t)
+
+
+def _ended(
+    system: Switching,
+    mode: Mode,
+    t: float,
+    first: tuple[float, float, float],
+    made: tuple[float, float, float, float],
+    h: float,
+) -> Step:
+    """Return a step that has been made, its end on the switch along which the motion slides, if any."""
+    x, v = made[:2]
+    if 0 in mode:
+        v, x = system.project(mode, v, x, t + h)
+    last = (x, v, _acceleration(system, mode, t + h, x, v))
+    return Step(t, t + h, first, last, mode)
 
 
 def _first(t: float, x: float, v: float, a: float, end: float) -> float:
