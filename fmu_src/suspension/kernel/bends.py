@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .layout import BRANCHES, CONTACT, DAMPER, LAWS, MODULATION, OWN, PIECE, SPRING
+from .layout import BRANCHES, CONTACT, DAMPER, LAWS, MODULATION, OWN, PIECE, SPRING, START
 
 
 class Bends:
@@ -18,12 +18,15 @@ class Bends:
         rows, laws = max(self.net.rows, 1), LAWS * self.net.elements
         memory = self.net.memory
         self.count = 0  # of such rows
-        self.joined = False  # whether any of their laws consists of joined pieces
+        # whether any of their laws consists of joined pieces, or changes a damper with the deflection
+        self.joined = self.modulated = False
         self.order = 3  # of the iteration with the curvatures of all laws; 2 if one is not known
         # of each: the number of the row, and the first of its curved laws
         self.row, self.first = memory.marks(rows), memory.marks(rows + 1)
-        # of each curved law: the piece found last, and its kind; a modulation comes before its damper
+        # of each curved law: the piece found last, where it begins and ends if others are joined with it,
+        # and its kind; a modulation comes before its damper
         self.piece, self.law = memory.marks(laws), memory.marks(laws)
+        self.low, self.high = memory.zeros(laws), memory.zeros(laws)
         # of each curved row, at the state last evaluated; literal sizes, as these are C arrays
         self.force, self.force_k, self.force_c = [0.0] * 64, [0.0] * 64, [0.0] * 64
         self.bow = [0.0] * 64  # its second derivative along a line
@@ -31,7 +34,7 @@ class Bends:
     def enter(self):
         """List the curved pieces, row by row."""
         self.count = count = 0
-        self.joined = False
+        self.joined = self.modulated = False
         self.order = 3
         if self.net.always_straight:
             return
@@ -46,6 +49,7 @@ class Bends:
                     count += 1
                 if not self.net.damper_is_straight(e):
                     if self.net.modulated[e]:
+                        self.modulated = True
                         self.piece[count] = self.net.piece_now(e, MODULATION)
                         self.law[count] = MODULATION
                         count += 1
@@ -54,6 +58,7 @@ class Bends:
                     count += 1
             for k in range(first, count):
                 p = self.piece[k]
+                self._bound(k)
                 if self.net.run_last[p] > self.net.run_first[p]:
                     self.joined = True
                 if self.net.piece[PIECE * p + OWN] != 0.0:
@@ -62,6 +67,15 @@ class Bends:
                 self.row[self.count], self.first[self.count] = r, first
                 self.count += 1
                 self.first[self.count] = count
+
+    def _bound(self, i):
+        """Find where the piece of law i begins and ends."""
+        p = self.piece[i]
+        self.low[i], self.high[i] = -1e300, 1e300
+        if p > self.net.run_first[p]:
+            self.low[i] = self.net.piece[PIECE * p + START]
+        if p < self.net.run_last[p]:
+            self.high[i] = self.net.piece[PIECE * (p + 1) + START]
 
     def find(self, p, d, w, dd, dw):
         """Find the force of curved row p at deflection d and rate w, and its derivatives.
@@ -76,8 +90,9 @@ class Bends:
         for i in range(self.first[p], self.first[p + 1]):
             law = self.law[i]
             x = w if law == DAMPER else d
-            if self.joined:
+            if not self.low[i] <= x < self.high[i]:
                 self.piece[i] = self.net.place(self.piece[i], x)
+                self._bound(i)
             self.net.read_piece(self.piece[i], x)
             value, slope, curvature = self.net.value, self.net.slope, self.net.curvature
             if law == SPRING:
@@ -89,15 +104,17 @@ class Bends:
             else:
                 force += factor * value
                 c += factor * slope
-                k += factor_k * value
                 bow += factor * curvature * dw * dw
-                bow += (2.0 * factor_k * slope * dw + factor_kk * value * dd) * dd
-                factor, factor_k, factor_kk = 1.0, 0.0, 0.0
+                if self.modulated:
+                    k += factor_k * value
+                    bow += (2.0 * factor_k * slope * dw + factor_kk * value * dd) * dd
+                    factor, factor_k, factor_kk = 1.0, 0.0, 0.0
         self.force[p], self.force_k[p], self.force_c[p], self.bow[p] = force, k, c, bow
 
     def stays(self, p, d, w):
         """Return whether d and w are in the same pieces of row p as those found last."""
         for i in range(self.first[p], self.first[p + 1]):
-            if self.net.place(self.piece[i], w if self.law[i] == DAMPER else d) != self.piece[i]:
+            x = w if self.law[i] == DAMPER else d
+            if not self.low[i] <= x < self.high[i]:
                 return 0
         return 1

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import cython
 
-from .layout import CONTACT, DAMPER, MODULATION, PIECE, SPRING, START
+from .layout import CONTACT, DAMPER, LAWS, MODULATION, PIECE, SPRING, START
 
 if not cython.compiled:
     from math import fabs, pow
@@ -40,6 +40,11 @@ class Knots:
         self.switches = switches
         self.stepper, self.motion = self.switches.stepper, self.switches.motion
         self.net, self.crossing = self.switches.net, self.switches.crossing
+        # the laws of joined pieces, and one piece of each
+        self.count, laws = 0, LAWS * self.net.elements
+        memory = self.net.memory
+        self.element, self.kind = memory.marks(laws), memory.marks(laws)
+        self.piece = memory.marks(laws)
         # where the attempt should end, and whether that is just before a point: its value, that of
         # `switches.row` which passes it, and whether the table ends there
         self.at = self.value = 0.0
@@ -48,6 +53,17 @@ class Knots:
         # of the piece searched: its end, and whether it is that of the table
         self.bound = 0.0
         self.is_end = False
+
+    def enter_branches(self):
+        """List the laws of joined pieces, after a change of branch."""
+        self.count = 0
+        for e in range(self.net.elements):
+            for kind in range(CONTACT):
+                p = self.net.piece_now(e, kind)
+                if self.net.run_last[p] > self.net.run_first[p]:
+                    k = self.count
+                    self.element[k], self.kind[k], self.piece[k] = e, kind, p
+                    self.count += 1
 
     def ahead(self, h, end):
         """Return the step h, or a shorter one that points before time `end` are expected to allow."""
@@ -99,26 +115,23 @@ class Knots:
         """
         self.at = 2.0
         self.switches.read_attempt(self.motion.state.time, h)
-        for e in range(self.net.elements):
-            for kind in range(CONTACT):
-                p = self.net.piece_now(e, kind)
-                first, last = self.net.run_first[p], self.net.run_last[p]
-                if first == last:
-                    continue
-                row = 8 * self.net.element_row[e] + (1 if kind == DAMPER else 0)
-                k = self.net.place(p, self.switches.row[row])
-                degree = self.switches.polynomial(e, kind, h)
-                self.crossing.extent(degree)
-                unit = -1.0
-                for side in range(-1, 2, 2):
-                    m = k
-                    while first <= m <= last and self._passes(m, side):
-                        if unit < 0.0:
-                            unit = self._effect(e, kind, h) / (most * self.stepper.errors.allowed)
-                        size = unit * self._jump(m, side)
-                        if size > 1.0 and self._ends(side, degree, least, row, size):
-                            break
-                        m += side
+        for i in range(self.count):
+            e, kind, p = self.element[i], self.kind[i], self.piece[i]
+            first, last = self.net.run_first[p], self.net.run_last[p]
+            row = 8 * self.net.element_row[e] + (1 if kind == DAMPER else 0)
+            k = self.net.place(p, self.switches.row[row])
+            degree = self.switches.polynomial(e, kind, h)
+            self.crossing.extent(degree)
+            unit = -1.0
+            for side in range(-1, 2, 2):
+                m = k
+                while first <= m <= last and self._passes(m, side):
+                    if unit < 0.0:
+                        unit = self._effect(e, kind, h) / (most * self.stepper.errors.allowed)
+                    size = unit * self.net.jump[m if side < 0 else m + 1]
+                    if size > 1.0 and self._ends(side, degree, least, row, size):
+                        break
+                    m += side
 
     def _passes(self, p, side):
         """Find the end of piece p; return whether the polynomial may pass it."""
@@ -129,15 +142,6 @@ class Knots:
         else:
             self.bound = self.net.low[p] if side < 0 else self.net.high[p]
         return self.crossing.low < self.bound if side < 0 else self.crossing.high > self.bound
-
-    def _jump(self, p, side):
-        """Return by how much the second derivative jumps at the end of piece p, beyond a table to 0."""
-        self.net.read_piece(p, self.bound)
-        jump = self.net.curvature
-        if not self.is_end:
-            self.net.read_piece(p + side, self.bound)
-            jump -= self.net.curvature
-        return fabs(jump)
 
     def _effect(self, e, kind, h):
         """Return the error that the attempt makes where the second derivative of a law jumps by 1, m."""
@@ -176,4 +180,4 @@ class Knots:
             self.at = end
             self.lands = end == _SHORT_OF_KNOT * at
             self.value, self.row, self.ends_table = self.bound, row, self.is_end
-        return self.lands
+        return _SHORT_OF_KNOT * at >= self.at

@@ -8,9 +8,10 @@ cdef double _SMALL_ARGUMENT, _LOG_2, _NEAR, _FARTHEST, _SMOOTH
 cdef class Laws(Signals):
     cdef double *piece
     cdef int *first, *count  # of the pieces of law k of element e, at index LAWS e + k
-    cdef int *straight  # whether each piece is straight
+    cdef int *straight, *cubic  # whether each piece is a line, or at most a cubic
     cdef double value, slope, curvature  # of the law last asked for
     cdef double *low, *high  # range in which each piece is curved
+    cdef double *jump
     cdef bint joins
     cdef int *run_first, *run_last
     cdef list functions  # in Python, one for each piece, or None
@@ -20,6 +21,8 @@ cdef class Laws(Signals):
     cdef int enter_laws(self, int e, double *x, int at) noexcept nogil
     @cython.locals(first=int, last=int, p=int)
     cdef void _join(self, int law) noexcept nogil
+    @cython.locals(x=double, before=double)
+    cdef double _jump_at(self, int p) noexcept nogil
     @cython.locals(x=double, before=double, after=double)
     cdef bint _meets_smoothly(self, int p) noexcept nogil
     @cython.locals(k=int, first=int, last=int)
@@ -28,10 +31,9 @@ cdef class Laws(Signals):
     cdef double law(self, int p, double x) noexcept nogil
     cdef double own(self, int p, int what, double s) noexcept with gil
     cdef void law_and_slope(self, int p, double x) noexcept nogil
-    @cython.locals(at=int, inner=double, s=double, c1=double, c2=double, c3=double, u=double,
-                   steep=double, rest=double, value=double, slope=double, curvature=double)
+    @cython.locals(at=int, inner=double, s=double, c1=double, c2=double, c3=double)
     cdef void read_piece(self, int p, double x) noexcept nogil
-    @cython.locals(at=int, power=double, exponent=double, steep=double)
+    @cython.locals(at=int, u=double, power=double, exponent=double, steep=double, rest=double)
     cdef void _add_functions(self, int p, double s) noexcept nogil
     @cython.locals(at=int, s=double, slope=double)
     cdef double law_slope(self, int p, double x) noexcept nogil

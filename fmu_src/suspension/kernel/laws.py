@@ -57,10 +57,13 @@ class Laws(Signals):
         self.first = memory.integers(accumulate(count, initial=0))
         self.piece = memory.zeros(PIECE * sum(count))
         self.straight = memory.integers([1] * sum(count))
+        self.cubic = memory.integers([1] * sum(count))
         self.functions = [own for element in system.elements for own in functions_of(element)]
         self.failure = None  # the first exception raised by a function
         # beyond its ends a cubic is continued by its tangent
         self.low, self.high = memory.zeros(sum(count)), memory.zeros(sum(count))
+        # by how much the second derivative jumps where each piece begins
+        self.jump = memory.zeros(sum(count) + 1)
         # the first and the last of the pieces that each is joined with
         self.run_first, self.run_last = memory.marks(sum(count)), memory.marks(sum(count))
 
@@ -77,9 +80,12 @@ class Laws(Signals):
                 or self.piece[k + C3] != 0.0
                 or self.piece[k + POWER] != 0.0
             )
-            self.straight[p] = not (
-                curved or self.piece[k + SATURATION] != 0.0 or self.piece[k + OWN] != 0.0
+            self.cubic[p] = (
+                self.piece[k + SATURATION] == 0.0
+                and self.piece[k + POWER] == 0.0
+                and self.piece[k + OWN] == 0.0
             )
+            self.straight[p] = self.cubic[p] and not curved
             self.low[p], self.high[p] = -1e300, 1e300
         for law in range(LAWS * e, LAWS * (e + 1)):
             for p in range(self.first[law], self.first[law] + self.count[law]):
@@ -103,11 +109,22 @@ class Laws(Signals):
         for p in range(first, last + 1):
             self.run_first[p] = self.run_last[p] = p
         for p in range(first + 1, last + 1):
+            self.jump[p] = self._jump_at(p)
             if self.joins and self._meets_smoothly(p):
                 self.run_first[p] = self.run_first[p - 1]
         for p in range(last - 1, first - 1, -1):
             if self.run_first[p + 1] != p + 1:
                 self.run_last[p] = self.run_last[p + 1]
+
+    def _jump_at(self, p):
+        """Return by how much the second derivative jumps where piece p begins, if it is known."""
+        if self.piece[(p - 1) * PIECE + OWN] != 0.0 or self.piece[p * PIECE + OWN] != 0.0:
+            return 0.0
+        x = self.piece[p * PIECE + START]
+        self.read_piece(p - 1, x)
+        before = self.curvature
+        self.read_piece(p, x)
+        return fabs(self.curvature - before)
 
     def _meets_smoothly(self, p):
         """Return whether curved piece p begins with the slope of the curved piece before it."""
@@ -170,34 +187,32 @@ class Laws(Signals):
         The slope of tanh is 1 - tanh^2. The curvature of a function in Python counts as 0.
         """
         at = p * PIECE
-        if self.straight[p]:
-            self.slope = self.piece[at + C1]
-            self.value = self.piece[at + C0] + (x - self.piece[at + ORIGIN]) * self.slope
-            self.curvature = 0.0
-            return
-        inner = min(max(x, self.low[p]), self.high[p])
+        inner = x
+        if x < self.low[p]:
+            inner = self.low[p]
+        elif x > self.high[p]:
+            inner = self.high[p]
         s = inner - self.piece[at + ORIGIN]
         c1, c2, c3 = self.piece[at + C1], self.piece[at + C2], self.piece[at + C3]
-        value = self.piece[at + C0] + s * (c1 + s * (c2 + s * c3))
-        slope = c1 + s * (2.0 * c2 + 3.0 * s * c3)
-        curvature = 2.0 * c2 + 6.0 * s * c3
-        if self.piece[at + SATURATION] != 0.0:
-            u = tangent_h(s / self.piece[at + SCALE])
-            steep = self.piece[at + SATURATION] / self.piece[at + SCALE]
-            rest = steep * (1.0 - u * u)
-            value += self.piece[at + SATURATION] * u
-            slope += rest
-            curvature -= 2.0 / self.piece[at + SCALE] * u * rest
-        self.value, self.slope, self.curvature = value, slope, curvature
-        if self.piece[at + POWER] != 0.0 or self.piece[at + OWN] != 0.0:
+        self.value = self.piece[at + C0] + s * (c1 + s * (c2 + s * c3))
+        self.slope = c1 + s * (2.0 * c2 + 3.0 * s * c3)
+        self.curvature = 2.0 * c2 + 6.0 * s * c3
+        if not self.cubic[p]:
             self._add_functions(p, s)
         if x != inner:
             self.value += self.slope * (x - inner)
             self.curvature = 0.0
 
     def _add_functions(self, p, s):
-        """Add the power of piece p and its function in Python to `value`, `slope` and `curvature`."""
+        """Add what is not a cubic in piece p to `value`, `slope` and `curvature`."""
         at = p * PIECE
+        if self.piece[at + SATURATION] != 0.0:
+            u = tangent_h(s / self.piece[at + SCALE])
+            steep = self.piece[at + SATURATION] / self.piece[at + SCALE]
+            rest = steep * (1.0 - u * u)
+            self.value += self.piece[at + SATURATION] * u
+            self.slope += rest
+            self.curvature -= 2.0 / self.piece[at + SCALE] * u * rest
         if self.piece[at + POWER] != 0.0:
             power, exponent = self.piece[at + POWER], self.piece[at + EXPONENT]
             steep = power_slope(power, exponent, s)

@@ -12,12 +12,15 @@ cdef class Modes:
     cdef int n, stamp, damping_known
     cdef double road_rate, omega_squared, quickest, longest
     cdef double *stiffness, *damping, *stiffness_known, *softest, *velocity_scale
+    cdef double[1024] a, squared
 
     @cython.locals(i=int)
     cdef void start(self) noexcept nogil
     cdef void follow(self) noexcept nogil
     @cython.locals(i=int, same=bint)
     cdef void _find_fastest(self) noexcept nogil
+    @cython.locals(i=int, j=int, k=int, x=double, trace=double, stiffness=double)
+    cdef inline double _highest(self, int n) noexcept nogil
     @cython.locals(omega=double, longer=double)
     cdef double bound(self, double h, double least_damping) noexcept nogil
     @cython.locals(k=int, at=int, omega=double, decay=double)

@@ -1,5 +1,5 @@
 cimport cython
-from libc.math cimport fabs, sqrt
+from libc.math cimport fabs
 from .arrays cimport Lent, Memory
 from .branches cimport Branches
 from .linear cimport decompose, solve
@@ -71,8 +71,6 @@ cdef class Network(Branches):
     cdef void hold(self, double *multiplier) noexcept nogil
     @cython.locals(n=int, i=int, m=int, r=int, s=int, p=double, dv=double, da=double, rate=double)
     cdef void jerk(self, double *v, double *a, double *out) noexcept nogil
-    @cython.locals(n=int, i=int, j=int, k=int, x=double, trace=double)
-    cdef double fastest_mode(self, double *stiffness) noexcept nogil
     @cython.locals(i=int, resistance=double)
     cdef bint is_damped(self, double *stiffness, double *damping, double share,
                         double omega) noexcept nogil

@@ -17,7 +17,7 @@ from .laws import functions_of, pieces_of
 from .layout import BRANCHES, C1, CONTACT, DAMPER, LAWS, MODULATION, PIECE, SEGMENT, SPRING, START
 
 if not cython.compiled:
-    from math import fabs, sqrt
+    from math import fabs
 
     from .linear import decompose, solve
 
@@ -442,33 +442,6 @@ class Network(Branches):
         solve(self.mass_factor, 0, n, out)
         if self.stuck:
             self.stick(self.mass_factor, 0, out, self.zero, 3, self.multiplier_rate)
-
-    def fastest_mode(self, stiffness):
-        """Return a bound of the highest angular frequency squared: (tr A^4)^(1/4), A = M^-1 K.
-
-        K includes the springs in series, as if their dampers were rigid. The bound is at most n^(1/4)
-        times too large and does not depend on units.
-        """
-        n = self.n
-        trace = 0.0
-        for i in range(n):
-            for k in range(n):
-                x = 0.0
-                for j in range(n):
-                    x += self.flexibility[i * n + j] * (
-                        stiffness[j * n + k] + self.series.stiffness[j * n + k]
-                    )
-                self.modes[i * n + k] = x
-        for i in range(n):
-            for k in range(n):
-                x = 0.0
-                for j in range(n):
-                    x += self.modes[i * n + j] * self.modes[j * n + k]
-                self.modes2[i * n + k] = x
-        for i in range(n):
-            for k in range(n):
-                trace += self.modes2[i * n + k] * self.modes2[k * n + i]
-        return sqrt(sqrt(trace)) if trace > 0.0 else 0.0
 
     def is_damped(self, stiffness, damping, share, omega):
         """Return whether damping exceeds a share of the stiffness in all modes faster than omega.

@@ -244,6 +244,8 @@ class TimeLoop:
         """Update everything that depends on the branches."""
         self.stepper.refresh(self.state.time)
         self.switches.enter_branches()
+        if self.stepper.balance.bends.joined:
+            self.knots.enter_branches()
         if self.energy:
             self.ledger.enter()
         self.state.entered = 1
