@@ -46,6 +46,7 @@ def place(
     view: Box,
     segments: Points,
     taken: Sequence[Box] = (),
+    others: Sequence[complex] = (),
 ) -> Placed:
     """Place letters beside their points.
 
@@ -60,6 +61,7 @@ def place(
     view : the visible part of the sheet; letters stay inside
     segments : ends of the lines that letters must avoid, shape (segments, 2)
     taken : boxes of texts that are already there
+    others : points that the letters do not name
     """
     count = len(texts)
     halves = np.array([text_box(0j, text, em).half for text in texts], complex)
@@ -67,6 +69,7 @@ def place(
     boxes = np.zeros(count, complex)
     led, free = np.zeros(count, bool), np.ones(count, bool)
     near = (abs(points[:, None] - points) < 2.5 * em).sum(axis=1)
+    every = np.append(points, np.asarray(others, complex))
     order = np.argsort(-near, kind="stable")
     dots = np.array(0.15 * em * (1 + 1j))
     for done, i in enumerate(order):
@@ -86,8 +89,8 @@ def place(
             0.7 * _GAPS
             + 100.0 * (over > 0.0)
             + 40.0 * over / em**2
-            + 4.0 * (mine.overlap(Boxes(points, dots)) > 0.0).sum(axis=1)
-            + 2.0 * (abs(points - centres[:, None]) < abs(away)[:, None]).sum(axis=1)
+            + 4.0 * (mine.overlap(Boxes(every, dots)) > 0.0).sum(axis=1)
+            + 5.0 * (abs(every - centres[:, None]) < abs(away)[:, None]).sum(axis=1)
             + 200.0 * ~Boxes(centres, size).within(view)
             + 6.0 * (_GAPS > NEAR)
         )

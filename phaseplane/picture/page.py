@@ -321,19 +321,22 @@ class Page:
         size: float = _LETTER,
         *,
         lines: bool = True,
+        others: Sequence[complex] = (),
     ) -> None:
         """Write letters beside points; each has a position, a text and a role.
 
         Parameters
         ----------
         lines : whether letters avoid lines, too
+        others : points for which they must not be taken
         """
         if not named:
             return
         em = size * self.em
         segments = self.segments if lines else np.zeros((0, 2), complex)
         points = np.array([z for z, *_ in named])
-        placed = place(points, [t for _, t, _ in named], em, self.view, segments, self.taken)
+        texts = [text for _, text, _ in named]
+        placed = place(points, texts, em, self.view, segments, self.taken, others)
         for (z, text, role), centre, led, free in zip(named, *placed, strict=True):
             if free:  # better no letter than two on one another
                 self.put(Text(role, text, complex(centre), size, "letter", z, bool(led)))
@@ -475,6 +478,8 @@ class Page:
             self.lines(curve.role, [curve.vertices], 0.6 if curve.role == "trail" else 1.0)
         highest = max((c.vertices[0].imag for c in chosen if c.role == "line"), default=0.0)
         low, high = (z.real for z in self.view.corners)
+        arrows = [(arrow.start, arrow.tip) for arrow in self.of(Arrow) if arrow.role == "axis"]
+        axes = np.array(arrows, complex).reshape(-1, 2).T
         for curve in reversed(chosen):  # the last value of an axis has its unit
             if curve.role == "axis" and curve.label:
                 self.write_if_free(_value(curve.vertices[-1] - 0.8j * self.em, curve.label))
@@ -485,7 +490,10 @@ class Page:
                 edge = min(high - 0.04 * (high - low), end.real - 0.5 * self.em)
                 for shift in range(0, 40, 2):
                     centre = complex(edge - shift * self.em, end.imag) + side * self.em
-                    if self.write_if_free(Text("line", typeset(curve.label), centre)):
+                    name = Text("line", typeset(curve.label), centre)
+                    half = np.array(name.box(self.em).half)
+                    struck = Boxes(np.array(centre), half).inside(*axes).any()
+                    if not struck and self.write_if_free(name):
                         break
             elif curve.role not in (*CURVES, "axis") and curve.label:
                 name = Text(curve.role, words_at_end(curve, chosen), 0j)
@@ -637,7 +645,13 @@ class Page:
             (plane.displacement.origin, typeset("O" + plane.number), "axis")
             for plane in (self.drawing.planes if marks is None else ())
         ]
-        self.letter(named + [at for at in origins if self.view.holds(at[0])])
+        of_step = self.drawing.schemes[frame.scheme].marks
+        others = [frame.points[m.point] for m in of_step if m.label and is_main(m.point)]
+        own = [at for at, *_ in named]
+        self.letter(
+            named + [at for at in origins if self.view.holds(at[0])],
+            others=[z for z in others if z not in own],
+        )
         for z, text, role in far:
             self._at_the_rim(z, text, role)
 

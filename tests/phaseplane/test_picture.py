@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 from dataclasses import asdict, replace
-from itertools import combinations, product
+from itertools import combinations, permutations, product
 from math import pi
 from pathlib import Path
 
@@ -29,7 +29,7 @@ from phaseplane.picture import page
 from phaseplane.picture.canvas import Canvas
 from phaseplane.picture.chart import Chart, part_of
 from phaseplane.picture.letters import NEAR, place, text_box
-from phaseplane.picture.page import Arrow, Dots, Lines, Page, graduation_of
+from phaseplane.picture.page import Arrow, Dots, Lines, Page, Text, graduation_of
 from phaseplane.picture.paper import Box, arcs, telling_vertices
 from phaseplane.picture.quantities import QUANTITIES, display_unit, unit_text
 from phaseplane.picture.story import arms_page, story_of, told_steps
@@ -113,6 +113,27 @@ def test_letters_do_not_overlap_stay_in_view_and_are_near_or_led(
     assert all(view.contains(box) for box in boxes)
     for point, box, led in zip(points, boxes, made.led, strict=True):
         assert led or abs(box.nearest(point) - point) <= NEAR * em
+
+
+@given(angle=st.floats(0.0, 2.0 * pi), distance=st.floats(0.2, 3.0))
+def test_a_letter_is_nearer_to_its_point_than_to_others(angle: float, distance: float) -> None:
+    em, other = 0.04, 0.04 * cmath.rect(distance, angle)
+    made = place(np.zeros(1, complex), ["P"], em, Box(0j, 1 + 1j), np.zeros((0, 2)), others=[other])
+    assert abs(made.centres[0]) < abs(made.centres[0] - other)
+
+
+def test_letters_of_a_stage_are_nearer_to_their_points_than_to_others() -> None:
+    made = construct_motion(ap57(), delta, step=0.0025, duration=0.1)
+    stays = pages_of(Content("quarter car", made))[0]
+    ticks = [tick.page for tick in story_of(made, stays, arms_page(made), {})]
+    letters = [[t for t in page.of(Text) if t.kind == "letter" and not t.led] for page in ticks]
+    nearer = [
+        abs(one.centre - other.point) > abs(one.centre - one.point) - 1e-9
+        for several in letters
+        for one, other in permutations(several, 2)
+        if one.point is not None and other.point is not None
+    ]
+    assert nearer.count(False) < 0.01 * len(nearer)
 
 
 class Echo(Canvas):
