@@ -5,15 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import ceil
 
+import numpy as np
+
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.storage import Frame
 from phaseplane.figures.canvas import as_figure, new_page
 from phaseplane.figures.style import Look
-from phaseplane.picture.page import Page
+from phaseplane.picture.page import Page, motions_of
 from phaseplane.picture.paper import Box
 from phaseplane.picture.text import format_time, typeset
 from phaseplane.picture.views import frame_at, view_of
 
+_MANY = 20  # steps with all auxiliary lines
+_MOVED = 0.02  # of the largest distance from the start: a motion that is seen
 _NUMBERED = 80  # points beyond those with auxiliary lines, at the most
 
 
@@ -63,7 +67,7 @@ def format_step(frame: Frame) -> str:
 
 @as_figure
 def construction_sheet(
-    drawing: Drawing, frames: Iterable[int] = range(20), *, through: bool = False, look: Look
+    drawing: Drawing, frames: Iterable[int] | None = None, *, through: bool = False, look: Look
 ) -> tuple[Page, str]:
     """Draw the sheet after many steps, with all their auxiliary lines.
 
@@ -72,13 +76,15 @@ def construction_sheet(
 
     Parameters
     ----------
-    frames : indices of the steps drawn with all lines; indices beyond the end are ignored
+    frames : indices of the steps drawn with all lines; indices beyond the end are ignored. Default: the
+        first 20, or if nothing moves in them, 20 from the start of the motion
     through : whether later points are also marked and numbered, or some of them if they are many
 
     Raises
     ------
     ValueError : if none of the frames exists.
     """
+    frames = _first(drawing) if frames is None else frames
     wanted = [i for i in frames if 0 <= i < len(drawing.frames)]
     if not wanted:
         raise ValueError(f"none of the frames exists; the drawing has {len(drawing.frames)}")
@@ -101,3 +107,12 @@ def construction_sheet(
     if apart > 1:
         words += f", one in {apart} numbered"
     return page, f"{typeset(drawing.title)}\n{words}"
+
+
+def _first(drawing: Drawing) -> range:
+    """Return the first steps, or those from the start of the motion if nothing moves in them."""
+    motions = np.array(motions_of(drawing))
+    away = abs(motions - motions[:, :1])
+    moved = (away > _MOVED * np.nanmax(away, initial=0.0, axis=1)[:, None]).any(axis=0)
+    begin = int(moved.argmax())
+    return range(_MANY) if begin <= _MANY else range(begin - 1, begin - 1 + _MANY)

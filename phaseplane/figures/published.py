@@ -140,8 +140,8 @@ def _has_closed(frame: Frame, b0: complex) -> bool:
 
 
 def figure13(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
-    """Draw points 0 to 20 with all auxiliary lines, the others on the curves (AP57 figure 13)."""
-    return construction_sheet(drawing, range(20), through=True, title=title, look=look)
+    """Draw the first points with all auxiliary lines, the others on the curves (AP57 figure 13)."""
+    return construction_sheet(drawing, through=True, title=title, look=look)
 
 
 def _history(number: int, what: str, *endings: str) -> Callable[..., Figure]:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     Columns = Mapping[str, npt.NDArray[np.float64]]
     ReadAt = Callable[[Sequence[float], Sequence[str]], Columns]
 
-_SPARSE = 0.4  # of the distance between planes: motions that need less are too small to be seen
+_SPARSE = 0.5  # of the distance between planes: motions that need less are too small to be seen
 _PARTS = 24  # of a step over a known motion: the most by which its way is drawn
 
 
@@ -173,7 +173,8 @@ def overlay_run(
 def _distance_needed(drawing: Drawing) -> float:
     """Return the distance between planes, m of paper, that their motions need; 0 for the present one.
 
-    It is 1.3 times the part of it that the motions in neighbouring planes take up, rounded up to 5 cm.
+    It is 1.3 times the part of it that the motions in neighbouring planes take up, rounded up to 5 cm, or
+    below 10 cm to 1 cm.
     The present one will not do where planes overlap, or where motions are small in much empty paper.
     """
     spans = [
@@ -187,7 +188,8 @@ def _distance_needed(drawing: Drawing) -> float:
     for (upper, heights), (lower, others) in pairwise(sorted(spans, reverse=True)):
         present = upper - lower
         needed = max(needed, 1.3 * (max(0.0, *others) - min(0.0, *heights)))
-    return 0.0 if _SPARSE * present <= needed <= present else ceil(20.0 * needed) / 20.0
+    parts = 20.0 if needed > 0.1 else 100.0
+    return 0.0 if _SPARSE * present <= needed <= present else ceil(parts * needed) / parts
 
 
 def with_drift(drawing: Drawing, columns: Columns, read_at: ReadAt) -> Drawing:

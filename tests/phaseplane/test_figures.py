@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 
@@ -418,6 +419,9 @@ def test_points_of_a_motion_that_has_not_begun_share_a_number():
     written = {text.get_text() for text in figure.findobj(Text)}
     assert {"15", "16", "17", "18", "19", "20"} <= written
     assert any(text.startswith("0–1") for text in written)
+    figure = construction_sheet(construct_motion(waiting, step=0.02, duration=2.0))
+    (first,) = re.findall(r"Points (\d+) to", " ".join(t.get_text() for t in figure.findobj(Text)))
+    assert 50 < int(first) < 75  # not the first points, which rest
 
 
 def test_the_axes_reach_over_motions_from_further_starts():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import asdict
-from itertools import combinations, product
+from itertools import combinations, pairwise, product
 from textwrap import wrap
 
 import numpy as np
@@ -110,6 +110,14 @@ def test_letters_are_legible_and_the_sheet_fills_its_pane(name: str) -> None:
     others = [np.array(c.vertices) for c in drawing.curves if c.role == "trail"]
     motion = np.concatenate(stays.motions + others)
     curves = complex(np.ptp(motion.real), np.ptp(motion.imag))
+    between = [
+        (max(0.0, *(lower - b).imag) - min(0.0, *(upper - a).imag)) / (a - b).imag
+        for (a, upper), (b, lower) in pairwise(
+            (p.displacement.origin, m) for p, m in zip(drawing.planes, stays.motions, strict=True)
+        )
+        if (a - b).imag > 0.0101  # the least distance
+    ]
+    assert max(between, default=1.0) > 0.38  # planes do not stand in much empty paper
     for width, height in PANES:
         scale = min(width / stays.view.half.real, height / stays.view.half.imag) / 2.0
         assert scale * max(curves.real, curves.imag) >= 0.45 * min(width, height)
