@@ -46,6 +46,7 @@ QUANTITIES = (
     Quantity("angular velocity", "rad/s", 1.0, "rad/s"),
     Quantity("angular acceleration", "rad/s²", 1.0, "rad/s2"),
 )
+RADIANS = Quantity("angle", "rad", 1.0, "rad")
 _LENGTHS = ((2.0, "m", 1.0), (0.01, "cm", 100.0), (0.0, "mm", 1000.0))
 
 
@@ -88,7 +89,7 @@ def _by_ending(name: str) -> Quantity | None:
 def read_off(drawing: Drawing, span: float) -> dict[str, Quantity | None]:
     """Return the quantities of the readings of a construction.
 
-    Lengths are in the unit of the axes; those of a plain equation have no unit, and its rates 1/s.
+    Lengths are in the unit of the axes; those of a plain equation may be angles or have no unit.
 
     Parameters
     ----------
@@ -100,11 +101,16 @@ def read_off(drawing: Drawing, span: float) -> dict[str, Quantity | None]:
     if axis.unit == "m":
         length = replace(_CENTIMETRES, unit=unit, factor=factor)
         return {name: length if q is _CENTIMETRES else q for name, q in found.items()}
-    plain = {"m": axis.unit, "m/s": "1/s", "m/s2": "1/s²"}
+    plain = {q.si: rate_unit(axis.unit, order) for order, q in enumerate(QUANTITIES[:3])}
     return {
         name: q and replace(q, unit=plain.get(q.si, q.unit), factor=1.0)
         for name, q in found.items()
     }
+
+
+def rate_unit(unit: str, order: int) -> str:
+    """Return the unit of a derivative of a quantity with this unit, as it is printed."""
+    return f"{unit or 1}/s{'²' if order == 2 else ''}" if order else unit
 
 
 def rate_of(displacement: str) -> str:

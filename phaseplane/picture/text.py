@@ -16,7 +16,7 @@ from phaseplane.constructions.primitives import Axis, Drawing, Plane, Scheme
 from phaseplane.constructions.sheet import Event, events_of
 from phaseplane.constructions.storage import Frame
 
-from .quantities import Quantity, rate_of, unit_text
+from .quantities import Quantity, rate_of, rate_unit, unit_text
 
 MINUS = "\N{MINUS SIGN}"
 _BAR, _DOT, _DOTS = "\N{COMBINING MACRON}", "\N{COMBINING DOT ABOVE}", "\N{COMBINING DIAERESIS}"
@@ -275,12 +275,11 @@ def _state(plane: Plane, z: complex, unit: tuple[str, float]) -> list[str]:
     foot = f"Q{plane.number}"
     y, y_bar = ((z - axis.origin) * a.direction.conjugate() for a in (axis, rate))
     speed = plane.angular_frequency * y_bar.real / rate.scale
-    per_second = "m/s" if axis.unit == "m" else "1/s"
     return [
         f"{_pair(f'O{plane.number}', foot)} = {_centimetres(y.real)}: "
         f"{typeset(axis.label)} = {_shown_value(axis, z, unit)}",
         f"{_pair(foot, plane.state)} = {_centimetres(y_bar.real)}: "
-        f"{_rate(plane, 1)} = {number(speed, 4)} {per_second}",
+        f"{_rate(plane, 1)} = {number(speed, 4)} {rate_unit(axis.unit, 1)}",
     ]
 
 
@@ -298,11 +297,10 @@ def _acceleration(plane: Plane, frame: Frame) -> str:
     axis = plane.displacement
     foot, point = frame.points[plane.foot], frame.points[plane.state]
     value = axis.read(foot) - axis.read(point)
-    unit = "m/s²" if axis.unit == "m" else "1/s²"
     length = _centimetres(axis.scale * value)
     return (
         f"{_pair('Q' + plane.number, plane.foot)} = {length}: {_rate(plane, 2)} = "
-        f"{number(plane.angular_frequency**2 * value, 4)} {unit}"
+        f"{number(plane.angular_frequency**2 * value, 4)} {rate_unit(axis.unit, 2)}"
     )
 
 

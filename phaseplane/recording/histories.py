@@ -13,7 +13,7 @@ from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.storage import StoredFrames
 from phaseplane.picture.page import motions_of, reach_of
 from phaseplane.picture.paper import readings
-from phaseplane.picture.quantities import QUANTITIES, Quantity, quantity_of, read_off
+from phaseplane.picture.quantities import QUANTITIES, RADIANS, Quantity, quantity_of, read_off
 from phaseplane.picture.styles import hue_of
 from phaseplane.picture.text import in_words
 
@@ -71,6 +71,13 @@ def panels(content: Content) -> list[Panel]:
     drawing = content.drawing
     known = quantities_of(drawing) if drawing is not None else {}
     read = {quantity.name: quantity for quantity in known.values() if quantity is not None}
+    axes = (
+        [plane.displacement.unit for plane in drawing.planes]
+        if drawing is not None
+        else [content.units.get(name) for name, _ in content.pairs]
+    )
+    if "rad" in axes:  # angles elsewhere are in degrees
+        read["angle"] = RADIANS
     found: dict[Quantity, list[str]] = {read.get(q.name, q): [] for q in QUANTITIES}
     for name in content.histories:
         quantity = quantity_of(name, content.units)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from recorded import Recorded, content, drawing, paper
 
+from phaseplane.constructions import EquationPlane, construct_motion, delta
 from phaseplane.picture.page import Arrow
 from phaseplane.recording import VIEWS, AxleView, Content, Vehicle, record
 from phaseplane.recording.lanes import SHEET_SHARE, lanes_share
@@ -315,6 +316,23 @@ def test_rounding_is_drawn_as_rest() -> None:
         Content("two", histories={**still, **moving}, pairs=pairs, units=units)
     )[0].motions
     assert abs(lower - lower[0]).max() < 1e-3 * abs(upper - upper[0]).max()
+
+
+def test_angles_on_axes_are_in_radians_in_plots_and_words_too(tmp_path: Path) -> None:
+    pendulum = EquationPlane(
+        lambda v, x, t: np.sin(x), True, initial_displacement=1.0, unit="rad"
+    )  # fmt: skip
+    drawn = construct_motion(pendulum, delta, step=0.1, duration=3.0)
+    columns = {"time": TIME, "displacement": np.cos(TIME), "velocity": -np.sin(TIME)}
+    units = {"displacement": "rad", "velocity": "rad/s"}
+    made = recorded(tmp_path, Content("pendulum", drawn, columns, units=units))
+    names = [row["ViewBlueprint:display_name"][0] for _, row in made.layout
+             if "ViewBlueprint:display_name" in row]  # fmt: skip
+    assert any(name.startswith("angle [rad]") for name in names)
+    assert any(name.startswith("angular velocity [rad/s]") for name in names)
+    told = [row["TextDocument:text"][0] for row in made.rows["/words"] if "stage" in row]
+    assert "rad/s²" in told[5]
+    assert "1/s" not in "".join(told)
 
 
 @pytest.mark.parametrize(("scale", "unit"), [(1.0, "cm"), (0.05, "mm"), (50.0, "m")])
