@@ -552,22 +552,24 @@ class Page:
         last = known if steps is None else min(steps, known)
         since = last - _RECENT if last > 2 * _RECENT else 0
         if since:  # a long motion would be a blot
-            self.lines("trail", self._trail(0, since, most), 0.4, 0.5 * strength)
-        if last:
-            self.lines("trail", self._trail(since, last, most), 1.0, strength)
+            self.lines("trail", self._past(since, most), 0.4, 0.5 * strength)
+        recent = [_joined(way[since:last]) for way in self.ways if last]
+        if most:
+            recent = [z[telling_vertices(z, _STRAIGHT * self.em, len(z))] for z in recent]
+        self.lines("trail", recent, 1.0, strength)
 
-    def _trail(self, first: int, last: int, most: int | None) -> list[Strip]:
-        """Return the motion in all planes between two steps."""
+    def _past(self, steps: int, most: int | None) -> list[Points]:
+        """Return the motion in all planes over the first steps, part of the same thinned curve always."""
         if most is None:
-            return [_joined(way[first:last]) for way in self.ways]
+            return [_joined(way[:steps]) for way in self.ways]
         if not self._few:
             joined = map(_joined, self.ways)
             self._few += [(z, telling_vertices(z, _STRAIGHT * self.em, most)) for z in joined]
-        strips: list[Strip] = []
-        for way, (whole, kept) in zip(self.ways, self._few, strict=True):
-            begin, end = (step * (way.shape[1] - 1) for step in (first, last))
-            strips.append(whole[[begin, *kept[(kept > begin) & (kept < end)], end]])
-        return strips
+        ends = [steps * (way.shape[1] - 1) for way in self.ways]
+        return [
+            z[np.append(kept[kept < end], end)]
+            for end, (z, kept) in zip(ends, self._few, strict=True)
+        ]
 
     def missed(self) -> None:
         """Draw the steps that miss the next state point, as those over a known motion do."""

@@ -100,6 +100,15 @@ def number(value: float, digits: int = 6) -> str:
     return f"{value + 0.0:.{digits}g}".replace("-", MINUS)
 
 
+def _seen(value: float) -> float:
+    """Return a reading, zero if it is one of rounding."""
+    return 0.0 if abs(value) < _NOTHING else value
+
+
+def _read(value: float, digits: int = 4) -> str:
+    return number(_seen(value), digits)
+
+
 def in_words(name: str) -> str:
     """Return a variable's name in words."""
     return name.replace("_", " ")
@@ -136,8 +145,7 @@ def readings_table(readings: Mapping[str, float], quantities: Mapping[str, Quant
         return ""
     head, form, order, factors = _table_form(tuple((n, quantities.get(n)) for n in readings))
     values = (f * readings[name] for f, name in zip(factors, order, strict=True))
-    seen = tuple([0.0 if abs(value) < _NOTHING else value for value in values])
-    return head + (form % seen).replace("-", MINUS)
+    return head + (form % tuple(map(_seen, values))).replace("-", MINUS)
 
 
 @lru_cache
@@ -279,7 +287,7 @@ def _state(plane: Plane, z: complex, unit: tuple[str, float]) -> list[str]:
         f"{_pair(f'O{plane.number}', foot)} = {_centimetres(y.real)}: "
         f"{typeset(axis.label)} = {_shown_value(axis, z, unit)}",
         f"{_pair(foot, plane.state)} = {_centimetres(y_bar.real)}: "
-        f"{_rate(plane, 1)} = {number(speed, 4)} {rate_unit(axis.unit, 1)}",
+        f"{_rate(plane, 1)} = {_read(speed)} {rate_unit(axis.unit, 1)}",
     ]
 
 
@@ -290,7 +298,7 @@ def _successor(plane: Plane, z: complex, unit: tuple[str, float]) -> list[str]:
 
 def _shown_value(axis: Axis, z: complex, unit: tuple[str, float]) -> str:
     name, factor = unit
-    return f"{number(factor * axis.read(z), 4)} {name}".rstrip()
+    return f"{_read(factor * axis.read(z))} {name}".rstrip()
 
 
 def _acceleration(plane: Plane, frame: Frame) -> str:
@@ -300,7 +308,7 @@ def _acceleration(plane: Plane, frame: Frame) -> str:
     length = _centimetres(axis.scale * value)
     return (
         f"{_pair('Q' + plane.number, plane.foot)} = {length}: {_rate(plane, 2)} = "
-        f"{number(plane.angular_frequency**2 * value, 4)} {rate_unit(axis.unit, 2)}"
+        f"{_read(plane.angular_frequency**2 * value)} {rate_unit(axis.unit, 2)}"
     )
 
 
@@ -323,4 +331,4 @@ def _pair(start: str, end: str) -> str:
 
 
 def _centimetres(length: float) -> str:
-    return f"{number(100.0 * length, 3)} cm"
+    return f"{_read(100.0 * length, 3)} cm"
