@@ -17,7 +17,7 @@ cdef class Columns:
     cdef int *instant
     cdef double *weight, *check
     cdef double[128] q, v, a
-    cdef double[32] f, end_q, end_v, error_q, error_v
+    cdef double[32] f, error_q, error_v
 
     @cython.locals(n=int, c=int, i=int)
     cdef int attempt(self, double h, double *q, double *v, double *a,
@@ -34,7 +34,7 @@ cdef class Columns:
     cdef inline int _bend(self, int n, int bends, int c, int k, int instant) noexcept nogil
     @cython.locals(i=int, p=int, r=int, x=double, rate=double)
     cdef void _begin_rows(self, int n, double *a, double *j) noexcept nogil
-    @cython.locals(n=int, i=int)
     cdef int extrapolate(self, double *q, double *v) noexcept nogil
-    @cython.locals(i=int, c=int, last=int, weight=double, check=double, x=double, y=double)
-    cdef inline void _extrapolate(self, int n) noexcept nogil
+    @cython.locals(i=int, c=int, last=int, end_q=double, end_v=double, error_q=double,
+                   error_v=double, x=double, y=double)
+    cdef inline int _extrapolate(self, int n, double *q, double *v) noexcept nogil

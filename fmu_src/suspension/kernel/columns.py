@@ -90,7 +90,6 @@ class Columns:
         # literal sizes, as these are C arrays: the compiler knows that they do not overlap
         self.q, self.v, self.a = [0.0] * 128, [0.0] * 128, [0.0] * 128
         self.f = [0.0] * 32
-        self.end_q, self.end_v = [0.0] * 32, [0.0] * 32
         self.error_q, self.error_v = [0.0] * 32, [0.0] * 32
 
     def attempt(self, h, q, v, a, j):
@@ -219,32 +218,25 @@ class Columns:
         `error_q` and `error_v` become the differences of the last two columns of the table. Return 1 if
         the end is not finite.
         """
-        n = self.n
-        if n == 2:
-            self._extrapolate(2)
-        elif n == 4:
-            self._extrapolate(4)
-        else:
-            self._extrapolate(n)
-        for i in range(n):
-            if not (isfinite(self.end_q[i]) and isfinite(self.end_v[i])):
-                return 1
-            q[i], v[i] = self.end_q[i], self.end_v[i]
-        return 0
+        if self.n == 2:
+            return self._extrapolate(2, q, v)
+        if self.n == 4:
+            return self._extrapolate(4, q, v)
+        return self._extrapolate(self.n, q, v)
 
-    def _extrapolate(self, n):
+    def _extrapolate(self, n, q, v):
         last = n * (self.columns - 1)
         for i in range(n):
-            self.end_q[i] = self.end_v[i] = self.error_q[i] = self.error_v[i] = 0.0
-        for c in range(self.columns - 1):
-            weight, check = self.weight[c], self.check[c]
-            for i in range(n):
+            end_q = end_v = error_q = error_v = 0.0
+            for c in range(self.columns - 1):
                 x = self.q[n * c + i] - self.q[last + i]
-                self.end_q[i] += weight * x
-                self.error_q[i] += check * x
+                end_q += self.weight[c] * x
+                error_q += self.check[c] * x
                 y = self.v[n * c + i] - self.v[last + i]
-                self.end_v[i] += weight * y
-                self.error_v[i] += check * y
-        for i in range(n):
-            self.end_q[i] += self.q[last + i]
-            self.end_v[i] += self.v[last + i]
+                end_v += self.weight[c] * y
+                error_v += self.check[c] * y
+            self.error_q[i], self.error_v[i] = error_q, error_v
+            q[i], v[i] = end_q + self.q[last + i], end_v + self.v[last + i]
+            if not (isfinite(q[i]) and isfinite(v[i])):
+                return 1
+        return 0

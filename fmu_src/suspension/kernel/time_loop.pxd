@@ -63,38 +63,38 @@ cdef class TimeLoop:
     cdef void _break_loose(self) noexcept nogil
     cdef void _enter_branches(self) noexcept nogil
     @cython.locals(status=int, events=int, before=double)
-    cdef int _advance(self, double until, bint stop) noexcept nogil
+    cdef inline int _advance(self, double until, bint stop) noexcept nogil
     @cython.locals(target=double, omega=double, road=double, h=double, rounding=double)
-    cdef double _proposed_step(self) noexcept nogil
+    cdef inline double _proposed_step(self) noexcept nogil
     @cython.locals(last=double)
     cdef double _while_decaying(self, double h) noexcept nogil
     @cython.locals(h=double, soon=double, shorter=double, status=int, runs_away=bint)
-    cdef int _step(self, double latest) noexcept nogil
+    cdef inline int _step(self, double latest) noexcept nogil
     @cython.locals(status=int, at=double, h=double)
-    cdef int _try(self) noexcept nogil
+    cdef inline int _try(self) noexcept nogil
     @cython.locals(cut=double)
     cdef bint _shortens(self) noexcept nogil
-    cdef void _look_ahead(self) noexcept nogil
+    cdef inline void _look_ahead(self) noexcept nogil
     @cython.locals(status=int, excess=double)
     cdef int _end_on_switch(self) noexcept nogil
-    cdef int _finish(self) noexcept nogil
+    cdef inline int _finish(self) noexcept nogil
     @cython.locals(i=int)
-    cdef bint _has_diverged(self) noexcept nogil
+    cdef inline bint _has_diverged(self) noexcept nogil
     @cython.locals(s=int, jumped=bint, jump=double, before=double, now=double)
     cdef void _pass_joint(self) noexcept nogil
     @cython.locals(step=double)
     cdef double _meet_knot(self, double h, double end) noexcept nogil
     @cython.locals(i=int)
-    cdef void _accept(self, double h, double t) noexcept nogil
+    cdef inline void _accept(self, double h, double t) noexcept nogil
     @cython.locals(readable=bint, reads=bint, _iteration=int, status=int, step=double, best=double,
                    late=double, new=double, near=double)
     cdef int _land(self, double h) noexcept nogil
     cdef int _end_at(self, double step, bint reads) noexcept nogil
     @cython.locals(i=int)
-    cdef inline void _keep_attempt(self, double h) noexcept nogil
+    cdef void _keep_attempt(self, double h) noexcept nogil
     @cython.locals(new=int, before=int)
     cdef void _switch(self, int e, int kind, int side) noexcept nogil
-    cdef bint _passes(self, double h) noexcept nogil
+    cdef inline bint _passes(self, double h) noexcept nogil
     @cython.locals(joint=double, end=double, h=double, status=int, before=double, to_end=bint)
     cdef int _overrun(self, double latest) noexcept nogil
     cdef double _energy_now(self) noexcept nogil

@@ -379,8 +379,8 @@ class TimeLoop:
                 self.state.grid_index += 1
                 target = self.state.grid_start + (self.state.grid_index + 1) * self.fixed_step
             h = target - self.state.time
-            rounding = 1e-11 + 4e-16 * fabs(self.state.time) / self.fixed_step
-            if fabs(h / self.fixed_step - 1.0) < rounding:
+            rounding = 1e-11 * self.fixed_step + 4e-16 * fabs(self.state.time)
+            if fabs(h - self.fixed_step) < rounding:
                 h = self.fixed_step  # exactly, so that its factorisation is reused
             return self.monitor.fit(self.state.time, h)
         omega = sqrt(self.stepper.modes.omega_squared)
