@@ -287,9 +287,8 @@ class Exact(Method):
         status = self.propagator.attempt(t, h)
         if status != 0:
             return status
-        self.balance.end(t + h, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
+        self.end(t + h)
         self.errors.begin(h)
-        self.errors.keep_jerks()
         self.errors.read_middle(h)
         for i in range(self.n):
             # errors do not accumulate here, so one step may use the whole tolerance; the rate of the

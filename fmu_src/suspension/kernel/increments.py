@@ -205,7 +205,7 @@ class Mean(Extrapolated):
             self.motion.ab[i] = self.motion.a[i]
         status = self.increments.add(t, h, self.motion.qb, self.motion.vb, self.motion.ab)
         if status == 0:
-            self.balance.end(t + h, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
+            self.end(t + h)
         return status
 
 

@@ -18,3 +18,4 @@ cdef class Method:
     cdef void enter(self) noexcept nogil
     @cython.locals(i=int)
     cdef int attempt(self, double t, double h) noexcept with gil
+    cdef inline void end(self, double t) noexcept nogil

@@ -11,9 +11,8 @@ class Method:
     A method of the kernel is a class derived from this one. It sets the attributes in which it differs,
     and overrides `attempt`; its name goes into `methods.METHODS`. It is given `motion` (the present
     state), `balance` (the equation of motion of the branches, with its loads at `instants`), `modes` and
-    `errors`. `attempt` must write the end to `motion.qb` and `motion.vb`, and with `balance.end` the
-    acceleration and its rate there to `motion.ab` and `motion.jb`. It returns 0, or the reason why there
-    is no such step.
+    `errors`. `attempt` must write the end to `motion.qb` and `motion.vb`, and then call `end`, which finds
+    the acceleration and its rate there. It returns 0, or the reason why there is no such step.
 
     A method in Python overrides `step` instead; it is slower. Both kinds declare their properties by
     `order_of` and `limit_of`, which are called before the method is made.
@@ -75,8 +74,13 @@ class Method:
         except Exception as error:
             self.net.failure = self.net.failure or error
             return DIVERGED
-        self.balance.end(t + h, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
+        self.end(t + h)
         return 0
+
+    def end(self, t):
+        """Find acceleration and jerk at the end of the attempt, t, which is read with the jerks there."""
+        self.balance.end(t, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
+        self.errors.keep_jerks()
 
     def step(self, t, h, q, v):
         """Return displacements and velocities at t + h from those at t; a method in Python defines it."""

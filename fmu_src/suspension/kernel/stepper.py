@@ -55,11 +55,7 @@ class Stepper:
         """Step from t to t + h with all branches fixed; write the end to qb, vb, ab, jb."""
         self.errors.time, self.errors.step = t, h
         self.errors.order = self.method.order - 1
-        self.errors.own_jerks = False
-        status = self.method.attempt(t, h)
-        if not self.errors.own_jerks:
-            self.errors.keep_jerks()
-        return status
+        return self.method.attempt(t, h)
 
     def is_plain(self):
         """Return whether all forces of the present branches are straight, and nothing sticks."""
@@ -72,16 +68,14 @@ class Stepper:
             v = self.motion.vb[i]
             self.motion.qb[i] = self.motion.qb[i] + late * (v + late * (a / 2.0 + late * j / 6.0))
             self.motion.vb[i] = v + late * (a + late * j / 2.0)
-        self.balance.end(t, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
-        if self.errors.own_jerks:
+        own_jerks = self.errors.own_jerks
+        self.method.end(t)
+        if own_jerks:
             self.errors.find_jerks(t - self.errors.time)
-        else:
-            self.errors.keep_jerks()
 
     def stop_within(self, t, dense):
         """End the attempt at t, on the septic `dense` through its ends."""
         dense.read(t)
         for i in range(self.n):
             self.motion.qb[i], self.motion.vb[i] = dense.q[i], dense.v[i]
-        self.balance.end(t, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
-        self.errors.keep_jerks()
+        self.method.end(t)

@@ -122,9 +122,10 @@ class Switches:
             for r in range(self.net.rows):
                 for k in range(8 * r, 8 * r + 4):
                     self.row[k] = self.row[k + 4]
-            for s in range(self.net.signals):
-                for k in range(8 * s, 8 * s + 4):
-                    self.road[k] = self.road[k + 4]
+            if not self.stepper.balance.loads_hold:
+                for s in range(self.net.signals):
+                    for k in range(8 * s, 8 * s + 4):
+                        self.road[k] = self.road[k + 4]
 
     def _read_roads(self, t, h):
         """Read signals at both ends of the attempt just made."""

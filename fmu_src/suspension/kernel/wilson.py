@@ -54,7 +54,7 @@ class Wilson(Method):
             )
             if not (isfinite(self.motion.qb[i]) and isfinite(self.motion.vb[i])):
                 return DIVERGED
-        self.balance.end(t + h, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
+        self.end(t + h)
         for i in range(n):
             self.motion.drift_end[i] = self.motion.drift_end[i] - self.motion.ab[i]
         return 0
