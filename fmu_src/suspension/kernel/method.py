@@ -11,7 +11,7 @@ class Method:
     A method of the kernel is a class derived from this one. It sets the attributes in which it differs,
     and overrides `attempt`; its name goes into `methods.METHODS`. It is given `motion` (the present
     state), `balance` (the equation of motion of the branches, with its loads at `instants`), `modes` and
-    `errors`. `attempt` must write the end to `motion.qb` and `motion.vb`, and then call `end`, which finds
+    `errors`. `attempt` must write the end to `motion.qb` and `motion.vb`, then call `end`, which finds
     the acceleration and its rate there. It returns 0, or the reason why there is no such step.
 
     A method in Python overrides `step` instead; it is slower. Both kinds declare their properties by
