@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import ceil
+from math import ceil, floor
 
 import numpy as np
 import numpy.typing as npt
@@ -112,8 +112,12 @@ class Chart:
 
     def _values(self, page: Page) -> None:
         """Write round values along both axes."""
-        step = round_step((self.high - self.low) or 1.0, 4)
-        for i in range(ceil(self.low / step), int(self.high / step) + 1):
+        for parts in (4, 6):  # at least two values
+            step = round_step((self.high - self.low) or 1.0, parts)
+            shown = range(ceil(self.low / step), floor(self.high / step) + 1)
+            if len(shown) > 1:
+                break
+        for i in shown:
             z = self.at(self.start, i * step)
             page.lines("axis", [[z, z + 0.4 * _EM]])
             page.write_if_free(Text("value", number(i * step), z - 1.3 * _EM, 0.8, "value"))

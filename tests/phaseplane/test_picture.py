@@ -327,6 +327,15 @@ def test_the_values_of_the_time_stand_below_the_curves_of_a_chart() -> None:
         assert chart.stays.view.contains(box)
 
 
+@given(low=st.floats(-100.0, 0.0), span=st.floats(0.01, 200.0))
+def test_the_values_of_a_chart_show_its_range(*, low: float, span: float) -> None:
+    made = drawing(5)
+    shown = {"time": [0.0, 0.01], "z": [low, low + span]}
+    chart = Chart(made, shown, ("z",), QUANTITIES[-1])
+    left = [t for t in chart.stays.texts if t.kind == "value" and t.centre.real < 0.0]
+    assert len(left) >= 2
+
+
 def test_turn_angles_are_named_and_their_arm_has_a_unit() -> None:
     half_car = load_scene("half_car_pitch")
     four = draw_construction(
