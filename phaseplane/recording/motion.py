@@ -23,7 +23,7 @@ from .content import Content
 from .lanes import SHEET_SHARE, lanes_share
 
 _HALF_WIDTH = 0.1  # half width of a plane, m of paper
-_APART = 0.34  # distance between the origins of planes, m of paper
+_ACROSS, _DOWN = 0.51, 0.3  # distances between the origins of planes, m of paper
 _AT_REST = 1e-3  # of the largest motion with the same unit
 _ROUND = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0)
 # width and height of the sheet with its lanes, of the bar above it, and of its type in the viewer, in
@@ -106,7 +106,7 @@ def made_planes(
     planes = []
     for i, (displacement, rate) in enumerate(pairs):
         row, column = divmod(i, beside)
-        origin = _APART * (1.0 if beside == 1 else 1.5) * complex(column, -row)
+        origin = complex(_ACROSS * column, -_DOWN * row)
         across, up = axis(displacement, origin, 1 + 0j), axis(rate, origin, 1j)
         planes.append(
             StatePlane(Plane(displacement, 1.0, across, up, f"P{i + 1}"), displacement, rate)

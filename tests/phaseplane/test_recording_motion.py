@@ -279,6 +279,8 @@ def test_many_planes_stand_in_a_square_each_with_its_name_and_axes() -> None:
         columns[name] = 0.01 * (1 + k) * np.sin(20 * TIME + k)
     page = pages_of(Content("a system of one's own", histories=columns, pairs=pairs))[0]
     places = [plane.displacement.origin for plane in page.drawing.planes]
+    rows = sorted({z.imag for z in places})
+    assert all(0.2 < up - down < 0.32 for down, up in pairwise(rows))  # as high as 0.2
     assert len({z.real for z in places}) == 3
     titles = {text.text: text.centre for text in page.texts if text.kind == "name"}
     axes = [a for a in page.of(Arrow) if a.start.imag == a.tip.imag]
