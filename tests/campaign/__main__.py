@@ -17,11 +17,13 @@ from multiprocessing import Pool
 from pathlib import Path
 from typing import Any
 
+from phaseplane.suspension import engine
+
+sys.path.append(str(Path(__file__).parents[1] / "reference"))  # what solutions are integrated by
 import judging
 import reducing
 import report
 from draws import draw
-from phaseplane.suspension import engine
 
 
 def examined(seed: int) -> dict[str, Any]:

@@ -2,15 +2,15 @@
 
 The equations are those of `studies.equations`, the branches those of `studies.branches`. Where all
 forces are straight within the present branches, the motion goes on by matrix exponentials (exact to
-rounding, however stiff); elsewhere by scipy's DOP853. Either way a guard is looked at every quarter of
-a millisecond and, between two such instants, where it has a minimum.
+rounding, however stiff); elsewhere by scipy's DOP853 (`switched`). Either way a guard is looked at every
+quarter of a millisecond and, between two such instants, where it has a minimum.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import ceil, inf
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from phaseplane.scenarios.studies.branches import Branches
 from phaseplane.scenarios.studies.equations import Equations
 from phaseplane.suspension.systems import System
-from scipy.integrate import DOP853
 from scipy.linalg import expm
 from scipy.optimize import brentq
+from switched import Leg, NoTruthError, advance
 
 Array = NDArray[np.float64]
 
@@ -32,10 +32,6 @@ _HALVINGS = 60  # of a time too long for that
 _SAME = 1e-12  # s; as in studies.reference
 _MOST_STEPS = 200_000  # of DOP853 in one run
 _MOST_SWITCHES = 20_000
-
-
-class NoTruthError(Exception):
-    """No solution within reach; the message says why."""
 
 
 @dataclass(frozen=True)
@@ -53,18 +49,6 @@ class Truth:
     forces: Array
     switches: list[tuple[float, str, str]]
     jumps: list[float]
-
-
-@dataclass
-class Leg:
-    """A part of a run: its end, the state there, the states at the instants asked for, whether a guard
-    ended it.
-    """
-
-    end: float
-    state: Array
-    rows: Array
-    switched: bool
 
 
 def solve(
@@ -115,11 +99,11 @@ def solve(
         leg = method.advance(t, end, y, branches, wanted)
         for row in leg.rows:
             if kick and k == kick[0]:
-                leg.state = leg.state + kick[1]
+                leg = leg._replace(state=leg.state + kick[1])
             read(k, float(times[k]), leg.state if kick and k == kick[0] else row)
             k += 1
         t, y = leg.end, leg.state.copy()
-        if leg.switched:
+        if leg.left >= 0:
             branches.leave(t, y)
         elif t == joint:
             jumps.append(t)
@@ -237,12 +221,12 @@ class _Straight:
                     fill(instants[i], instants[i + 1], states[i])
                 fill(instants[j], instants[j] + late, states[j])
                 state = flow.after(late, states[j])[: len(y)]
-                return Leg(float(instants[j]) + late, state, rows[:filled], True)
+                return Leg(float(instants[j]) + late, state, rows[:filled], 0)
             for i in range(looks):
                 if filled < len(wanted) and wanted[filled] <= instants[i + 1]:
                     fill(instants[i], instants[i + 1], states[i])
             t, z = float(instants[-1]), states[-1]
-        return Leg(end, z[: len(y)], rows, False)
+        return Leg(end, z[: len(y)], rows, -1)
 
 
 def _parts(segment: Any, t: float) -> Array:
@@ -352,55 +336,25 @@ class _Curved:
     """Motion by DOP853."""
 
     def __init__(self, equations: Equations) -> None:
-        self.equations = equations
         self._rhs = equations.functions()["rhs"]
         self._guards = equations.functions(cos=np.cos, sin=np.sin, tanh=np.tanh)["guards"]
-        self._steps = 0
+        self._size, self._count = 2 * equations.n, len(equations.guards)
 
     def advance(self, t: float, end: float, y: Array, branches: Branches, wanted: Array) -> Leg:
-        p = branches.p.tolist()
-        size = len(y)
+        self._p = branches.p.tolist()
+        return advance(
+            self, t, y, end, wanted, longest=1e-3, tolerance=3e-13, most_steps=_MOST_STEPS
+        )
 
-        def rate(t: float, y: Array) -> Array:
-            found = [0.0] * size
-            self._rhs(t, y.tolist(), found, p)
-            return np.array(found)
+    def derivative(self, t: float, state: Array) -> list[float]:
+        found = [0.0] * self._size
+        self._rhs(t, state.tolist(), found, self._p)
+        return found
 
-        def rooms(t: Any, states: Array) -> Array:
-            found: list[Any] = [0.0] * len(self.equations.guards)
-            self._guards(t, states, found, p)
-            return np.array([x + 0.0 * t for x in found]).reshape(len(found), np.size(t))
-
-        solver = DOP853(rate, t, y, end, rtol=3e-13, atol=1e-15, max_step=1e-3)
-        rows = np.empty((len(wanted), size))
-        filled = 0
-        while solver.status == "running":
-            self._steps += 1
-            with np.errstate(all="ignore"):  # of what runs away
-                message = solver.step()
-            if not np.isfinite(solver.y).all():
-                raise NoTruthError(f"the motion runs away at {solver.t:.6g} s")
-            if solver.status == "failed" or self._steps > _MOST_STEPS:
-                raise NoTruthError(f"DOP853 stopped at {solver.t:.6g} s: {message or 'too stiff'}")
-            dense = solver.dense_output()
-            instants = np.linspace(solver.t_old, solver.t, 9)
-            upto, switched = solver.t, False
-            found = rooms(instants, dense(instants))
-            for k in np.flatnonzero((found[:, 1:] < 0.0).any(axis=1)):
-                j = int(np.flatnonzero(found[k, 1:] < 0.0)[0])
-
-                def room(t: float, k: int = int(k), dense: Any = dense) -> float:
-                    return float(rooms(t, dense(t))[k, 0])
-
-                low, high = float(instants[j]), float(instants[j + 1])
-                at = low if room(low) <= 0.0 else brentq(room, low, high, xtol=1e-16)
-                upto, switched = min(upto, at), True
-            while filled < len(wanted) and wanted[filled] <= upto:
-                rows[filled] = dense(wanted[filled])
-                filled += 1
-            if switched:
-                return Leg(upto, dense(upto), rows[:filled], True)
-        return Leg(end, solver.y, rows[:filled], False)
+    def rooms(self, t: Array, states: Array) -> list[Array]:
+        found: list[Any] = [0.0] * self._count
+        self._guards(t, states, found, self._p)
+        return [x + 0.0 * t for x in found]
 
 
-__all__ = ["NoTruthError", "Truth", "inf", "solve"]
+__all__ = ["NoTruthError", "Truth", "solve"]
