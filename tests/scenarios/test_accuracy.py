@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
-from phaseplane.scenarios.cli import main
+from click.testing import Result
+from command_line import phaseplane
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.studies import accuracy, project_solvers, workbench
 from phaseplane.scenarios.studies.accuracy import Point, Solver, measure, solvers
@@ -213,19 +213,19 @@ def test_an_unknown_name_names_scenes_and_problems() -> None:
 # -- the command ---------------------------------------------------------------------------------
 
 
-def phaseplane(*arguments: str) -> Result:
-    return CliRunner().invoke(main, ["accuracy", *arguments])
+def accuracy_of(*arguments: str) -> Result:
+    return phaseplane("accuracy", *arguments)
 
 
 def test_the_help_names_the_test_problems() -> None:
-    words = phaseplane("--help").stdout.replace(",", " ").replace(".", " ").split()
+    words = accuracy_of("--help").stdout.replace(",", " ").replace(".", " ").split()
     assert {*PROBLEMS} <= {*words}
 
 
 def test_the_command_leaves_data_tables_and_a_picture(monkeypatch: pytest.MonkeyPatch) -> None:
     few = [s for s in solvers(with_peers=False) if s.name in ("extrapolated", "tangent")][:2]
     monkeypatch.setattr(accuracy, "solvers", lambda with_peers: few)
-    done = phaseplane("yielding", "--repeats", "1", "--json")
+    done = accuracy_of("yielding", "--repeats", "1", "--json")
     assert done.exit_code == 0, done.output
     data = json.loads(done.stdout)
     assert data["machine"]["cores"] >= 1
@@ -237,7 +237,7 @@ def test_the_command_leaves_data_tables_and_a_picture(monkeypatch: pytest.Monkey
     assert min(errors) < 1e-10
     written = {path.name for path in Path("out/accuracy").iterdir()}
     assert written == {"summary.json", "accuracy.png", "accuracy.txt"}
-    again = phaseplane("yielding", "--repeats", "1")
+    again = accuracy_of("yielding", "--repeats", "1")
     assert again.exit_code == 0
     assert "extrapolated" in again.stdout
 
@@ -253,7 +253,7 @@ def test_the_command_leaves_data_tables_and_a_picture(monkeypatch: pytest.Monkey
 def test_bad_input_is_one_line(arguments: tuple[str, ...], words: str) -> None:
     Path("taken").mkdir()
     Path("taken/mine.txt").write_text("")
-    done = phaseplane(*arguments)
+    done = accuracy_of(*arguments)
     assert done.exit_code == 2
     assert words in done.stderr
     assert len(done.stderr.splitlines()) == 1

@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 import pyarrow
 import pytest
-from click.testing import CliRunner, Result
+from command_line import phaseplane
 from phaseplane.scenarios import draw
-from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands.guide import json_schema
 from phaseplane.scenarios.design.files import FitFile, OptimumFile, SearchOfFit, SearchOfOptimum
 from phaseplane.scenarios.results.folder import Place, Results, replace_folder, write_results
@@ -27,10 +26,6 @@ from pyarrow import parquet
 
 from phaseplane import recording
 from phaseplane.recording import Content
-
-
-def phaseplane(*arguments: str) -> Result:
-    return CliRunner().invoke(main, arguments)
 
 
 @pytest.fixture

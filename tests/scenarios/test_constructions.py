@@ -9,10 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command_line import phaseplane
 from hypothesis import given
 from hypothesis import strategies as st
-from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw.constructions import (
     draw_construction,
@@ -217,19 +216,15 @@ def test_replay_over_a_table():
         "time,suspension_deflection,suspension_deflection_rate,wheel_displacement,wheel_velocity"
     )
     np.savetxt("motion.csv", rows, delimiter=",", header=names, comments="")
-    result = CliRunner().invoke(
-        main, ["replay", "ap57", "--over", "motion.csv", "--step", "2 ms", "--figure", "x.svg",
-               "--json"],
-    )  # fmt: skip
+    over = ("replay", "ap57", "--over", "motion.csv")
+    result = phaseplane(*over, "--step", "2 ms", "--figure", "x.svg", "--json")
     assert result.exit_code == 0, result.stderr
     told = json.loads(result.stdout)
     assert told["steps"] == 50
     assert told["drift"]["suspension_deflection"] > 1e-5  # it is no motion of that car
     assert Path("x.svg").exists()
     Path("motion.csv").write_text("time,wheel_velocity\n0,0\n1,0\n")
-    refused = CliRunner().invoke(
-        main, ["replay", "ap57", "--over", "motion.csv", "--save", "x.rrd"]
-    )
+    refused = phaseplane("replay", "ap57", "--over", "motion.csv", "--save", "x.rrd")
     assert refused.exit_code == 2
     assert "no column suspension_deflection" in refused.stderr
 
@@ -312,7 +307,7 @@ def test_an_equation_that_cannot_be_solved_on_keeps_what_it_has(equation, x, v, 
 
 @pytest.mark.slow
 def test_the_scene_of_van_der_pol():
-    result = CliRunner().invoke(main, ["run", "van_der_pol", "--set", "show.recording=false"])
+    result = phaseplane("run", "van_der_pol", "--set", "show.recording=false")
     assert result.exit_code == 0, result.stderr
     assert "by the method of Dormand and Prince" in result.stdout
     summary = json.loads(Path("out/van_der_pol/summary.json").read_text(encoding="utf-8"))
@@ -320,16 +315,14 @@ def test_the_scene_of_van_der_pol():
     assert 0.0 < summary["drawn"]["drift"]["displacement"] < 0.3
     assert "drift" in result.stdout
     assert " mm" not in result.stdout  # x has no unit
-    over = CliRunner().invoke(
-        main, ["replay", "out/van_der_pol/results.csv", "--figure", "x.png", "--json"]
-    )
+    over = phaseplane("replay", "out/van_der_pol/results.csv", "--figure", "x.png", "--json")
     assert json.loads(over.stdout)["drift"]["displacement"] < 1e-2
     assert load_scene("van_der_pol").fmu.model == "Equation"
 
 
 def test_an_equation_that_runs_away_keeps_what_there_is():
-    result = CliRunner().invoke(
-        main, ["run", "van_der_pol", "--set", "equation=-x^3", "--set", "show.recording=false"]
+    result = phaseplane(
+        "run", "van_der_pol", "--set", "equation=-x^3", "--set", "show.recording=false"
     )
     assert result.exit_code == 1
     assert "diverges" in result.stdout
@@ -337,7 +330,7 @@ def test_an_equation_that_runs_away_keeps_what_there_is():
 
 
 def test_a_scene_with_a_bad_equation():
-    result = CliRunner().invoke(main, ["run", "van_der_pol", "--set", "equation=x + import"])
+    result = phaseplane("run", "van_der_pol", "--set", "equation=x + import")
     assert result.exit_code == 2
     assert "not a formula" in result.stderr
 
@@ -345,7 +338,7 @@ def test_a_scene_with_a_bad_equation():
 @pytest.mark.slow
 def test_the_rules_held_against_the_exact_motion():
     """The 60 points of the worked example, and the integrator with the same steps beside them."""
-    result = CliRunner().invoke(main, ["rules", "--json"])
+    result = phaseplane("rules", "--json")
     assert result.exit_code == 0, result.stderr
     rows = {row["rule"]: row for row in json.loads(result.stdout)["rules"]}
     assert set(rows) == {
@@ -364,17 +357,17 @@ def test_the_rules_held_against_the_exact_motion():
     assert worst["mean_normal"] == pytest.approx(1.02, abs=0.005)
     assert worst["osculating_circle"] == pytest.approx(0.88, abs=0.005)
     assert worst["delta"] < 0.03
-    table = CliRunner().invoke(main, ["rules", "van_der_pol", "--set", "construction.step=50 ms"])
+    table = phaseplane("rules", "van_der_pol", "--set", "construction.step=50 ms")
     assert "largest error with steps of 50 ms over 20 s" in table.stdout
     assert "integrator" not in table.stdout
 
 
 def test_rules_that_cannot_be_drawn():
-    refused = CliRunner().invoke(main, ["rules", "ap57", "--set", "construction.step=1 s"])
+    refused = phaseplane("rules", "ap57", "--set", "construction.step=1 s")
     assert refused.exit_code == 2
     assert "at most a right angle" in refused.stderr
     stiff = ["--set", "bump_stop.gap=2 cm", "--set", "bump_stop.stiffness=1e9"]
-    lost = CliRunner().invoke(main, ["rules", "ap57", *stiff])
+    lost = phaseplane("rules", "ap57", *stiff)
     assert lost.exit_code == 0
     told = next(line for line in lost.stdout.splitlines() if line.startswith("delta"))
     assert "diverges after 0.0" in told

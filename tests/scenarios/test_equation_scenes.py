@@ -10,8 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
-from phaseplane.scenarios.cli import main
+from command_line import phaseplane
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw import portraits
 from phaseplane.scenarios.draw.constructions import draw_construction
@@ -159,7 +158,7 @@ def test_a_sweep_varies_a_named_parameter(pendulum: str, tmp_path: Path) -> None
     plan.write_text(
         f'scene = "{pendulum}"\nmeasures = ["peak.velocity"]\n[vary]\nR = [0.0, 2.5, 5.0]\n'
     )
-    told = CliRunner().invoke(main, ["sweep", str(plan), "-o", str(tmp_path / "out"), "--json"])
+    told = phaseplane("sweep", str(plan), "-o", str(tmp_path / "out"), "--json")
     assert told.exit_code == 0, told.output
     with (tmp_path / "out" / "runs.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -169,7 +168,7 @@ def test_a_sweep_varies_a_named_parameter(pendulum: str, tmp_path: Path) -> None
 
 
 def test_the_portrait_of_friction_shows_where_it_can_rest(pendulum: str) -> None:
-    told = CliRunner().invoke(main, ["portrait", pendulum, "--json"])
+    told = phaseplane("portrait", pendulum, "--json")
     assert told.exit_code == 0, told.output
     shown = json.loads(told.output)
     middle = min(shown["equilibria"], key=lambda at: abs(at["x"] + at.get("until", 0.0)))
@@ -198,7 +197,7 @@ def test_another_equation_takes_the_title_away_and_keeps_a_new_one() -> None:
 
 def test_another_equation_is_not_judged_by_the_expectations_of_the_old_one() -> None:
     quick = ["--set", "duration=1 s", "--set", "show.recording=false", "--set", "show.figures=[]"]
-    ran = CliRunner().invoke(main, ["run", "van_der_pol", *quick, "--set", "equation=x"])
+    ran = phaseplane("run", "van_der_pol", *quick, "--set", "equation=x")
     assert ran.exit_code == 0
     assert "not checked: peak.displacement" in ran.stdout
     own = load_scene("van_der_pol", ["equation=x", "expect.peak.displacement.max=3"])
@@ -211,18 +210,16 @@ def test_of_several_starts_the_one_that_runs_away_is_named(tmp_path: Path) -> No
         'fmu = "Equation"\nduration = "5 s"\n[parameters]\nequation = "x - v^3"\n'
         'displacement_start = 0.1\n[construction]\nstep = "0.1 s"\nstarts = [[0.2, 0.0], [0.0, 2.0]]\n'
     )
-    ran = CliRunner().invoke(main, ["run", str(scene), "-o", str(tmp_path / "out")])
+    ran = phaseplane("run", str(scene), "-o", str(tmp_path / "out"))
     assert ran.exit_code == 1
     assert "from the start (0, 2) no step is short enough" in ran.stderr
-    drawn = CliRunner().invoke(main, ["replay", str(scene), "--figure", str(tmp_path / "a.png")])
+    drawn = phaseplane("replay", str(scene), "--figure", str(tmp_path / "a.png"))
     assert drawn.exit_code == 1
     assert "from the start (0, 2) the construction diverges" in drawn.stderr
 
 
 def test_a_construction_at_rest_is_one_step(tmp_path: Path) -> None:
     still = ["--set", "equation=x + 0.3*sign(v)", "--set", "displacement_start=0.1"]
-    told = CliRunner().invoke(
-        main, ["replay", "van_der_pol", *still, "--figure", str(tmp_path / "rest.png")]
-    )
+    told = phaseplane("replay", "van_der_pol", *still, "--figure", str(tmp_path / "rest.png"))
     assert told.exit_code == 0, told.stderr
     assert ": 1 step in " in told.stdout

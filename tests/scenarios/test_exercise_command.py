@@ -9,8 +9,7 @@ from itertools import combinations, pairwise
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
-from phaseplane.scenarios.cli import main
+from command_line import phaseplane
 from phaseplane.scenarios.draw import exercises
 from phaseplane.scenarios.scene.loading import load_scene
 
@@ -22,7 +21,7 @@ FILES = {
 
 
 def called(*words: object):
-    return CliRunner().invoke(main, ["exercise", *map(str, words)])
+    return phaseplane("exercise", *map(str, words))
 
 
 def page_size(path: Path) -> tuple[float, float]:

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
-from phaseplane.scenarios.cli import main
+from command_line import phaseplane
 from phaseplane.scenarios.errors import SceneError
 from phaseplane.scenarios.measures.reading import Reading
 from phaseplane.scenarios.results.folder import read_results
@@ -129,7 +128,7 @@ def test_a_reference_of_another_time_is_not_met_and_the_results_are_kept(
     write_table(later, {}, tmp_path / "reference.csv")
     expect = 'reference = { file = "reference.csv" }'
     scene(tmp_path, fmu, expect)
-    done = CliRunner().invoke(main, ["run", f"{tmp_path}/scene.toml", "-o", f"{tmp_path}/out"])
+    done = phaseplane("run", f"{tmp_path}/scene.toml", "-o", f"{tmp_path}/out")
     assert done.exit_code == 1
     assert done.stderr == (
         "phaseplane: scene: difference from reference.csv: no time in common: 0 to 1 s and 91.9 to "

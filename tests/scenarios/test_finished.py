@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
+from command_line import phaseplane
 from hosting import HANGS
-from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands import console
 from phaseplane.scenarios.draw import pictures
 from phaseplane.scenarios.results.folder import Place, read_results, replace_folder, write_results
@@ -34,7 +34,7 @@ def run(fmu: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
             if draw is not None:
                 patch.setattr(pictures, "draw", lambda name, path, **_: draw(name, path))
             bare = ("--set", f"fmu={fmu}", "--set", "show.recording=false", "--set", FIGURES)
-            return CliRunner().invoke(main, ["run", "ap57", *bare, *more])
+            return phaseplane("run", "ap57", *bare, *more)
 
     return go
 

@@ -8,8 +8,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
-from phaseplane.scenarios.cli import main
+from command_line import phaseplane
 from phaseplane.scenarios.scene.fmus import find_fmu
 from rerun.chunk import RrdReader
 
@@ -76,7 +75,7 @@ def test_its_recording_has_every_output_and_the_plane(
     tmp_path: Path,
 ) -> None:
     command = ["run", str(foreign), "--save", "rig.rrd", "--set", "duration=0.2 s", "--json"]
-    result = CliRunner().invoke(main, command)
+    result = phaseplane(*command)
     assert result.exit_code == 0, result.stderr
     assert json.loads(result.stdout)["saved"] == "rig.rrd"
     entities = {chunk.entity_path for chunk in RrdReader(tmp_path / "rig.rrd").stream()}
@@ -88,9 +87,7 @@ def test_its_recording_has_every_output_and_the_plane(
 
 def test_planes_are_drawn_and_recorded(foreign: Path) -> None:
     planes = ["--plane", "h,w", "--plane", "s,F"]
-    result = CliRunner().invoke(
-        main, ["run", str(foreign), *planes, "--set", "duration=0.2 s", "--json"]
-    )
+    result = phaseplane("run", str(foreign), *planes, "--set", "duration=0.2 s", "--json")
     assert result.exit_code == 0, result.stderr
     assert json.loads(result.stdout)["files"] == [
         "construction.rrd", "plane.png", "plane_2.png", "results.csv", "summary.json",

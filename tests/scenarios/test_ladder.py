@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
-from phaseplane.scenarios.cli import main
+from command_line import phaseplane
 
 SMOOTH = 'road.shape="sine"\nroad.height="5 mm"\nroad.length="40 m"\nspeed=10.0\n'
 
@@ -17,7 +16,7 @@ SMOOTH = 'road.shape="sine"\nroad.height="5 mm"\nroad.length="40 m"\nspeed=10.0\
 def climbed(path: Path, text: str, *arguments: str) -> dict[str, Any]:
     file = path / "scene.toml"
     file.write_text(text)
-    result = CliRunner().invoke(main, ["ladder", str(file), "--json", *arguments])
+    result = phaseplane("ladder", str(file), "--json", *arguments)
     assert result.exit_code == 0, result.stderr
     return json.loads(result.stdout)
 
@@ -66,7 +65,7 @@ def test_what_acts_is_not_left_out_and_what_cannot_be_told_does_not_serve(tmp_pa
 
 def test_a_model_without_a_smaller_one_is_refused(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text('fmu="OneDof"\nduration=1')
-    result = CliRunner().invoke(main, ["ladder", str(tmp_path / "scene.toml")])
+    result = phaseplane("ladder", str(tmp_path / "scene.toml"))
     assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1)
     assert "OneDof has no smaller model" in result.stderr
 
@@ -126,7 +125,7 @@ def test_a_file_stands_beside_the_models_of_the_package(tmp_path: Path) -> None:
 )
 def test_what_cannot_be_on_a_ladder_is_refused(arguments: list[str], words: str) -> None:
     Path("own.toml").write_text(system("Own", (30e3, 30e3)))
-    result = CliRunner().invoke(main, ["ladder", *arguments])
+    result = phaseplane("ladder", *arguments)
     assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1)
     assert words in result.stderr
 

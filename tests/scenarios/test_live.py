@@ -16,11 +16,10 @@ from types import SimpleNamespace
 from urllib.request import urlopen
 
 import pytest
-from click.testing import CliRunner
+from command_line import phaseplane
 from fmpy.model_description import ScalarVariable, SimpleType
 from fmpy.util import read_csv
 from hosting import HANGS, started, wait_until
-from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw.live import LiveRun
 from phaseplane.scenarios.draw.recording_content import default_pairs, vehicle
@@ -55,8 +54,8 @@ QUIET = ["--set", "show.figures=[]", "--set", "show.recording=false"]
 @pytest.mark.slow
 def test_a_run_is_the_same_whether_it_is_watched_or_not() -> None:
     with serving() as server:
-        watched = CliRunner().invoke(main, ["run", "ap57", *BARE, "--connect", server.url])
-    alone = CliRunner().invoke(main, ["run", "ap57", *BARE, "-o", "alone"])
+        watched = phaseplane("run", "ap57", *BARE, "--connect", server.url)
+    alone = phaseplane("run", "ap57", *BARE, "-o", "alone")
     assert (watched.exit_code, alone.exit_code) == (0, 0), watched.stderr
     assert Path("out/ap57/results.csv").read_bytes() == Path("alone/results.csv").read_bytes()
 
@@ -83,7 +82,7 @@ def test_a_run_is_announced_to_the_viewer_once() -> None:
 @pytest.mark.parametrize("saved", [(), ("--save", "live.rrd")])
 def test_a_viewer_that_is_not_there_costs_the_drawing_only(saved: tuple[str, ...]) -> None:
     url = "rerun+http://127.0.0.1:1/proxy"
-    result = CliRunner().invoke(main, ["run", "ap57", *BARE, "--connect", url, *saved])
+    result = phaseplane("run", "ap57", *BARE, "--connect", url, *saved)
     assert result.exit_code == 0
     assert (
         result.stderr == f"phaseplane: warning: the run was not shown: no viewer listens at {url}\n"
@@ -108,7 +107,7 @@ def test_a_viewer_that_is_killed_costs_the_drawing_only(
                 server.process.wait()
 
         monkeypatch.setattr(LiveRun, "watch", killed_at_half)
-        result = CliRunner().invoke(main, ["run", "ap57", *BARE, "--connect", server.url, *saved])
+        result = phaseplane("run", "ap57", *BARE, "--connect", server.url, *saved)
     assert result.exit_code == 0
     gone = f"the run was not shown: the viewer at {server.url} no longer answers"
     assert result.stderr == f"phaseplane: warning: {gone}\n"
@@ -122,7 +121,7 @@ def test_a_viewer_that_is_killed_costs_the_drawing_only(
 
 @pytest.mark.slow
 def test_a_run_recorded_while_it_goes_on() -> None:
-    result = CliRunner().invoke(main, ["run", "ap57", *BARE, "--save", "live.rrd"])
+    result = phaseplane("run", "ap57", *BARE, "--save", "live.rrd")
     assert result.exit_code == 0, result.stderr
     assert {"/vehicle/axle/wheel", "/histories/force/contact_force"} <= entities(Path("live.rrd"))
     assert list(Path().glob("*.part.rrd")) == []
@@ -151,7 +150,7 @@ def test_a_page_for_other_machines_is_warned_of(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr("phaseplane.recording.serving", page)
     Path("f.rrd").touch()
     for address, warned in (("127.0.0.1", False), ("0.0.0.0", True)):
-        result = CliRunner().invoke(main, ["serve", ".", "--address", address])
+        result = phaseplane("serve", ".", "--address", address)
         assert result.exit_code == 0
         assert ("lets other machines see" in result.stderr) == warned
 
@@ -166,17 +165,15 @@ def test_a_run_that_waits_for_the_clock() -> None:
 
 
 def test_any_fmu_with_a_plane_of_its_own() -> None:
-    assert CliRunner().invoke(main, ["build", "OneDof", "-o", "."]).exit_code == 0
-    result = CliRunner().invoke(
-        main, ["run", "OneDof.fmu", "--plane", PAIR, "--set", "show.views=['planes']"]
-    )
+    assert phaseplane("build", "OneDof", "-o", ".").exit_code == 0
+    result = phaseplane("run", "OneDof.fmu", "--plane", PAIR, "--set", "show.views=['planes']")
     assert result.exit_code == 0, result.stderr
     path = Path("out/OneDof/construction.rrd")
     assert entities(path) == {
         f"/sheet/trail/{DEFLECTION}/{part}" for part in ("recent", "past", "here")
     }
     for plane, message in (("a,b", "no output 'a'"), ("a", "pairs of outputs")):
-        refused = CliRunner().invoke(main, ["run", "OneDof.fmu", "--plane", plane])
+        refused = phaseplane("run", "OneDof.fmu", "--plane", plane)
         assert refused.exit_code == 2
         assert message in refused.stderr
 
@@ -212,7 +209,7 @@ def test_the_drawn_tyre_is_compressed_as_its_table_says() -> None:
 
 @pytest.mark.slow
 def test_a_folder_on_a_page_until_it_is_interrupted(tmp_path: Path) -> None:
-    done = CliRunner().invoke(main, ["replay", "ap57", "--save", "f.rrd"])
+    done = phaseplane("replay", "ap57", "--save", "f.rrd")
     assert done.exit_code == 0
     command = [sys.executable, "-m", "phaseplane", "serve", str(tmp_path)]
     with started(command, {"PYTHONPATH": PATH}, stderr=subprocess.PIPE) as serving:
@@ -241,7 +238,7 @@ def test_a_folder_on_a_page_until_it_is_interrupted(tmp_path: Path) -> None:
     ],
 )
 def test_bad_input(arguments: list[str], message: str) -> None:
-    result = CliRunner().invoke(main, arguments)
+    result = phaseplane(*arguments)
     assert result.exit_code == 2
     assert message in result.stderr
     assert len(result.stderr.splitlines()) == 1
@@ -269,6 +266,6 @@ def test_units_of_declared_types_are_known() -> None:
 
 
 def test_a_saved_recording_is_told() -> None:
-    result = CliRunner().invoke(main, ["run", "ap57", "--save", "x.rrd", "--json", *QUIET])
+    result = phaseplane("run", "ap57", "--save", "x.rrd", "--json", *QUIET)
     assert result.exit_code == 0, result.stderr
     assert json.loads(result.stdout)["saved"] == "x.rrd"

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
-from phaseplane.scenarios.cli import main
+from command_line import phaseplane
 from phaseplane.scenarios.measures.linearised import Linearised, linearised
 from phaseplane.scenarios.measures.modal_planes import modal_planes
 from phaseplane.suspension.models import build
@@ -66,7 +65,7 @@ def test_the_damping_of_a_car_couples_its_modes() -> None:
 def test_the_double_pendulum_is_told_and_drawn(tmp_path: Path) -> None:
     """H83 example 28: 0.7653668647 and 1.8477590650 sqrt(g/l)."""
     picture = tmp_path / "modes.png"
-    done = CliRunner().invoke(main, ["modes", "h83_example28", "--figure", str(picture), "--json"])
+    done = phaseplane("modes", "h83_example28", "--figure", str(picture), "--json")
     assert done.exit_code == 0, done.output
     told = json.loads(done.stdout)
     unit = sqrt(9.80665)
@@ -78,7 +77,7 @@ def test_the_double_pendulum_is_told_and_drawn(tmp_path: Path) -> None:
 
 
 def test_what_has_no_modes_is_refused_in_a_line() -> None:
-    refused = CliRunner().invoke(main, ["modes", "van_der_pol"])
+    refused = phaseplane("modes", "van_der_pol")
     assert refused.exit_code == 2
     assert "Equation is not a model of this package" in refused.stderr
     with pytest.raises(ValueError, match="a mode without stiffness"):
@@ -86,7 +85,7 @@ def test_what_has_no_modes_is_refused_in_a_line() -> None:
 
 
 def test_what_is_rounding_in_a_shape_is_zero() -> None:
-    told = CliRunner().invoke(main, ["modes", "full_car"]).stdout.splitlines()
+    told = phaseplane("modes", "full_car").stdout.splitlines()
     assert (
         told[2].split("; ")[1].startswith("heave 1, front_left_wheel 0.09167")
     )  # no pitch, no roll

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
-from phaseplane.scenarios.cli import main
+from command_line import phaseplane
 from phaseplane.scenarios.scene.fmus import find_fmu
 from phaseplane.scenarios.studies.problems import find_problem
 from phaseplane.scenarios.studies.project_solvers import through_fmu
@@ -32,7 +31,7 @@ def car(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def invoked(*arguments: str) -> tuple[int, str, str]:
-    done = CliRunner().invoke(main, arguments)
+    done = phaseplane(*arguments)
     return done.exit_code, done.stdout, done.stderr
 
 

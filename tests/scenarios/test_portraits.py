@@ -7,14 +7,10 @@ from math import pi
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
-from phaseplane.scenarios.cli import main
+from click.testing import Result
+from command_line import phaseplane
 from phaseplane.scenarios.draw.portraits import _of_scene
 from phaseplane.scenarios.scene.loading import load_scene
-
-
-def phaseplane(*arguments: str) -> Result:
-    return CliRunner().invoke(main, arguments)
 
 
 def of_equation(equation: str, *arguments: str) -> Result:

@@ -9,8 +9,7 @@ from typing import Any
 import draws
 import judging
 import pytest
-from click.testing import CliRunner
-from phaseplane.scenarios.cli import main
+from command_line import phaseplane
 from phaseplane.scenarios.measures import sensitivity
 from phaseplane.suspension.variables import checked_parameters
 
@@ -61,6 +60,6 @@ def test_a_run_says_it_on_a_line(tmp_path: Path) -> None:
     scene.write_text(
         'fmu = "QuarterCar"\nduration = "0.2 s"\n[show]\nmeasures = ["magnification"]\n'
     )
-    done = CliRunner().invoke(main, ["run", str(scene), "-o", str(tmp_path / "out")])
+    done = phaseplane("run", str(scene), "-o", str(tmp_path / "out"))
     assert done.exit_code == 0, done.output
     assert "this motion magnifies small differences by" in done.output

@@ -4,8 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
-from phaseplane.scenarios.cli import main
+from command_line import phaseplane
 from phaseplane.scenarios.draw.pictures import figure_of
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.results.folder import Results
@@ -20,10 +19,6 @@ from phaseplane import figures
 def folders():
     desk.run("ap57", duration=0.2).write("a")
     desk.run("ap57", duration=0.2, speed=25).write("b")
-
-
-def phaseplane(*arguments):
-    return CliRunner().invoke(main, arguments)
 
 
 @pytest.mark.parametrize(

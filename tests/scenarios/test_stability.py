@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
-from phaseplane.scenarios.cli import main
+from command_line import phaseplane
 from phaseplane.scenarios.studies import reports
 from phaseplane.scenarios.studies import stability as study
 from phaseplane.scenarios.studies.extremes import CASES, TOLERANCES, run_case
@@ -108,7 +107,7 @@ def test_the_study_leaves_data_table_and_picture(tmp_path: Path) -> None:
 
 
 def test_an_unknown_scene_is_one_line(tmp_path: Path) -> None:
-    done = CliRunner().invoke(main, ["stability", "lift_of", "-o", str(tmp_path / "s")])
+    done = phaseplane("stability", "lift_of", "-o", str(tmp_path / "s"))
     assert done.exit_code == 2
     assert "lift_off" in done.output
 

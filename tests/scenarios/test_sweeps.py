@@ -18,9 +18,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from command_line import phaseplane
 from hosting import HANGS, started, wait_until
-from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.measures.linearised import linearised
 from phaseplane.scenarios.scene.names import SWEEPS, sweep_titles
@@ -56,10 +55,6 @@ def here(tmp_path: Path) -> Path:
 def written(text: str, name: str = "sweep.toml") -> Path:
     Path(name).write_text(text)
     return Path(name)
-
-
-def phaseplane(*arguments: str) -> Result:
-    return CliRunner().invoke(main, arguments)
 
 
 def rows(folder: str = "out/sweeps/sweep") -> list[dict[str, str]]:
@@ -477,7 +472,7 @@ def test_an_interrupt_waits_for_the_run_under_way_alone(monkeypatch: pytest.Monk
 
     monkeypatch.setattr(running, "_in_process", interrupted)
     sweep_file = written(GRID.replace("count = 3", "count = 60"))
-    result = CliRunner().invoke(main, ["sweep", str(sweep_file), "--workers", "1"])
+    result = phaseplane("sweep", str(sweep_file), "--workers", "1")
     assert result.exit_code == 130
     said = "phaseplane: interrupted after 3 of 120 runs; start it again to continue\n"
     assert result.stderr.lstrip() == said

@@ -7,8 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
-from phaseplane.scenarios.cli import main
+from command_line import phaseplane
 from phaseplane.scenarios.errors import SceneError
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.suspension.models import road_from
@@ -55,7 +54,7 @@ def test_the_path_counts_from_the_scene_that_names_it(scene: Path, tmp_path: Pat
 
 
 def test_a_run_over_a_measured_road(scene: Path, tmp_path: Path) -> None:
-    found = CliRunner().invoke(main, ["run", str(scene), "-o", str(tmp_path / "out"), "--json"])
+    found = phaseplane("run", str(scene), "-o", str(tmp_path / "out"), "--json")
     assert found.exit_code == 0, found.output
     summary = json.loads(found.stdout)
     assert summary["parameters"]["road.table"] == "0.0:0.0, 0.5:0.03, 1.0:0.0"
@@ -108,9 +107,9 @@ def test_the_columns_of_a_file_with_two_need_no_names(tmp_path: Path) -> None:
 
 
 def test_the_schema_and_the_guide_know_of_files() -> None:
-    told = CliRunner().invoke(main, ["schema"]).stdout
+    told = phaseplane("schema").stdout
     assert 'road.table = { file = "road.csv",' in told
-    schema = json.loads(CliRunner().invoke(main, ["schema", "QuarterCar", "--json"]).stdout)
+    schema = json.loads(phaseplane("schema", "QuarterCar", "--json").stdout)
     known = schema["properties"]["parameters"]["properties"]
     assert known["road.table"]["type"] == ["string", "object"]
     assert known["road.shape"]["type"] == "string"
