@@ -27,7 +27,7 @@ def optimise(file: Path, output: Path | None, as_data: bool) -> int:
     """
     with progress_bar(file.stem, lines=True) as progress:
         study = find_optimum(file, output, progress)
-    _tell(study, as_data)
+    _print(study, as_data)
     if study.summary["feasible"]:
         return DONE
     complain(f"{file.stem}: no point satisfies all bounds")
@@ -46,9 +46,9 @@ def fit(file: Path, output: Path | None, as_data: bool) -> int:
     """
     with progress_bar(file.stem, lines=True) as progress:
         study = fit_parameters(file, output, progress)
-    _tell(study, as_data)
+    _print(study, as_data)
     return DONE
 
 
-def _tell(study: Study, as_data: bool) -> None:
+def _print(study: Study, as_data: bool) -> None:
     click.echo(as_json(study.summary) if as_data else study.report)

@@ -200,7 +200,7 @@ def run_scene(
                 facts["saved"] = str(save)
             facts["warnings"] = [*results.summary["warnings"], *unshown]
     problems += _drawn(pictures, standing, progress)
-    standing.tell(**facts)
+    standing.update_summary(**facts)
     return read_summary(place.folder) or {}, place.folder
 
 

@@ -74,7 +74,7 @@ def optimise(
     problem = read_problem(path)
     place = _place(path, folder, "optimise")
     found = solve(problem, _journal(place), progress or silent)
-    return _written(place, problem.space, found.best, _optimum_told(found), _format_optimum(found),
+    return _written(place, problem.space, found.best, _optimum_data(found), _format_optimum(found),
                     lambda draft: _draw_optimum(found, draft))  # fmt: skip
 
 
@@ -100,7 +100,7 @@ def fit_parameters(
     place = _place(path, folder, "fit")
     found = fit(task, _journal(place), progress or silent)
     shares = task.space.shares(found.values.tolist())
-    return _written(place, task.space, shares, _fit_told(found), _format_fit(found),
+    return _written(place, task.space, shares, _fit_data(found), _format_fit(found),
                     lambda draft: _draw_fit(found, draft))  # fmt: skip
 
 
@@ -160,7 +160,7 @@ def _value(space: Space, k: int, value: float) -> str:
 # -- optimum ---------------------------------------------------------------------------------------
 
 
-def _optimum_told(found: Optimum) -> dict[str, Any]:
+def _optimum_data(found: Optimum) -> dict[str, Any]:
     measures = found.problem.measures
     return {
         "objective": found.problem.objective,
@@ -258,7 +258,7 @@ def _draw_optimum(found: Optimum, draft: Path) -> None:
 # -- fit ---------------------------------------------------------------------------------------------
 
 
-def _fit_told(found: Fit) -> dict[str, Any]:
+def _fit_data(found: Fit) -> dict[str, Any]:
     keys = found.task.space.plan.keys
     return {
         "half_widths": dict(zip(keys, found.errors.tolist(), strict=True)),

@@ -76,11 +76,11 @@ def draw_construction(
     planes = planes_of(model, parameters, settings)
     rule, step = constructions.rule_named(settings["rule"]), settings["step"]
     try:
-        drawing = _marched(planes, settings, duration)
+        drawing = _construct(planes, settings, duration)
         distance = _distance_needed(drawing)
         if distance and settings.get("plane_distance") is None:
             planes = planes_of(model, parameters, {**settings, "plane_distance": distance})
-            drawing = _marched(planes, settings, duration)
+            drawing = _construct(planes, settings, duration)
         return (
             constructions.with_shortcuts(drawing, planes, rule, step)
             if settings.get("shortcut")
@@ -90,7 +90,7 @@ def draw_construction(
         raise DrawingError(f"construction: {error}") from None
 
 
-def _marched(planes: Construction, settings: Mapping[str, Any], duration: float) -> Drawing:
+def _construct(planes: Construction, settings: Mapping[str, Any], duration: float) -> Drawing:
     """Return a construction stepped from its initial state, or from several of an equation."""
     rule, step = constructions.rule_named(settings["rule"]), settings["step"]
     starts = settings.get("starts") or ()

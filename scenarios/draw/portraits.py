@@ -132,12 +132,12 @@ def portrait(
         "title": title,
         "coordinate": subject.labels[0],
         "units": [unit.removeprefix("1") for unit in subject.units],
-        **_told(made),
+        **_as_data(made),
         "files": [str(figure)] if figure is not None else [],
     }
 
 
-def _told(made: Portrait) -> dict[str, Any]:
+def _as_data(made: Portrait) -> dict[str, Any]:
     """Return a portrait as plain data."""
     window = made.window
     return {

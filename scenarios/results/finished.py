@@ -46,9 +46,9 @@ class FinishedFolder:
             yield draft / name
             self._check()
             os.replace(draft / name, self.folder / name)
-            self._tell({}, draft)
+            self._write_summary({}, draft)
 
-    def tell(self, **more: Any) -> None:
+    def update_summary(self, **more: Any) -> None:
         """Write the summary again, with the files now in the folder and with the entries given.
 
         Raises
@@ -57,9 +57,9 @@ class FinishedFolder:
         """
         self._check()
         with draft_beside(self.folder) as draft:
-            self._tell(more, draft)
+            self._write_summary(more, draft)
 
-    def _tell(self, more: Mapping[str, Any], draft: Path) -> None:
+    def _write_summary(self, more: Mapping[str, Any], draft: Path) -> None:
         """Write the summary again by way of a draft's folder."""
         summary = json.loads(self._text) | more
         summary["files"] = sorted(path.name for path in self.folder.iterdir())

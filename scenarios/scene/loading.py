@@ -62,7 +62,7 @@ def load_scene(
         hint = ""
         if error.key == "duration":
             hint = meant(name, "scene") if path is None else _NO_STOP_TIME * (path.suffix == ".fmu")
-        raise SceneError(f"{_told(error, layers, reference)}{hint}") from None
+        raise SceneError(f"{_format_refusal(error, layers, reference)}{hint}") from None
     return replace(scene, file=path, unchecked=layers.unchecked, idle=tuple(_idle(scene, layers)))
 
 
@@ -114,10 +114,10 @@ def construction_settings(
     try:
         return asdict(read_table(Construction, layers.tables()["construction"], "construction"))
     except RefusedError as error:
-        raise SceneError(_told(error, layers, "results")) from None
+        raise SceneError(_format_refusal(error, layers, "results")) from None
 
 
-def _told(refused: RefusedError, layers: Layers, reference: str) -> str:
+def _format_refusal(refused: RefusedError, layers: Layers, reference: str) -> str:
     """Return a refusal, with where the key was given."""
     where = layers.origin(refused.key, reference)
     briefly = where.startswith("--") and where != SET  # whose user need not know the key

@@ -102,10 +102,10 @@ def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dic
     names = _outputs_compared(scene, smaller)
     whole = _as_it_stands(scene, "unchanged")
     try:
-        truth, seconds = _run(whole, scene, (*names, *_telling(scene)))
+        truth, seconds = _run(whole, scene, (*names, *_outputs_of_features(scene)))
     except Exception as error:
         raise RunError(f"{scene.name}: {error}") from error
-    rungs = [_told(whole, seconds, 0.0, "", tolerance)]
+    rungs = [_rung_data(whole, seconds, 0.0, "", tolerance)]
     named = (_as_it_stands(replace(s, duration=scene.duration), s.name) for s in smaller)
     for rung in (*_below(scene, truth), *named):
         try:
@@ -114,12 +114,14 @@ def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dic
                 {n: c for n, c in truth.items() if n in (*names, "time")}, columns
             ).differences[0]
         except Exception as failure:
-            rungs.append(_told(rung, None, None, one_line(failure), tolerance))
+            rungs.append(_rung_data(rung, None, None, one_line(failure), tolerance))
         else:
             lacking = [name for name in names if name not in columns]
             size = "largest error" if worst.relative <= tolerance else "the error is too large"
             note = f"has no {', '.join(lacking)}" if lacking else f"{size} in {worst.name}"
-            rungs.append(_told(rung, seconds, None if lacking else worst.relative, note, tolerance))
+            rungs.append(
+                _rung_data(rung, seconds, None if lacking else worst.relative, note, tolerance)
+            )
     # of rungs with equal degrees of freedom the lower one, which is simpler
     best = min(reversed([rung for rung in rungs if rung["serves"]]), key=lambda r: r["degrees"])
     return {
@@ -175,7 +177,7 @@ def _outputs_compared(scene: Scene, smaller: Sequence[Scene]) -> tuple[str, ...]
     return tuple(names)
 
 
-def _told(
+def _rung_data(
     rung: Rung, seconds: float | None, error: float | None, note: str, tolerance: float
 ) -> dict[str, Any]:
     return {
@@ -226,7 +228,7 @@ def _off(p: Mapping[str, Value], truth: Columns) -> Iterator[tuple[str, dict[str
             yield what, {name: off for name in names if p[name] != off}
 
 
-def _telling(scene: Scene) -> list[str]:
+def _outputs_of_features(scene: Scene) -> list[str]:
     ends = tuple(output for *_, output in _ACTS.values())
     return [name for name in scene.fmu.outputs() if name.endswith(ends)]
 
