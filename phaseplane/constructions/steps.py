@@ -126,15 +126,9 @@ def osculating_circle(
 ) -> Move:
     """P' on the circle about S, seen from D; the tangent where there is no circle."""
     predictions, repeated = _predicted(states, feet, turns, construct)
-    successors, centres = [], []
-    for step in predictions:
-        centre = step.centre
-        end = None if centre is None else seen(step.d, centre, step.p, step.turn)
-        if centre is None or end is None:
-            centre, end = _far_centre(step), step.p_new
-        successors.append(end)
-        centres.append(centre)
-    return Move(tuple(successors), {"S{n}": tuple(centres)}, repeated)
+    found = [_on_circle(step, step.d, (_far_centre(step), step.p_new)) for step in predictions]
+    centres, successors = zip(*found, strict=True)
+    return Move(successors, {"S{n}": centres}, repeated)
 
 
 def midpoint_circle(
@@ -142,17 +136,22 @@ def midpoint_circle(
 ) -> Move:
     """P' on the circle about S, seen from midway between both feet."""
     predictions, repeated = _predicted(states, feet, turns, construct)
-    successors, centres, eyes = [], [], []
-    for step in predictions:
-        eye = 0.5 * (step.d + step.d_new)
-        centre = step.centre
-        end = None if centre is None else seen(eye, centre, step.p, step.turn)
-        if centre is None or end is None:
-            centre, end = eye, turned(step.p, eye, step.turn)
-        successors.append(end)
-        centres.append(centre)
-        eyes.append(eye)
-    return Move(tuple(successors), {"S{n}": tuple(centres), "E{n}": tuple(eyes)}, repeated)
+    eyes = tuple([0.5 * (step.d + step.d_new) for step in predictions])
+    found = [
+        _on_circle(step, eye, (eye, turned(step.p, eye, step.turn)))
+        for step, eye in zip(predictions, eyes, strict=True)
+    ]
+    centres, successors = zip(*found, strict=True)
+    return Move(successors, {"S{n}": centres, "E{n}": eyes}, repeated)
+
+
+def _on_circle(
+    step: Prediction, eye: complex, otherwise: tuple[complex, complex]
+) -> tuple[complex, complex]:
+    """Return S, and P' on the circle about it seen from an eye; `otherwise` where there is none."""
+    centre = step.centre
+    end = None if centre is None else seen(eye, centre, step.p, step.turn)
+    return otherwise if centre is None or end is None else (centre, end)
 
 
 def mean_arc_circle(

@@ -87,9 +87,9 @@ def _gathered(drawing: Drawing, steps: int | None) -> Drawing:
     return replace(drawing, curves=curves, frames=moved)
 
 
-def protocol_page(drawing: Drawing, steps: int | None = None) -> str:
+def protocol_page(drawing: Drawing) -> str:
     """Return a page that shows a construction stage by stage, with its protocol."""
-    return _page(drawing.title, {"mode": "protocol", **sheet_data(drawing, steps)})
+    return _page(drawing.title, {"mode": "protocol", **sheet_data(drawing)})
 
 
 def exercise_page(drawing: Drawing, steps: int) -> str:

@@ -24,6 +24,7 @@ from ..sweeps.plan import Plan, plan_of
 from ..toml_files import dotted
 
 Points = npt.NDArray[np.float64]
+_STEP = 1e-3  # of the ranges, for differences
 Make = Callable[[Plan], Iterable[Sequence[float | None]]]
 
 
@@ -206,15 +207,15 @@ def journaled(
     journal.unlink()
 
 
-def differences(function: Callable[[Points], Points], x: Points, step: float = 1e-3) -> Points:
+def differences(function: Callable[[Points], Points], x: Points) -> Points:
     """Return the derivatives of a function of points, (values, parameters); one-sided at a bound.
 
     The function is called once, with all points.
     """
     ahead, behind = (np.tile(x, (len(x), 1)) for _ in range(2))
     for k in range(len(x)):
-        ahead[k, k] = min(x[k] + step, 1.0)
-        behind[k, k] = max(x[k] - step, 0.0)
+        ahead[k, k] = min(x[k] + _STEP, 1.0)
+        behind[k, k] = max(x[k] - _STEP, 0.0)
     found = function(np.concatenate([ahead, behind]))
     slopes: Points = (found[: len(x)] - found[len(x) :]).T / (ahead - behind).sum(axis=1)
     return slopes
