@@ -32,11 +32,11 @@ from .views import room_for_letters
 
 FEWEST, MOST = 40, 60
 """Ticks of a story, where the schemes allow it."""
-# least distance of a state point from its origin in a step that is told, of the largest
+# least distance of a state point from its origin in a step that is told, of the largest in its plane
 _AWAY = 0.25
 _TELLING = 6  # fewest steps from which those are chosen
 _CANDIDATES = 1000  # most of them
-_ARMS = 13.5  # width of the pane of the turn angles, em
+_ARMS = 13.5 + 5.7j  # width and height of the pane of the turn angles, em
 _RING = 0.8  # size of the ring of a state point, relative to that of a moving one
 _VERTICES = 4000  # of a motion in a plane
 _TOLD = ("lift_off", "touchdown")
@@ -77,7 +77,8 @@ def arms_page(drawing: Drawing) -> Page:
     arms = around(vertices, 0.0) if vertices else Box(0j, 0.1 + 0.1j)
     names = [words_at_end(curve, curves) for curve in curves if curve.role != "axis"]
     room = max((2.0 * text_box(0j, name, 1.0).half.real for name in names), default=0.0) + 0.5
-    em = 2.0 * arms.half.real / (_ARMS - room - 1.0)
+    size = 2.0 * arms.half
+    em = max(size.real / (_ARMS.real - room - 1.0), size.imag / (_ARMS.imag - 3.2))
     # room for the names beside the arms, and for the values below them
     low, high = arms.corners
     low, high = low - (0.5 + 1.6j) * em, high + (room + 0.5 + 1.6j) * em
@@ -148,8 +149,8 @@ def told_steps(drawing: Drawing, steps: Sequence[int] = ()) -> list[int]:
     for kind in _TOLD:
         found += [i for i, event in sorted(drawing.frames.events.items()) if kind in event][:1]
     schemes = drawing.frames.schemes
-    ordinary = [i for i, scheme in enumerate(schemes) if scheme == schemes[0]]
-    ordinary = _moving(drawing, ordinary)
+    ordinary = [i for i, key in enumerate(schemes) if key == schemes[0] and i not in found]
+    ordinary = _moving(drawing, ordinary or found)
     ordinary = ordinary[:: ceil(len(ordinary) / _CANDIDATES)]
     room = room_for_letters(drawing, drawing.frames.at(ordinary))
     room = np.nan_to_num(room, nan=0.0, posinf=0.0)
@@ -168,9 +169,9 @@ def _moving(drawing: Drawing, steps: list[int]) -> list[int]:
     """Return the steps in which some state point is well away from its origin; all if none is."""
     origins = np.array([plane.displacement.origin for plane in drawing.planes])
     names = [plane.state for plane in drawing.planes]
-    size = abs(table(drawing.frames.at(steps), names) - origins).max(axis=1)
-    least = _AWAY * np.nanmax(size, initial=0.0)
-    moving = [i for i, z in zip(steps, size, strict=True) if z >= least]
+    size = abs(table(drawing.frames.at(steps), names) - origins)
+    away = (size >= _AWAY * np.nanmax(size, axis=0, initial=1e-9)).any(axis=1)
+    moving = [i for i, far in zip(steps, away, strict=True) if far]
     return moving if len(moving) >= _TELLING else steps
 
 

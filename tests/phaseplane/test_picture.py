@@ -30,7 +30,7 @@ from phaseplane.picture.canvas import Canvas
 from phaseplane.picture.chart import Chart, part_of
 from phaseplane.picture.letters import NEAR, place, text_box
 from phaseplane.picture.page import Arrow, Dots, Lines, Page, Text, graduation_of
-from phaseplane.picture.paper import Box, arcs, telling_vertices
+from phaseplane.picture.paper import Box, arcs, around, telling_vertices
 from phaseplane.picture.quantities import QUANTITIES, display_unit, unit_text
 from phaseplane.picture.story import arms_page, story_of, told_steps
 from phaseplane.picture.styles import (
@@ -350,6 +350,19 @@ def test_turn_angles_are_named_and_their_arm_has_a_unit() -> None:
         boxes = [text.box(page.em) for text in page.texts]
         assert all(one.overlap(other) == 0.0 for one, other in combinations(boxes, 2))
         assert all(page.view.contains(box) for box in boxes)
+
+
+def test_only_turn_angles_are_on_their_arm_which_fills_its_view() -> None:
+    """Also where the planes are so close that their arm is near the motion."""
+    made = construct_motion(replace(ap57(), plane_distance=0.03), delta, step=0.0025, steps=20)
+    arms = arms_page(made)
+    on_arm = [z for c in made.curves if c.role in ("axis", "construction") for z in c.vertices]
+    around_arm = around(on_arm, 0.01)
+    assert around_arm.half.real > 0.6 * arms.view.half.real
+    drawn = [t.arms for t in story_of(made, pages_of(Content("c", made))[0], arms, {})]
+    ends = [z for page in drawn for lines in page.of(Lines) for s in lines.strips for z in s]
+    assert len(ends) > 20
+    assert all(around_arm.holds(complex(z)) for z in ends)
 
 
 def test_rounding_is_read_off_as_zero() -> None:
