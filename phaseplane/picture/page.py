@@ -597,6 +597,7 @@ class Page:
         stage: int | None = None,
         repeated: bool = False,
         turn: bool = False,
+        sheet: bool = True,
         thin: float = 1.0,
     ) -> None:
         """Draw the lines and points of one step.
@@ -605,7 +606,7 @@ class Page:
         ----------
         stage : the present stage, which stands out; later ones are left out. All stages if None
         repeated : include the construction that the rule repeats
-        turn : include the arcs of the turn angles
+        turn, sheet : include the arcs on the arm of the turn angles, and all else
         thin : factor of all widths and opacities
         """
         layers = self._layers(frame)
@@ -615,7 +616,7 @@ class Page:
             weight, strength = thin, thin
             if stage is not None:
                 weight, strength = (2.0, 1.0) if layer.stage == stage else (0.8, _RECEDING)
-            wanted = [i for i in range(len(layer)) if _wanted(layer, i, repeated, turn)]
+            wanted = [i for i in range(len(layer)) if _wanted(layer, i, repeated, turn, sheet)]
             for role in dict.fromkeys(layer.roles[i] for i in wanted):
                 chosen = [layer.vertices[0, i] for i in wanted if layer.roles[i] == role]
                 if layer.kind == "points":
@@ -722,12 +723,12 @@ def _joined(way: Points) -> Points:
     return np.append(way[:, :-1].ravel(), way[-1, -1])
 
 
-def _wanted(layer: Layer, item: int, repeated: bool, turn: bool) -> bool:
+def _wanted(layer: Layer, item: int, repeated: bool, turn: bool, sheet: bool) -> bool:
     name = layer.names[item]
     of_turn = name.startswith(("W", "N"))
     if of_turn:
         return turn and layer.kind != "points"
-    return repeated or layer.is_main(item)
+    return sheet and (repeated or layer.is_main(item))
 
 
 def _value(centre: complex, text: str) -> Text:

@@ -74,7 +74,7 @@ def arms_page(drawing: Drawing) -> Page:
     """Return the common arm of the turn angles, divided in centimetres of paper."""
     curves = [curve for curve in drawing.curves if curve.role not in CURVES]
     vertices = [z for curve in curves for z in curve.vertices]
-    arms = around(vertices, 0.0) if vertices else Box(0j, 0.1 + 0.1j)
+    arms = around(vertices, 1e-6) if vertices else Box(0j, 0.1 + 0.1j)
     names = [words_at_end(curve, curves) for curve in curves if curve.role != "axis"]
     room = max((2.0 * text_box(0j, name, 1.0).half.real for name in names), default=0.0) + 0.5
     size = 2.0 * arms.half
@@ -255,7 +255,7 @@ def _tick(
             d, p = frame.points[plane.foot], frame.points[plane.state]
             dimensions.angle(page, d, p, turn, "", 0.4)
     beside = arms.following()
-    beside.step(frame, stage=stage, turn=True)
+    beside.step(frame, stage=stage, turn=True, sheet=False)
     beside.items = [item for item in beside.items if getattr(item, "role", "") == "arc"]
     said = f"{step_head(drawing, frame)}\n\n{protocol(drawing, frame, stage, stays.units)}"
     caption = f"Step {frame.step}, {stage + 1} of {len(scheme.stages)}: " + typeset(

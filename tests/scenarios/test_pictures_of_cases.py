@@ -183,6 +183,20 @@ def test_no_step_is_told_whose_points_lie_on_one_another() -> None:
     assert min(size[step] for step in told_steps(drawing)) > 0.2 * max(size)
 
 
+@pytest.mark.parametrize("name", ["ap57", "h83_example40", "van_der_pol"])
+def test_the_turn_angles_fit_their_pane_with_type_of_its_size(name: str) -> None:
+    """The pane is 120 pixels high in a window of 1366x768, with a bar of 25; 1 em is 16.75 pixels."""
+    page = arms_page(drawing_of(name))
+    assert 2.0 * page.view.half.imag / page.em <= (120.0 - 25.0) / 16.75 + 0.05
+
+
+def test_steps_are_told_of_the_whole_motion() -> None:
+    """Also if the road is so high at first that all that follows is small beside it."""
+    drawing = drawing_of("crest_jump", 3.0)
+    thirds = {3 * step // len(drawing.frames) for step in told_steps(drawing)}
+    assert thirds == {0, 1, 2}
+
+
 @pytest.mark.parametrize("name", DRAWN)
 def test_no_line_strikes_the_name_of_an_axis(name: str) -> None:
     """Neither an axis nor one of the lines I to IV, all of which are horizontal or upright.
