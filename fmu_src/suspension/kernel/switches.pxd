@@ -26,7 +26,7 @@ cdef class Switches:
     cdef void enter_branches(self) noexcept nogil
     @cython.locals(r=int, known=bint)
     cdef void read_attempt(self, double t, double h) noexcept nogil
-    @cython.locals(k=int, degree=int)
+    @cython.locals(k=int, e=int, kind=int, degree=int)
     cdef double first(self, double t, double h) noexcept nogil
     @cython.locals(r=int, s=int, k=int)
     cdef void carry_on(self) noexcept nogil
@@ -35,7 +35,8 @@ cdef class Switches:
     cdef void _read_road(self, double t, int end) noexcept nogil
     @cython.locals(s=int, k=int)
     cdef void _note_road(self, int end) noexcept nogil
-    @cython.locals(n=int, i=int, at=int, b=double, d0=double, d1=double, d2=double, d3=double)
+    @cython.locals(n=int, i=int, at=int, b=double, d0=double, d1=double, d2=double, d3=double,
+                   q="double *", v="double *", a="double *", j="double *")
     cdef void _read_row(self, int r, int end) noexcept nogil
     @cython.locals(at=int, d1=double, d2=double, d3=double, x=double, y=double, dx=double,
                    dy=double, low=double, high=double)
@@ -55,14 +56,12 @@ cdef class Switches:
     @cython.locals(e=int, kind=int, returns=bint, departing=bint, at=double)
     cdef void _search(self, int k, int side, double bound, int degree, double h) noexcept nogil
     cdef void _keep(self, int k, double at, int side) noexcept nogil
-    @cython.locals(at=int)
-    cdef bint _is_open(self, int e) noexcept nogil
+    cdef bint _searches_flight(self, int k, int e, double h) noexcept nogil
     @cython.locals(e=int, bound=double, departing=bint, at=double)
     cdef void _search_gap(self, int k, double h) noexcept nogil
     @cython.locals(beyond=double)
     cdef bint _is_within_error(self, double bound, int side) noexcept nogil
     cdef void _look_for_gap(self, int e, double at, double h) noexcept nogil
-    cdef bint _is_bent_in_flight(self, int e) noexcept nogil
     @cython.locals(e=int, m=int, departing=bint, share=double, f0=double, f1=double, f2=double,
                    at=double)
     cdef void _search_touchdown(self, int k, double h) noexcept nogil

@@ -84,18 +84,16 @@ class Switches:
             return 2.0
         self.read_attempt(t, h)
         for k in range(self.watched):
-            if self.watched_kind[k] in (SPRING, MODULATION):
-                if self._stays_far(k, h):
+            e, kind = self.watched_element[k], self.watched_kind[k]
+            if kind == CONTACT:
+                if self._searches_flight(k, e, h):
                     continue
-            elif self.watched_kind[k] == DAMPER and self._rate_stays_far(k, h):
+            elif kind == DAMPER:
+                if self._rate_stays_far(k, h):
+                    continue
+            elif kind in (SPRING, MODULATION) and self._stays_far(k, h):
                 continue
-            if self.watched_kind[k] == CONTACT and self._is_open(self.watched_element[k]):
-                self._search_gap(k, h)
-                continue
-            if self.watched_kind[k] == CONTACT and self._is_bent_in_flight(self.watched_element[k]):
-                self._search_touchdown(k, h)
-                continue
-            degree = self.polynomial(self.watched_element[k], self.watched_kind[k], h)
+            degree = self.polynomial(e, kind, h)
             self.crossing.extent(degree)
             if self.crossing.low < self.low[k]:
                 self._search(k, -1, self.low[k], degree, h)
@@ -153,24 +151,21 @@ class Switches:
     def _read_row(self, r, end):
         """Find the deflection of row r and three derivatives at the start or end of the attempt."""
         n = self.net.n
+        if end:
+            q, v, a, j = self.motion.qb, self.motion.vb, self.motion.ab, self.motion.end_jerk
+        else:
+            q, v, a, j = self.motion.q, self.motion.v, self.motion.a, self.motion.jerk
         d0 = 0.0
         d1 = 0.0
         d2 = 0.0
         d3 = 0.0
         for i in range(n):
             b = self.net.row_direction[r * n + i]
-            if b == 0.0:
-                continue
-            if end:
-                d0 += b * self.motion.qb[i]
-                d1 += b * self.motion.vb[i]
-                d2 += b * self.motion.ab[i]
-                d3 += b * self.motion.end_jerk[i]
-            else:
-                d0 += b * self.motion.q[i]
-                d1 += b * self.motion.v[i]
-                d2 += b * self.motion.a[i]
-                d3 += b * self.motion.jerk[i]
+            if b != 0.0:
+                d0 += b * q[i]
+                d1 += b * v[i]
+                d2 += b * a[i]
+                d3 += b * j[i]
         if self.net.row_signal[r] >= 0:
             at = 8 * self.net.row_signal[r] + 4 * end
             d0 -= self.road[at]
@@ -322,10 +317,20 @@ class Switches:
         self.side = side
         self.across = self.only_opens = False
 
-    def _is_open(self, e):
-        """Return whether there is a gap below a tyre at the start of the attempt."""
-        at = 8 * self.net.element_row[e]
-        return self.net.branch[BRANCHES * e + CONTACT] != 0 and self.row[at] > self.net.opening[e]
+    def _searches_flight(self, k, e, h):
+        """Search for the end of a flight, and return true, if the force of tyre e does not show it.
+
+        That is while there is a gap below the tyre, or if its law is curved.
+        """
+        if not self.net.branch[BRANCHES * e + CONTACT]:
+            return 0
+        if self.row[8 * self.net.element_row[e]] > self.net.opening[e]:
+            self._search_gap(k, h)
+            return 1
+        if not self.tyres.straight[e]:
+            self._search_touchdown(k, h)
+            return 1
+        return 0
 
     def _search_gap(self, k, h):
         """Store the time at which a gap closes, if it is the earliest."""
@@ -339,10 +344,6 @@ class Switches:
             if at < self.at:
                 self._keep(k, at, -1)
                 self.across = True
-
-    def _is_bent_in_flight(self, e):
-        """Return whether a tyre whose force does not act follows a curved law."""
-        return self.net.branch[BRANCHES * e + CONTACT] != 0 and not self.tyres.straight[e]
 
     def _search_touchdown(self, k, h):
         """Store the time at which a tyre in flight presses again by a curved law, if it is the earliest.
