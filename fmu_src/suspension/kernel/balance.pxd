@@ -43,7 +43,6 @@ cdef class Balance:
                           double *j) noexcept nogil
     @cython.locals(i=int)
     cdef void _solve(self, double *q, double *v, double *a, double *j) noexcept nogil
-    @cython.locals(i=int)
     cdef inline void _solve_motion(self, int n) noexcept nogil
     @cython.locals(i=int, p=int, r=int, at=int, d=double, w=double)
     cdef inline void _find_force(self, int n, int k) noexcept nogil

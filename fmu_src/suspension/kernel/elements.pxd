@@ -1,5 +1,4 @@
 cimport cython
-from libc.math cimport fabs
 from .laws cimport Laws
 from .series_springs cimport SeriesSprings
 

@@ -9,8 +9,9 @@ cdef class Extrapolated(Method):
     cdef Columns columns
 
     cdef void enter(self) noexcept nogil
-    @cython.locals(status=int)
     cdef int attempt(self, double t, double h) noexcept nogil
+    @cython.locals(status=int)
+    cdef inline int extrapolate(self, double t, double h) noexcept nogil
     @cython.locals(i=int, rounding=double, error=double)
     cdef inline void _find_error(self, double h) noexcept nogil
     @cython.locals(phase=double, better=double)

@@ -70,6 +70,10 @@ class Extrapolated(Method):
 
     def attempt(self, t, h):
         """Step from t to t + h; return 0 or a key of `integrator.FAILURES`."""
+        return self.extrapolate(t, h)
+
+    def extrapolate(self, t, h):
+        """Take all columns, and find the error from the last two."""
         self.balance.prepare(t, h)
         if self.balance.bends.count:
             self.columns.iteration.enough = self.errors.negligible(h)

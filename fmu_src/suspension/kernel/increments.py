@@ -199,7 +199,7 @@ class Mean(Extrapolated):
     def attempt(self, t, h):
         """Step from t to t + h; return 0 or a key of `integrator.FAILURES`."""
         if not self.balance.bends.count or self.net.stuck:
-            return Extrapolated.attempt(self, t, h)
+            return self.extrapolate(t, h)
         for i in range(self.n):
             self.motion.qb[i], self.motion.vb[i] = self.motion.q[i], self.motion.v[i]
             self.motion.ab[i] = self.motion.a[i]

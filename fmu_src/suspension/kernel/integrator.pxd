@@ -1,6 +1,6 @@
 cimport cython
 from cpython.exc cimport PyErr_CheckSignals
-from libc.math cimport fabs, sqrt
+from libc.math cimport sqrt
 from .arrays cimport Lent, Memory
 from .handover cimport Handover
 from .time_loop cimport TimeLoop
@@ -76,7 +76,6 @@ cdef class RunQueue:
 
     @cython.locals(one=Integrator, paused=bint, status=int, k=int)
     cpdef list go(self, Py_ssize_t first, Py_ssize_t last)
-    @cython.locals(at=int)
     cpdef object return_to(self, Py_ssize_t k)
     @cython.locals(status=int)
     cdef bint _go(self) noexcept nogil

@@ -1,6 +1,6 @@
 cimport cython
 from libc.math cimport fabs
-from .arrays cimport Lent, Memory
+from .arrays cimport Lent
 from .branches cimport Branches
 from .linear cimport decompose, solve
 

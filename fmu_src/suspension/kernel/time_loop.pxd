@@ -1,5 +1,5 @@
 cimport cython
-from libc.math cimport fabs, pow, sqrt
+from libc.math cimport fabs, sqrt
 from .dense cimport Dense
 from .knots cimport Knots
 from .ledger cimport Ledger
@@ -78,7 +78,6 @@ cdef class TimeLoop:
     @cython.locals(status=int, excess=double)
     cdef int _end_on_switch(self) noexcept nogil
     cdef inline int _finish(self) noexcept nogil
-    @cython.locals(i=int)
     cdef inline bint _has_diverged(self) noexcept nogil
     @cython.locals(s=int, jumped=bint, jump=double, before=double, now=double)
     cdef void _pass_joint(self) noexcept nogil
