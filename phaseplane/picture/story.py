@@ -146,8 +146,10 @@ def told_steps(drawing: Drawing, steps: Sequence[int] = ()) -> list[int]:
         return len(drawing.schemes[frame.scheme].stages) + bool(frame.event)
 
     found: list[int] = []
-    for kind in _TOLD:
-        found += [i for i, event in sorted(drawing.frames.events.items()) if kind in event][:1]
+    for kind in _TOLD:  # the first lift-off that can be seen on the sheet, and its touchdown
+        of_kind = [i for i, event in sorted(drawing.frames.events.items()) if kind in event]
+        later = [i for i in of_kind if i > max(found, default=-1)]
+        found += ([] if found else _away(drawing, later)[:1]) or later[:1]
     schemes = drawing.frames.schemes
     ordinary = [i for i, key in enumerate(schemes) if key == schemes[0] and i not in found]
     ordinary = _moving(drawing, ordinary or found)
@@ -166,13 +168,18 @@ def told_steps(drawing: Drawing, steps: Sequence[int] = ()) -> list[int]:
 
 
 def _moving(drawing: Drawing, steps: list[int]) -> list[int]:
-    """Return the steps in which some state point is well away from its origin; all if none is."""
+    """Return the steps in which some state point is well away from its origin; all if few are."""
+    moving = _away(drawing, steps)
+    return moving if len(moving) >= _TELLING else steps
+
+
+def _away(drawing: Drawing, steps: list[int]) -> list[int]:
+    """Return the steps in which some state point is well away from its origin, for its whole motion."""
     origins = np.array([plane.displacement.origin for plane in drawing.planes])
     names = [plane.state for plane in drawing.planes]
-    size = abs(table(drawing.frames.at(steps), names) - origins)
+    size = abs(table(drawing.frames, names) - origins)
     away = (size >= _AWAY * np.nanmax(size, axis=0, initial=1e-9)).any(axis=1)
-    moving = [i for i, far in zip(steps, away, strict=True) if far]
-    return moving if len(moving) >= _TELLING else steps
+    return [i for i in steps if away[i]]
 
 
 def _introduction(drawing: Drawing) -> str:

@@ -175,6 +175,17 @@ def test_a_story_in_order() -> None:
         before = tick.time
 
 
+def test_a_lift_off_that_cannot_be_seen_on_the_sheet_is_not_told() -> None:
+    at_rest = {name: frame(0).points["D1"] * 0.0 for name in ("P1", "P1'", "D1")}
+    at_rest |= dict.fromkeys(("P2", "P2'", "D2"), PLANES[1].displacement.origin)
+    frames = list(drawing().frames)
+    frames[2] = replace(frame(2), points=at_rest, event="lift_off")
+    frames[4] = replace(frame(4), points=at_rest, event="touchdown")
+    told = told_steps(replace(drawing(), frames=tuple(frames)))
+    assert {25, 40} <= set(told)
+    assert not {2, 4} & set(told)
+
+
 def test_the_present_stage_is_bold_and_in_the_units_of_the_axes() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=30)
     stays = pages_of(Content("quarter car", made))[0]
