@@ -106,7 +106,8 @@ def made_planes(
     planes = []
     for i, (displacement, rate) in enumerate(pairs):
         row, column = divmod(i, beside)
-        origin = complex(_ACROSS * column, -_DOWN * row)
+        # three rows of several planes leave room for their names, which are larger on a larger sheet
+        origin = complex(_ACROSS * column, -(_ACROSS if rows > 2 and beside > 1 else _DOWN) * row)
         across, up = axis(displacement, origin, 1 + 0j), axis(rate, origin, 1j)
         planes.append(
             StatePlane(Plane(displacement, 1.0, across, up, f"P{i + 1}"), displacement, rate)

@@ -12,6 +12,7 @@ from recorded import Recorded, content, drawing, paper
 
 from phaseplane.constructions import EquationPlane, construct_motion, delta
 from phaseplane.picture.page import Arrow
+from phaseplane.picture.paper import Box
 from phaseplane.recording import VIEWS, AxleView, Content, Vehicle, record
 from phaseplane.recording.lanes import SHEET_SHARE, lanes_share
 from phaseplane.recording.motion import made_planes, pages_of
@@ -300,6 +301,17 @@ def test_names_of_many_planes_above_lanes_are_not_cut_off() -> None:
     page, *_ = pages_of(Content("sixteen", histories={**columns, **lanes}, pairs=pairs))
     cut = [text.text for text in page.texts if not page.view.contains(text.box(page.em))]
     assert not cut
+
+
+def test_names_of_planes_in_three_rows_are_clear_of_the_planes_above() -> None:
+    pairs = tuple((f"x{k}_displacement", f"x{k}_velocity") for k in range(15))
+    columns = {"time": TIME, **{name: 4.12 * np.sin(20 * TIME) for pair in pairs for name in pair}}
+    lanes = {f"x{k}_airborne": TIME[5] < TIME for k in range(2)}
+    page, *_ = pages_of(Content("fifteen", histories={**columns, **lanes}, pairs=pairs))
+    planes = [Box(plane.displacement.origin, 0.1 + 0.1j) for plane in page.drawing.planes]
+    names = [text for text in page.texts if text.text.startswith("x")]
+    assert len(names) == len(planes)
+    assert not any(text.box(page.em).overlap(plane) for text in names for plane in planes)
 
 
 @pytest.mark.parametrize(("count", "across"), [(2, 1), (3, 2), (4, 2), (8, 4), (9, 3), (15, 5)])
