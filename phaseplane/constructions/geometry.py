@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from cmath import exp
-from collections.abc import Callable
 from math import sqrt
 
 
@@ -43,15 +42,3 @@ def seen(eye: complex, centre: complex, state: complex, turn: float) -> complex 
     half_chord = sqrt(under_root)
     ends = (eye + ray * (offset.real + side * half_chord) for side in (-1.0, 1.0))
     return min(ends, key=lambda end: abs(end - state))
-
-
-def bisected(function: Callable[[float], float], low: float, high: float) -> float:
-    """Return where a function changes its sign between two places, to rounding."""
-    rises = function(high) > 0.0
-    for _ in range(80):
-        middle = 0.5 * (low + high)
-        if (function(middle) > 0.0) == rises:
-            high = middle
-        else:
-            low = middle
-    return 0.5 * (low + high)

@@ -10,11 +10,11 @@ from functools import partial
 from itertools import pairwise
 from math import ceil, copysign, floor
 
-from phaseplane.constructions.geometry import bisected
 from phaseplane.constructions.laws import Strut
 from phaseplane.constructions.primitives import Curve, Plane
 from phaseplane.constructions.sheet import reach, round_step, state_point, trail
 from phaseplane.constructions.storage import Frame
+from phaseplane.equations.roots import root
 
 Epsilon = Callable[[float, float], float]
 """epsilon(y-bar; y_i), m."""
@@ -109,7 +109,7 @@ class Lienard:
             values = [guard(place, y) for place in places]
             for i, (low, high) in enumerate(pairwise(places)):
                 if values[i] * values[i + 1] < 0.0:
-                    at = bisected(partial(_at_level, guard, y), low, high)
+                    at = root(partial(_at_level, guard, y), low, high)
                     yield from (at - beside, at + beside)
 
     def displacement(self, q: complex) -> float:

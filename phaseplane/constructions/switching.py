@@ -8,6 +8,7 @@ from typing import NamedTuple
 from phaseplane.constructions.construction import Window
 from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import Points, States
+from phaseplane.equations.roots import root
 
 _SAMPLES = (0.25, 0.5, 0.75)  # parts of a step at which margins are sampled
 _AT_ONCE = 1e-9  # part of a window within which limits are reached at the same time
@@ -92,12 +93,10 @@ def _end_of(
             continue  # only the approximating parabola crosses zero
         f_low = course[0] if start == 0.0 else left(low)
         if f_low <= 0.0 or (fresh and start == 0.0):
-            halves = (high / 2**i for i in range(1, 11))
-            grown = ((part, f) for part in halves if (f := left(part)) > 0.0)
-            low, f_low = next(grown, (0.0, 0.0))
+            low = next((part for i in range(1, 11) if left(part := high / 2**i) > 0.0), 0.0)
             if low == 0.0:
                 return duration if course[-1] < 0.0 else None
-        return _root(left, low, f_low, high, f_high)
+        return root(left, low, high)
     return None
 
 
@@ -118,27 +117,3 @@ def _descents(course: Sequence[float]) -> Iterator[tuple[float, float]]:
             fall = before - course[i + 1]
             if here - 0.125 * fall * fall / bend < doubtful:
                 yield parts[i - 1], parts[i] + 0.5 * fall / bend * parts[1]
-
-
-def _root(
-    function: Callable[[float], float], low: float, f_low: float, high: float, f_high: float
-) -> float:
-    """Return the zero between `low` (positive) and `high` (negative) by the Illinois method."""
-    side = 0
-    middle = high
-    for _ in range(100):
-        middle = (f_low * high - f_high * low) / (f_low - f_high)
-        f = function(middle)
-        if f > 0.0:
-            low, f_low = middle, f
-            f_high *= 0.5 if side == 1 else 1.0
-            side = 1
-        elif f < 0.0:
-            high, f_high = middle, f
-            f_low *= 0.5 if side == -1 else 1.0
-            side = -1
-        else:
-            break
-        if high - low <= 1e-14 * high:
-            break
-    return middle

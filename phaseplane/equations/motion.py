@@ -12,6 +12,7 @@ from functools import partial
 from math import inf, isfinite, nan
 from typing import NamedTuple
 
+from phaseplane.equations.roots import root
 from phaseplane.equations.switching import Mode, Switching
 
 _RELATIVE, _ABSOLUTE = 1e-10, 1e-12
@@ -312,7 +313,7 @@ def _first_end(system: Switching, step: Step, rounding: float) -> tuple[int, flo
         here = margins(high)
         ended = [k for k, m in enumerate(here) if m < -rounding * size and m < before[k]]
         if ended:
-            part, k = min((_root(partial(_one, margins, k), low, high), k) for k in ended)
+            part, k = min((root(partial(_one, margins, k), low, high), k) for k in ended)
             return k, part * h
         before, low = here, high
     return None
@@ -320,27 +321,3 @@ def _first_end(system: Switching, step: Step, rounding: float) -> tuple[int, flo
 
 def _one(margins: Callable[[float], list[float]], k: int, part: float) -> float:
     return margins(part)[k]
-
-
-def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Return the first place where a margin is below zero, by the Illinois method."""
-    f_low, f_high = max(function(low), 0.0), function(high)
-    side = 0
-    for _ in range(100):
-        if f_low == f_high:
-            break
-        middle = (f_low * high - f_high * low) / (f_low - f_high)
-        if not low < middle < high:
-            middle = 0.5 * (low + high)
-        f = function(middle)
-        if f >= 0.0:
-            low, f_low = middle, f
-            f_high *= 0.5 if side == 1 else 1.0
-            side = 1
-        else:
-            high, f_high = middle, f
-            f_low *= 0.5 if side == -1 else 1.0
-            side = -1
-        if high - low <= 4e-16 * (1.0 + high):
-            break
-    return high

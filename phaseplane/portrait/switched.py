@@ -13,8 +13,8 @@ from math import hypot, inf, isnan, nan
 import numpy as np
 import numpy.typing as npt
 
-from phaseplane.constructions.geometry import bisected
 from phaseplane.equations.motion import MotionError, Step, steps
+from phaseplane.equations.roots import root
 from phaseplane.equations.switching import Switching
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
 
@@ -97,7 +97,7 @@ def turn(
             into.append((x1, mirrored * v1))
         # in reversed time the velocity on record is -x'
         if (mirrored * v1) * beyond < 0.0 and (mirrored * v0) * beyond >= 0.0 and step.start > 0.0:
-            at = bisected(partial(_velocity, step), step.start, step.end)
+            at = root(partial(_velocity, step), step.start, step.end)
             x = step.at(at)[0]
             if not isnan(far):
                 return far, x, at
