@@ -157,6 +157,14 @@ class QuarterCarPlanes(Construction):
         return self.axle.coupling
 
     @property
+    def line_distances(self) -> tuple[float, float]:
+        """Distances of lines I and II from the y1 axis, m of paper (AP57 section 4).
+
+        They divide l in the ratios r : c2/c1 and r : kappa from the y2 axis, r = b / a.
+        """
+        return self.axle.lines.distances
+
+    @property
     def static_tyre_deflection(self) -> float:
         """x2st = (M + m) g / c2, m (AP57 eq. 27)."""
         return self.axle.static_tyre_deflection

@@ -134,7 +134,7 @@ def _energy_curves(
 ) -> tuple[Curves, ...]:
     """Return curves all over the window, and some in each well; none close to a separatrix."""
     levels = levels_apart(system, window, [at.x for at in saddles], levels_in_wells(system, window))
-    return tuple(energy_levels(system, window, levels))
+    return tuple(energy_levels(system, window, levels)[1])
 
 
 def _filling(system: PhaseSystem, window: Window, shown: Sequence[Grid]) -> list[Grid]:

@@ -65,6 +65,11 @@ class PhaseSystem:
         size = 1e-9 * max(1.0, np.abs(here).max())
         return bool(np.abs(there - here).max() <= size < np.abs(between - here).max())
 
+    def rates(self, t: float, state: npt.ArrayLike) -> list[float]:
+        """Return (x', x'') at a state (x, x'), for an integrator."""
+        x, v = np.asarray(state, float)
+        return [float(v), -self.function(float(v), float(x), t)]
+
     def forces(self, x: npt.ArrayLike, v: npt.ArrayLike, t: npt.ArrayLike = 0.0) -> Grid:
         """Return f over arrays of equal shape; NaN where f is undefined."""
         x, v = np.asarray(x, float), np.asarray(v, float)
@@ -156,9 +161,11 @@ class Window:
         return np.asarray(inside & (v >= self.bottom - dv) & (v <= self.top + dv))
 
 
-def direction_field(system: PhaseSystem, window: Window) -> tuple[Grid, Grid, Grid, Grid]:
-    """Return x, x' and their rates x', x'' on a grid at time 0, of shape (19, 25)."""
-    x, v = window.grid(25, 19)
+def direction_field(
+    system: PhaseSystem, window: Window, columns: int = 25, rows: int = 19
+) -> tuple[Grid, Grid, Grid, Grid]:
+    """Return x, x' and their rates x', x'' on a grid at time 0, of shape (rows, columns)."""
+    x, v = window.grid(columns, rows)
     return x, v, v, -system.forces(x, v)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, exp, pi, sin
+from math import cos, exp, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -19,10 +19,12 @@ from phaseplane.portrait import (
     energy_levels,
     equilibria,
     good_window,
-    isoclines,
+    isocline,
     limit_cycles,
+    nullcline,
     of_coordinate,
-    section,
+    periodic_motion,
+    poincare_section,
     separatrices,
 )
 
@@ -88,25 +90,31 @@ def test_an_equilibrium_is_classified_on_either_side_of_its_own_corner() -> None
 
 
 def test_energy_levels_of_the_pendulum() -> None:
-    energies = [0.5, 2.0, 3.0]
-    for energy, lines in zip(energies, energy_levels(PENDULUM, WIDE, energies), strict=True):
+    energies, curves = energy_levels(PENDULUM, WIDE, [0.5, 2.0, 3.0])
+    for energy, lines in zip(energies, curves, strict=True):
         assert lines
         for line in lines:
             # U is least at 0 in the window
             got = line[:, 1] ** 2 / 2.0 + 1.0 - np.cos(line[:, 0])
             assert got == pytest.approx(energy, abs=2e-3)
+    spaced, _ = energy_levels(PENDULUM, WIDE, 7)
+    assert len(spaced) == 7
+    assert np.diff(np.sqrt(spaced)) == pytest.approx(np.sqrt(spaced[0]))
 
 
 def test_isoclines_have_their_slope_and_nullclines_none() -> None:
     system = PhaseSystem(lambda v, x, t: 0.4 * v + x + 0.3 * x**3)
-    slopes = (-2.0, 0.0, 1.5)
-    for slope, curves in zip(slopes, isoclines(system, WIDE, slopes), strict=True):
+    for slope in (-2.0, 0.0, 1.5):
+        curves = isocline(system, WIDE, slope)
         points = np.vstack(curves)
         moving = points[abs(points[:, 1]) > 0.3]
         assert len(moving) > 20
         assert -system.forces(*moving.T) / moving[:, 1] == pytest.approx(slope, abs=2e-2)
-    x, v, dx, dv = direction_field(system, WIDE)
-    assert x.shape == (19, 25)
+    assert np.vstack(nullcline(system, WIDE)) == pytest.approx(
+        np.vstack(isocline(system, WIDE, 0.0))
+    )
+    x, v, dx, dv = direction_field(system, WIDE, 5, 4)
+    assert x.shape == (4, 5)
     assert (dx == v).all()
     assert dv == pytest.approx(-(0.4 * v + x + 0.3 * x**3))
 
@@ -158,14 +166,19 @@ def test_a_forced_linear_oscillator_settles_in_its_closed_form() -> None:
     system = PhaseSystem(lambda v, x, t: 2.0 * d * v + x - cos(w * t), period=2.0 * pi / w)
     size = 1.0 / ((1.0 - w * w) ** 2 + (2.0 * d * w) ** 2)
     state = ((1.0 - w * w) * size, 2.0 * d * w * w * size)  # of the steady motion at t = 0
-    made = section(system, WIDE, (1.5, -1.0), 40)
-    (steady,) = made.attractors
-    assert steady == pytest.approx(np.array([state]), abs=1e-6)
-    # what is left of each motion's own swing after the transient
-    left = 8.0 * exp(-d * system.period * made.transient)
-    assert np.abs(made.points - state).max() < left
+    steady = periodic_motion(system, (0.0, 0.0))
+    assert steady.state == pytest.approx(state, abs=1e-8)
+    assert steady.attracts
+    decay = exp(-d * system.period)
+    turned = sqrt(1.0 - d * d) * system.period
+    assert sorted(steady.multipliers, key=lambda z: z.imag) == pytest.approx(
+        [decay * complex(cos(turned), s * abs(sin(turned))) for s in (-1.0, 1.0)], abs=1e-6
+    )
+    section = poincare_section(system, (1.5, -1.0), 4, transient=40)
+    assert section.shape == (4, 2)
+    assert section == pytest.approx(np.tile(state, (4, 1)), abs=1e-6)
     with pytest.raises(ValueError, match="has no period"):
-        section(PENDULUM, WIDE, (0.0, 1.0), 2)
+        poincare_section(PENDULUM, (0.0, 1.0), 2)
 
 
 def test_sections_of_the_models() -> None:

@@ -43,7 +43,7 @@ def test_published_constants():
     # the paper truncates its second turn angle
     assert STEP * one == pytest.approx(0.05863, abs=5e-6)
     assert STEP * two == pytest.approx(0.17677, abs=1e-5)
-    assert car.axle.lines.distances == pytest.approx((0.20, 0.19608), abs=5e-6)
+    assert car.line_distances == pytest.approx((0.20, 0.19608), abs=5e-6)
     assert car.axle.tyre_ratio == pytest.approx(0.471, abs=5e-4)
     assert car.coupling == pytest.approx(1.0 / 0.11)
     assert car.axle.strut.rate / car.tyre_stiffness == pytest.approx(1.0 / 10.0)
@@ -141,7 +141,7 @@ def test_points_lie_on_the_lines_that_give_them(car, window):
     assert on_one_line("A1*", "C2", "B2")
     assert on_one_line("Q1", "C1", "D2")
     assert on_one_line("Q2", "C2", "D1")
-    first, second = car.axle.lines.distances
+    first, second = car.line_distances
     assert points["C1"].imag == -first
     assert points["C2"].imag == -second
     assert 0.0 < second < first < car.plane_distance
