@@ -116,7 +116,8 @@ def accepted_parameters(
     refuse_unknown(models, (*FILES, *own), f"FMUs exist for {', '.join(FILES)}, not for")
     refuse_unknown(parameters, models, "start values given for a model that is not built:")
     for model in models:
-        accepted = session_of(model, given := parameters.get(model, {})).parameters
+        given = parameters.get(model, {})
+        accepted = session_of(model, given).parameters  # reads the tables, too
         yield model, {name: accepted[name] for name in given}, accepted
 
 

@@ -559,7 +559,7 @@ class Page:
         self.lines("trail", recent, 1.0, strength)
 
     def _past(self, steps: int, most: int | None) -> list[Points]:
-        """Return the motion in all planes over the first steps, part of the same thinned curve always."""
+        """Return the motion in all planes over the first steps: parts of curves thinned once."""
         if most is None:
             return [_joined(way[:steps]) for way in self.ways]
         if not self._few:

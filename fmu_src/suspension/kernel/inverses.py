@@ -34,7 +34,7 @@ class Inverses:
         self.coupling = memory.zeros(columns * rows * rows)
         # for each column and sticking row: the accelerations per unit acceleration of its road
         self.carried = memory.zeros(columns * rows * n)
-        # W b or W' b of a row, the former per unit of b' W b, and b' W b of each row that sticks
+        # W b or W' b of a row, W b / b' W b of a sticking row, and b' W b of each before any is held
         self.f, self.held, self.alone = [0.0] * 32, [0.0] * 32, [0.0] * 64
 
     def forget(self):
