@@ -18,10 +18,12 @@ from matplotlib.figure import Figure
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.figures.canvas import Sheet, new_page
 from phaseplane.figures.style import HEADING, PLAIN, Look, heading_lines, new_figure, printed
+from phaseplane.picture.axes import draw_axes
+from phaseplane.picture.curves import draw_curves
 from phaseplane.picture.files import replace_file
-from phaseplane.picture.page import motions_of
 from phaseplane.picture.story import Tick, arms_page, staged, story_of
 from phaseplane.picture.styles import MOVING_POINT
+from phaseplane.picture.subject import motions_of
 from phaseplane.picture.text import format_time, typeset
 from phaseplane.picture.views import frame_at, view_of, views_of
 
@@ -62,8 +64,8 @@ def animation(
     if suffix == ".mp4" and program is None:
         raise ValueError(".mp4 needs the program ffmpeg, which was not found; write a .gif instead")
     page = new_page(drawing, views_of(drawing, motions_of(drawing))[0], look)
-    page.axes_of_planes()
-    page.curves()
+    draw_axes(page)
+    draw_curves(page)
     sheet = Sheet(look)
     sheet.made(page, title, typeset(drawing.title))
     pictures = list(_pictures(sheet, story_of(drawing, page, arms_page(drawing), {})))
@@ -103,8 +105,8 @@ def storyboard(
     whole = new_figure(width, rows * cell[1] + above, look.palette)
     scale = min(cell[0] / view.half.real, (cell[1] - 0.65) / view.half.imag) / 2.0
     stays = new_page(drawing, view, look, scale=1.2 * scale)
-    stays.axes_of_planes()
-    stays.curves()
+    draw_axes(stays)
+    draw_curves(stays)
     sheet = Sheet(look)
     sheet.figure = whole
     ticks = staged(drawing, stays, arms_page(drawing), chosen.step)

@@ -16,9 +16,11 @@ from matplotlib.lines import Line2D
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.figures.style import HEADING, PLAIN, Look, heading_lines, new_figure, printed
 from phaseplane.picture.canvas import Canvas
-from phaseplane.picture.page import TYPE, Arrow, Dots, Item, Lines, Page, Text
+from phaseplane.picture.items import TYPE, Arrow, Dots, Item, Lines, Text
+from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, vertices
 from phaseplane.picture.styles import style_of
+from phaseplane.picture.subject import Subject
 from phaseplane.picture.text import is_letter
 
 _LARGEST = (11.0, 10.0)  # inches that the sheet may take up
@@ -47,7 +49,7 @@ def new_page(drawing: Drawing, view: Box, look: Look, scale: float = 0.0) -> Pag
     ----------
     scale : inches of the figure for a metre of paper; default: that of `Sheet`
     """
-    return Page(drawing, view, TYPE / 72.0 / (scale or _scale(view, look)))
+    return Page(Subject(drawing), view, TYPE / 72.0 / (scale or _scale(view, look)))
 
 
 def _scale(view: Box, look: Look) -> float:

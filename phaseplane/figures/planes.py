@@ -11,8 +11,12 @@ from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.storage import Frame
 from phaseplane.figures.canvas import as_figure, new_page
 from phaseplane.figures.style import Look
-from phaseplane.picture.page import Page, motions_of
+from phaseplane.picture.axes import draw_axes
+from phaseplane.picture.curves import draw_curves, draw_missed, draw_trails
+from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
+from phaseplane.picture.step import draw_step, mark_events, write_letters, write_numbers
+from phaseplane.picture.subject import motions_of
 from phaseplane.picture.text import format_time, typeset
 from phaseplane.picture.views import frame_at, view_of
 
@@ -37,8 +41,8 @@ def phase_planes(drawing: Drawing, frame: int | None = None, *, look: Look) -> t
     """
     chosen = frame_at(drawing, frame)
     page = step_page(drawing, chosen, look)
-    page.events()
-    page.letters(chosen)
+    mark_events(page)
+    write_letters(page, chosen)
     return page, f"{typeset(drawing.title)}\n{format_step(chosen)}"
 
 
@@ -52,11 +56,11 @@ def step_page(drawing: Drawing, frame: Frame, look: Look, beside: float = 0.0) -
     view = view_of(drawing, [frame], turn=False)
     room = beside * view.half.real
     page = new_page(drawing, Box(view.centre + room, view.half + room), look)
-    page.axes_of_planes()
-    page.curves()
-    page.trails()
-    page.missed()
-    page.step(frame)
+    draw_axes(page)
+    draw_curves(page)
+    draw_trails(page)
+    draw_missed(page)
+    draw_step(page, frame)
     return page
 
 
@@ -90,16 +94,16 @@ def construction_sheet(
         raise ValueError(f"none of the frames exists; the drawing has {len(drawing.frames)}")
     chosen = [drawing.frames[i] for i in wanted]
     page = new_page(drawing, view_of(drawing, chosen, turn=True), look)
-    page.axes_of_planes()
-    page.curves(None)
+    draw_axes(page)
+    draw_curves(page, None)
     for one in chosen:
-        page.step(one, turn=True, thin=0.6)
-    page.trails()
-    page.missed()
-    page.events()
+        draw_step(page, one, turn=True, thin=0.6)
+    draw_trails(page)
+    draw_missed(page)
+    mark_events(page)
     later = drawing.frames[wanted[-1] + 1 :] if through else []
     apart = ceil(len(later) / _NUMBERED)
-    page.numbers([*chosen, *later[:: max(1, apart)]])
+    write_numbers(page, [*chosen, *later[:: max(1, apart)]])
     last, end = chosen[-1].step + 1, drawing.frames[-1].step + 1
     words = f"Points {chosen[0].step} to {last} with all auxiliary lines"
     if later:

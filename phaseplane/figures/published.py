@@ -19,8 +19,11 @@ from phaseplane.figures.histories import time_histories
 from phaseplane.figures.planes import construction_sheet, format_step, step_page
 from phaseplane.figures.style import PLAIN, Look
 from phaseplane.picture import dimensions
+from phaseplane.picture.axes import draw_axes
+from phaseplane.picture.curves import draw_curves, draw_trails
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import around
+from phaseplane.picture.step import mark_events, write_letters
 from phaseplane.picture.text import typeset
 from phaseplane.picture.views import frame_at, motion_points, telling_frame
 
@@ -102,9 +105,9 @@ def figure9(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
     farthest = max(axis.read(frame.points["P2"]) for frame in drawing.frames)
     points.append(axis.at((1.0 + _NAME) * farthest))
     page = new_page(only, around(np.append(motion_points(only), points)), look)
-    page.axes_of_planes()
-    page.curves(("auxiliary",))
-    page.trails()
+    draw_axes(page)
+    draw_curves(page, ("auxiliary",))
+    draw_trails(page)
     letters = []
     for frame, row in zip(shown, (2.6, 4.6), strict=False):
         p, q, a, foot, b = (frame.points[name] for name in names)  # B2 has reached B0
@@ -125,7 +128,7 @@ def figure9(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
             (b, "B2", "excitation"),
         ):  # fmt: skip
             letters.append((z, typeset(label), role))
-    page.events()
+    mark_events(page)
     page.letter([*letters, (axis.origin, typeset("O2"), "axis")])
     times = ", ".join(
         f"{letter} at {1e3 * f.time:.4g} ms" for letter, f in zip("UV", shown, strict=False)
@@ -193,8 +196,8 @@ def _dimensioned(
     for start, end, words in lengths:
         dimensions.below(page, frame.points[start], frame.points[end], words, 2.4)
     if frame.scheme == FLIGHT:
-        page.events()
-    page.letters(frame)
+        mark_events(page)
+    write_letters(page, frame)
     return page
 
 

@@ -12,7 +12,8 @@ from phaseplane.figures.canvas import as_figure, new_page
 from phaseplane.figures.published import needs
 from phaseplane.figures.style import Look
 from phaseplane.picture import dimensions
-from phaseplane.picture.page import Page, Text
+from phaseplane.picture.items import Text
+from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
 from phaseplane.picture.text import typeset
 

@@ -13,8 +13,11 @@ from phaseplane.figures.planes import step_page
 from phaseplane.figures.published import needs
 from phaseplane.figures.style import Look
 from phaseplane.picture import dimensions
+from phaseplane.picture.axes import draw_axes, draw_y_axis
+from phaseplane.picture.curves import draw_trails
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, arcs, around, bounds
+from phaseplane.picture.step import write_letters
 from phaseplane.picture.text import format_time, typeset
 from phaseplane.picture.views import frame_at, motion_points, name_room
 
@@ -72,8 +75,8 @@ def figure8(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[
     )
     view = around(np.append(points, name_room(drawing, points)))
     page = new_page(drawing, view, look)
-    page.axes_of_planes()
-    page.trails()
+    draw_axes(page)
+    draw_trails(page)
     letters = []
     for plane in drawing.planes:
         p, d, p_new = _points(one, plane, _STEP)
@@ -130,7 +133,7 @@ def _close_up(
     view = around(np.array([p, d, *others]), 0.12)
     wide = complex(max(view.half.real, _SLENDER * view.half.imag), view.half.imag)
     page = new_page(drawing, Box(view.centre, wide), look)
-    page.y_axis(plane)
+    draw_y_axis(page, plane)
     page.lines("normal", [[d, p]])
     return page, frame, plane
 
@@ -174,7 +177,7 @@ def figure2(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[
     foot = chosen.points.get("A*", d)
     if "suspension" in drawing.planes[0].name and abs(d - foot) > 4.0 * page.em:
         dimensions.below(page, foot, d, r"$a\,\ddot{\xi}/\Omega^2$", 2.4)
-    page.letters(chosen)
+    write_letters(page, chosen)
     return page, f"The normal DP in the phase plane: {_which(chosen)}"
 
 

@@ -13,10 +13,12 @@ from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.sheet import round_step
 from phaseplane.constructions.storage import StoredFrames
 
-from .page import Page, Text
+from .items import Text
+from .page import Page
 from .paper import Box, readings
 from .quantities import Quantity
 from .styles import PARTS
+from .subject import Subject
 from .text import bracketed, in_words, number
 
 Reals = npt.NDArray[np.float64]
@@ -93,7 +95,7 @@ class Chart:
         half = complex(right - left, 1.55 * _HEIGHT) / 2.0
         view = Box(complex((left + right) / 2.0, 0.465 * _HEIGHT), half)
         sheet = Drawing("", (), (), {}, StoredFrames(()))
-        page = Page(sheet, view, _EM, [np.zeros(1, complex)])
+        page = Page(Subject(sheet, [np.zeros(1, complex)]), view, _EM)
         zero, corner = self.at(self.start, 0.0), self.at(self.start, self.low)
         page.lines("value", [[zero, zero + _WIDTH]], 0.7)
         page.arrow("axis", corner, corner + 1.03 * _WIDTH)

@@ -8,7 +8,8 @@ from math import ceil
 
 import numpy as np
 
-from .page import TYPE, Page, Text
+from .items import TYPE, Text
+from .page import Page
 from .paper import Boxes
 
 _SIZE = 8.0 / TYPE  # of the text, em

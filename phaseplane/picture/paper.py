@@ -18,6 +18,8 @@ from phaseplane.constructions.storage import StoredFrames
 Points = npt.NDArray[np.complex128]
 Lengths = npt.NDArray[np.floating]
 Strip = Sequence[complex] | Points
+SEEN = 2e-4
+"""Distance of two points that are seen apart, m of paper."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,11 +14,15 @@ from phaseplane.constructions.storage import Frame
 from phaseplane.suspension.units import counted
 
 from . import dimensions
+from .curves import CURVES, draw_curves, draw_trails, words_at_end
+from .items import TYPE, Arrow
 from .letters import text_box
-from .page import CURVES, TYPE, Arrow, Page, words_at_end
+from .page import Page
 from .paper import Box, around, table
 from .quantities import Quantity
+from .step import draw_step, mark_events, write_letters
 from .styles import MOVING_POINT, style_of
+from .subject import Subject
 from .text import (
     event_text,
     format_time,
@@ -82,8 +86,8 @@ def arms_page(drawing: Drawing) -> Page:
     # room for the names beside the arms, and for the values below them
     low, high = arms.corners
     low, high = low - (0.5 + 1.6j) * em, high + (room + 0.5 + 1.6j) * em
-    page = Page(drawing, Box((low + high) / 2.0, (high - low) / 2.0), em)
-    page.curves(list(dict.fromkeys(c.role for c in curves)))
+    page = Page(Subject(drawing), Box((low + high) / 2.0, (high - low) / 2.0), em)
+    draw_curves(page, list(dict.fromkeys(c.role for c in curves)))
     return page
 
 
@@ -108,7 +112,7 @@ def story_of(
         frame = drawing.frames[index]
         for event in events_of(frame, drawing.planes):
             page = _page(stays, index)
-            page.events(index + 1)
+            mark_events(page, index + 1)
             happened = event_text(event)
             said = f"{step_head(drawing, frame)}\n\n# {markdown(happened)}"
             caption = f"{format_time(frame.time)}: {happened}"
@@ -116,8 +120,8 @@ def story_of(
         yield from staged(drawing, stays, arms, index)
     last = drawing.frames[-1]
     page = _page(stays, len(drawing.frames))
-    page.events()
-    page.dots("state", [motion[-1] for motion in stays.motions], 1.6)
+    mark_events(page)
+    page.dots("state", [motion[-1] for motion in stays.subject.motions], 1.6)
     read = readings_table((drawing.end or last).readings, quantities)
     count = len(drawing.frames)
     said = f"**The whole motion**: {counted(count, 'step')}. {_FURTHER}\n\n{read}"
@@ -208,17 +212,17 @@ def _introduction(drawing: Drawing) -> str:
 def _page(stays: Page, index: int) -> Page:
     """Return a page with the motion up to a step."""
     page = stays.following()
-    page.trails(index, 0.8, _VERTICES)
+    draw_trails(page, index, 0.8, _VERTICES)
     return page
 
 
 def _lettered(stays: Page, frame: Frame, index: int) -> Page:
     """Return a page with P and D of a step lettered, which keep their places through its stages."""
     page = _page(stays, index)
-    page.step(frame, repeated=True)
+    draw_step(page, frame, repeated=True)
     ring = 0.5 * _RING * style_of(MOVING_POINT[0]).size / TYPE * stays.em * (1 + 1j)
     page.taken += [Box(frame.points[plane.state], ring) for plane in stays.drawing.planes]
-    page.letters(frame, _kept(stays.drawing, frame, len(_stages(stays.drawing, frame))))
+    write_letters(page, frame, _kept(stays.drawing, frame, len(_stages(stays.drawing, frame))))
     return page
 
 
@@ -238,7 +242,7 @@ def _tick(
     frame = drawing.frames[index]
     scheme = drawing.schemes[frame.scheme]
     page = _page(stays, index)
-    page.step(frame, stage=stage, repeated=True)
+    draw_step(page, frame, stage=stage, repeated=True)
     states = [frame.points[plane.state] for plane in drawing.planes]
     arrives = any(mark.stage == stage and mark.role == "successor" for mark in scheme.marks)
     for role in MOVING_POINT[2 if arrives else 0 :]:  # the ring would hide a short step
@@ -251,7 +255,7 @@ def _tick(
     page.items += [a for a in lettered.of(Arrow) if a.start in [letter.point for letter in drawn]]
     new = [m for m in scheme.marks if m.stage == stage and typeset(m.label) not in kept]
     fresh = lettered.following()
-    fresh.letters(frame, new)
+    write_letters(fresh, frame, new)
     for letter in fresh.texts:
         page.put(letter)
     page.items += fresh.of(Arrow)
@@ -262,7 +266,7 @@ def _tick(
             d, p = frame.points[plane.foot], frame.points[plane.state]
             dimensions.angle(page, d, p, turn, "", 0.4)
     beside = arms.following()
-    beside.step(frame, stage=stage, turn=True, sheet=False)
+    draw_step(beside, frame, stage=stage, turn=True, sheet=False)
     beside.items = [item for item in beside.items if getattr(item, "role", "") == "arc"]
     said = f"{step_head(drawing, frame)}\n\n{protocol(drawing, frame, stage, stays.units)}"
     caption = f"Step {frame.step}, {stage + 1} of {len(scheme.stages)}: " + typeset(

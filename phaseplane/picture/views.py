@@ -9,9 +9,11 @@ import numpy as np
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.storage import Frame, StoredFrames
 
+from .axes import graduation_of
+from .curves import CURVES
 from .layers import is_main
-from .page import CURVES, graduation_of, motions_of, reach_of
 from .paper import Box, Lengths, Points, around, bounds, columns, corners, table
+from .subject import motions_of, reach_of
 
 _NAME = 0.16  # room for the name of an axis, as a fraction of the sheet's height
 _FEET = 0.1  # share of the feet at either end that may be out of view

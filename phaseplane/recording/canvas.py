@@ -11,7 +11,8 @@ import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.picture.canvas import Canvas
-from phaseplane.picture.page import Arrow, Dots, Lines, Page
+from phaseplane.picture.items import Arrow, Dots, Lines
+from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Points, Strip
 from phaseplane.picture.styles import style_of
 

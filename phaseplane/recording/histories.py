@@ -11,10 +11,10 @@ import rerun as rr
 
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.storage import StoredFrames
-from phaseplane.picture.page import motions_of, reach_of
 from phaseplane.picture.paper import readings
 from phaseplane.picture.quantities import QUANTITIES, RADIANS, Quantity, quantity_of, read_off
 from phaseplane.picture.styles import hue_of
+from phaseplane.picture.subject import motions_of, reach_of
 from phaseplane.picture.text import in_words
 
 from .columns import Clock, Reals, colours, legible, rgba, seconds

@@ -12,9 +12,12 @@ import rerun as rr
 
 from phaseplane.constructions.primitives import Axis, Drawing, Plane
 from phaseplane.constructions.storage import StoredFrames
-from phaseplane.picture.page import Page, motions_of
+from phaseplane.picture.axes import draw_axes
+from phaseplane.picture.curves import draw_curves
+from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, Points, around
 from phaseplane.picture.quantities import quantity_of, rate_of
+from phaseplane.picture.subject import Subject, motions_of
 from phaseplane.picture.text import in_words
 from phaseplane.picture.views import views_of
 
@@ -148,9 +151,10 @@ def pages_of(content: Content) -> list[Page]:
         drawing = Drawing(content.title, tuple(p.plane for p in planes), (), {}, StoredFrames(()))
     high = _HEIGHT * SHEET_SHARE / (SHEET_SHARE + lanes_share(content)) - _BAR
     views = [_fitted(view, _WIDTH / high) for view in (views if len(views) > 2 else views[:1])]
-    pages = [Page(drawing, v, 2.0 * v.half.imag * _TYPE / high, motions) for v in views]
-    pages[0].axes_of_planes()
-    pages[0].curves()
+    subject = Subject(drawing, motions)
+    pages = [Page(subject, v, 2.0 * v.half.imag * _TYPE / high) for v in views]
+    draw_axes(pages[0])
+    draw_curves(pages[0])
     return pages
 
 

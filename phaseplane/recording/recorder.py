@@ -146,7 +146,7 @@ class Recorder:
         for start in range(first, last, SLICE):
             end = min(last, start + SLICE)
             if self.content.constructed is not None:
-                for plane, way in zip(drawing.planes, self.pages[0].ways, strict=True):
+                for plane, way in zip(drawing.planes, self.pages[0].subject.ways, strict=True):
                     self.sheet.curve(plane.name, "trail", way[start:end], start, self.clock.columns)
                 send_here(self.recording, drawing, self.clock, start, end)
                 send_events(self.recording, drawing, self.clock, start, end)

@@ -14,9 +14,10 @@ from phaseplane.constructions.sheet import events_of
 from phaseplane.constructions.storage import Frame
 from phaseplane.picture.layers import Layer, is_main, layers_of
 from phaseplane.picture.letters import text_box
-from phaseplane.picture.page import MOST_LETTERED, Page
+from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, Boxes, Points, table
 from phaseplane.picture.quantities import Quantity
+from phaseplane.picture.step import MOST_LETTERED
 from phaseplane.picture.styles import MOVING_POINT, style_of
 from phaseplane.picture.text import LETTER_OF_EVENT, step_text, typeset
 

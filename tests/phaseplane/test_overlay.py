@@ -11,7 +11,8 @@ from worked_example import STEP, ap57, by_scipy, column
 from phaseplane.constructions import compare_with_motion, construct_motion, overlay
 from phaseplane.figures.canvas import new_page
 from phaseplane.figures.style import Look
-from phaseplane.picture.page import Dots
+from phaseplane.picture.curves import draw_missed
+from phaseplane.picture.items import Dots
 from phaseplane.picture.views import view_of
 
 
@@ -120,7 +121,7 @@ def test_steps_over_a_motion_read_off_by_hand_are_drawn_where_they_miss_its_next
 
     def missed(drawing):
         page = new_page(drawing, view_of(drawing, [drawing.frames[0]], turn=False), Look())
-        page.missed()
+        draw_missed(page)
         return [z for dots in page.of(Dots) for z in dots.points]
 
     assert not missed(made)

@@ -25,11 +25,13 @@ from recorded import (
 from worked_example import ap57
 
 from phaseplane.constructions import Axis, Curve, EquationPlane, Mark, construct_motion, delta
-from phaseplane.picture import page
+from phaseplane.picture import subject
+from phaseplane.picture.axes import graduation_of
 from phaseplane.picture.canvas import Canvas
 from phaseplane.picture.chart import Chart, part_of
+from phaseplane.picture.items import Arrow, Dots, Lines, Text
 from phaseplane.picture.letters import NEAR, place, text_box
-from phaseplane.picture.page import Arrow, Dots, Lines, Page, Text, graduation_of
+from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, arcs, around, telling_vertices
 from phaseplane.picture.quantities import QUANTITIES, display_unit, unit_text
 from phaseplane.picture.story import arms_page, story_of, told_steps
@@ -238,8 +240,8 @@ def test_a_column_has_the_same_hue_in_the_chart_and_in_the_plots(name: str, numb
 
 def test_a_story_computes_the_ways_of_its_motion_once(monkeypatch: pytest.MonkeyPatch) -> None:
     computed: list[object] = []
-    ways = page.paths_of
-    monkeypatch.setattr(page, "paths_of", lambda *of: (computed.append(1), ways(*of))[1])
+    ways = subject.paths_of
+    monkeypatch.setattr(subject, "paths_of", lambda *of: (computed.append(1), ways(*of))[1])
     stays = pages_of(content())[0]
     ticks = list(story_of(drawing(), stays, stays.following(), {}))
     assert len(ticks) > 20
@@ -261,7 +263,7 @@ def test_a_long_motion_stays_smooth_in_a_story() -> None:
     made = construct_motion(spring, delta, step=0.5, steps=1000)
     stays = pages_of(Content("spring", made))[0]
     *_, last = story_of(made, stays, arms_page(made), {}, (5,))
-    radius = abs(stays.motions[0][0])
+    radius = abs(stays.subject.motions[0][0])
     past, recent = (s for i in last.page.of(Lines) if i.role == "trail" for s in i.strips)
     for strip, close in ((past, 0.06), (recent, 0.02)):
         assert max(abs(radius - abs(np.add(strip[1:], strip[:-1]) / 2.0))) < close * stays.em

@@ -11,7 +11,7 @@ import pytest
 from recorded import Recorded, content, drawing, paper
 
 from phaseplane.constructions import EquationPlane, construct_motion, delta
-from phaseplane.picture.page import Arrow
+from phaseplane.picture.items import Arrow
 from phaseplane.picture.paper import Box
 from phaseplane.recording import VIEWS, AxleView, Content, Vehicle, record
 from phaseplane.recording.lanes import SHEET_SHARE, lanes_share

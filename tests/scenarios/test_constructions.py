@@ -33,6 +33,7 @@ from phaseplane.constructions import RULES, QuarterCarPlanes, construct_motion
 from phaseplane.equations import Formula
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
+from phaseplane.picture.subject import Subject
 
 SETTINGS = {"rule": "delta", "step": 0.001}
 MODELS = {
@@ -150,8 +151,8 @@ def test_over_a_run_the_curve_goes_through_its_rows_between_the_steps() -> None:
     rows = {name: np.asarray(column) for name, column in columns.items()} | {"time": times}
     drawing = overlay_run(rows, "OneDof", parameters, {**SETTINGS, "step": 0.02})
     (plane,) = drawing.planes
-    page = Page(drawing, Box(0j, 1 + 1j), 0.01)
-    (way,) = page.ways
+    page = Page(Subject(drawing), Box(0j, 1 + 1j), 0.01)
+    (way,) = page.subject.ways
     assert way.shape == (20, 21)
     read = [plane.displacement.read(z) for z in way.ravel()]
     wanted = np.lib.stride_tricks.sliding_window_view(rows[names[0]], 21)[::20].ravel()

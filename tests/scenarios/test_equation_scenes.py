@@ -20,7 +20,7 @@ from phaseplane.scenarios.scene.loading import load_scene
 
 from phaseplane import figures
 from phaseplane.constructions.sheet import state_point
-from phaseplane.picture.page import motions_of, paths_of
+from phaseplane.picture.subject import motions_of, paths_of
 from phaseplane.picture.text import MINUS
 
 PENDULUM = """

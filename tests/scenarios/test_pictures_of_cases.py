@@ -22,8 +22,10 @@ from phaseplane.constructions.primitives import Drawing
 from phaseplane.figures.canvas import new_page
 from phaseplane.figures.planes import step_page
 from phaseplane.figures.style import PLAIN
+from phaseplane.picture.items import Arrow
 from phaseplane.picture.letters import NEAR
-from phaseplane.picture.page import Arrow, Page
+from phaseplane.picture.page import Page
+from phaseplane.picture.step import mark_events, write_letters
 from phaseplane.picture.story import FEWEST, MOST, arms_page, story_of, told_steps
 from phaseplane.picture.text import step_text, typeset
 from phaseplane.picture.views import frame_at
@@ -95,8 +97,8 @@ def check_letters(page: Page, stays: Page | None = None) -> None:
 def test_letters_are_legible_and_the_sheet_fills_its_pane(name: str) -> None:
     drawing = drawing_of(name)
     page = step_page(drawing, frame_at(drawing, None), PLAIN)
-    page.events()
-    page.letters(frame_at(drawing, None))
+    mark_events(page)
+    write_letters(page, frame_at(drawing, None))
     check_letters(page)
 
     stays, *_ = pages_of(Content(name, drawing))
@@ -108,12 +110,13 @@ def test_letters_are_legible_and_the_sheet_fills_its_pane(name: str) -> None:
         check_letters(tick.page, stays)
         assert "?" not in legible(tick.text)  # a character that the viewer cannot show
     others = [np.array(c.vertices) for c in drawing.curves if c.role == "trail"]
-    motion = np.concatenate(stays.motions + others)
+    motion = np.concatenate(stays.subject.motions + others)
     curves = complex(np.ptp(motion.real), np.ptp(motion.imag))
     between = [
         (max(0.0, *(lower - b).imag) - min(0.0, *(upper - a).imag)) / (a - b).imag
         for (a, upper), (b, lower) in pairwise(
-            (p.displacement.origin, m) for p, m in zip(drawing.planes, stays.motions, strict=True)
+            (p.displacement.origin, m)
+            for p, m in zip(drawing.planes, stays.subject.motions, strict=True)
         )
         if (a - b).imag > 0.0101  # the least distance
     ]
@@ -168,7 +171,7 @@ def test_a_motion_that_goes_round_leaves_room_for_the_construction() -> None:
     """Example 23 has a start from which the pendulum turns over six times, to 40 rad."""
     drawing = drawing_of("h83_example23", 6.0)
     stays, *_ = pages_of(Content("example 23", drawing))
-    (motion,) = stays.motions
+    (motion,) = stays.subject.motions
     assert np.ptp(motion.imag) > 0.3 * 2.0 * stays.view.half.imag
     axis = drawing.planes[0].displacement
     values = [t.text for t in stays.texts if t.role == "value" and t.centre.imag < axis.origin.imag]
@@ -220,7 +223,7 @@ def test_no_line_strikes_the_name_of_an_axis(name: str) -> None:
 def test_the_name_of_an_axis_keeps_clear_of_the_motion() -> None:
     drawing = drawing_of("end_stop_impact", 2.0)
     page, *_ = pages_of(Content("end_stop_impact", drawing, readings(drawing)))
-    for text, motion in product((t for t in page.texts if t.kind == "name"), page.motions):
+    for text, motion in product((t for t in page.texts if t.kind == "name"), page.subject.motions):
         box = text.box(page.em)
         assert not any(box.holds(z) for z in motion), text.text
 
@@ -229,7 +232,7 @@ def test_the_name_of_an_axis_keeps_clear_of_the_motion() -> None:
 def test_planes_do_not_overlap(name: str) -> None:
     drawing = drawing_of(name)
     page = new_page(drawing, pages_of(Content(name, drawing))[0].view, PLAIN)
-    spans = [(m.imag.min(), m.imag.max()) for m in page.motions]
+    spans = [(m.imag.min(), m.imag.max()) for m in page.subject.motions]
     for (low, high), (other_low, other_high) in combinations(spans, 2):
         assert high <= other_low or other_high <= low
 
@@ -239,7 +242,7 @@ def test_small_motions_are_not_lost_on_the_sheet(name: str) -> None:
     """Each curve takes up a tenth of the height, however large the paper of 1957 was."""
     drawing = drawing_of(name)
     stays, *_ = pages_of(Content(name, drawing))
-    for motion in stays.motions:
+    for motion in stays.subject.motions:
         assert np.ptp(motion.imag) >= 0.1 * 2.0 * stays.view.half.imag
 
 

@@ -1,0 +1,171 @@
+"""The axes of the planes, with their ticks, values and names."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import ceil, floor
+
+import numpy as np
+
+from phaseplane.constructions.primitives import Axis, Plane
+from phaseplane.constructions.sheet import round_step
+
+from .items import TYPE, Lines, Text, value_text
+from .letters import text_box
+from .page import Page
+from .paper import Boxes, Points
+from .quantities import display_unit
+from .subject import reach_of
+from .text import bracketed, number, typeset
+
+_BESIDE = (0.0, 1.2, -1.2, 2.4, -2.4, 3.6, -3.6, 4.8, -4.8)  # places of the name of an axis, em
+_WIDEST = 0.27  # part of the width that the name of an axis may take up
+
+
+@dataclass(frozen=True, slots=True)
+class Graduation:
+    """Ticks of an axis in its own unit, the display unit, and the number of these in its own."""
+
+    values: list[float]
+    unit: str
+    factor: float
+
+
+def graduation_of(axis: Axis, motion: Points, least: float = 0.0) -> Graduation:
+    """Return round values over the range of the motion, at least `least` m of paper apart."""
+    low, high = reach_of(axis, motion)
+    unit, factor = display_unit(axis.unit, high - low)
+    span = max((high - low) / 6.0, least / axis.scale) * factor
+    interval = round_step(span or 1.0, 1)
+    first, last = ceil(low * factor / interval - 0.6), floor(high * factor / interval + 0.6)
+    values = [i * interval / factor for i in range(first, last + 1) if i]
+    return Graduation(values, unit, factor)
+
+
+def draw_axes(page: Page) -> None:
+    """Draw the axes with arrows, ticks, values and names."""
+    known = [
+        (plane, motion, graduation_of(plane.displacement, motion, 2.2 * page.em),
+         graduation_of(plane.scaled_velocity, motion, 1.5 * page.em))
+        for plane in page.drawing.planes for motion in (page.motion(plane),)
+    ]  # fmt: skip
+    for plane, motion, _, up in known if _in_columns(page) else ():
+        words = plane.name.split("_")
+        centre = _upright(page, plane, motion, up)[1] + 1.0j * page.em
+        page.write(Text("axis", " ".join(words[:-1] or words), centre, kind="name"))
+    values: list[Text] = []
+    for plane, motion, along, up in known:
+        values += _vertical(page, plane, motion, up)
+        values += _horizontal(page, plane, along)
+    for text in values:
+        page.write_if_free(text)
+
+
+def draw_y_axis(page: Page, plane: Plane) -> None:
+    """Draw only the y axis, across a view that may not contain the origin."""
+    axis, reach_of_view = plane.displacement, page.view.half.real - 0.5 * page.em
+    sense = axis.direction.real
+    middle = complex(page.view.centre.real, axis.origin.imag)
+    tip = middle + sense * reach_of_view
+    page.arrow("axis", middle - sense * reach_of_view, tip)
+    _name(page, tip - 1.0j * page.em, typeset(axis.label), sense)
+
+
+def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> list[Text]:
+    """Draw the y axis across the whole view, because feet of normals are far out on it."""
+    axis, em = plane.displacement, page.em
+    sense = axis.direction.real
+    ends = _room(page, plane)[:: 1 if sense > 0.0 else -1]
+    start, tip = (complex(x, axis.origin.imag) for x in ends)
+    page.arrow("axis", start, tip)
+    _ticks(page, axis, graduation, 0.35j * em)
+    # one word per line, to keep clear of the motion
+    rows = plane.name.split("_")
+    label = f"{typeset(axis.label)}{bracketed(graduation.unit)}".strip()
+    name = "\n".join(rows) + f" {label}"
+    if _in_columns(page) or text_box(0j, name, em).half.real > _WIDEST * page.view.half.real:
+        name, rows = label, rows[:1]
+    _name(page, tip + (0.6 + 0.6 * len(rows)) * 1j * em, name, sense)
+    return [
+        value_text(axis.at(v) - 1.0j * em, number(v * graduation.factor)) for v in graduation.values
+    ]
+
+
+def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) -> list[Text]:
+    """Draw the y-bar axis only over the range of the motion, to keep clear of other planes."""
+    axis, em = plane.scaled_velocity, page.em
+    start, tip = _upright(page, plane, motion, graduation)
+    below = [v for v in graduation.values if axis.at(v).imag < tip.imag - 0.7 * em]
+    graduation = replace(graduation, values=below)  # clear of the arrow
+    page.arrow("axis", start, tip)
+    _ticks(page, axis, graduation, 0.35 * em)
+    # on the side of the axis away from the motion
+    side = -1.0 if (motion - axis.origin).real.sum() > 0.0 else 1.0
+    name = f"{typeset(axis.label)}{bracketed(graduation.unit)}"
+    if _in_columns(page):
+        name = bracketed(graduation.unit).strip()
+    _name(page, tip + side * 0.8 * em - 0.2j * em, name, -side)
+    texts = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
+    return [value_text(z + side * (0.7 + 0.2 * len(t)) * em, t) for z, t in texts]
+
+
+def _upright(
+    page: Page, plane: Plane, motion: Points, graduation: Graduation
+) -> tuple[complex, complex]:
+    """Return the ends of the y-bar axis; its tip is in view."""
+    axis = plane.scaled_velocity
+    ends = [0.0, *graduation.values, *reach_of(axis, motion)]
+    start, tip = axis.at(min(ends)) - 0.8j * page.em, axis.at(max(ends)) + 1.6j * page.em
+    above = 1.8 if _in_columns(page) else 0.2  # room for the name of the plane
+    highest = page.view.centre.imag + page.view.half.imag - above * page.em
+    return start, complex(tip.real, min(tip.imag, max(highest, start.imag)))
+
+
+def _in_columns(page: Page) -> bool:
+    """Whether there are planes beside each other; their names then stand above them."""
+    return len({plane.displacement.origin.real for plane in page.drawing.planes}) > 1
+
+
+def _room(page: Page, plane: Plane) -> tuple[float, float]:
+    """Return the ends of a y axis: those of the view, or halfway to the planes beside it."""
+    origin = plane.displacement.origin
+    places = [p.displacement.origin for p in page.drawing.planes]
+    ends = [(z.real + origin.real) / 2.0 for z in places if z.imag == origin.imag]
+    low, high = (z.real for z in page.view.grown(-0.5 * page.em).corners)
+    return (
+        max([low, *(x + page.em for x in ends if x < origin.real)]),
+        min([high, *(x - page.em for x in ends if x > origin.real)]),
+    )
+
+
+def _name(page: Page, edge: complex, name: str, sense: float) -> None:
+    """Write the name of an axis, ending (sense > 0) or beginning at the edge of the view.
+
+    It avoids the axes, and lines I and II, which may be close to them, and the motion if it can.
+    """
+    text = Text("axis", name, edge, 8.5 / TYPE, "name")
+    half = text.box(page.em).half
+    low, high = page.view.grown(-0.3 * page.em).corners
+    x = min(max(edge.real - sense * half.real, low.real + half.real), high.real - half.real)
+    places = [(back, up) for back in (0.0, 1.0, 2.0, -3.0) for up in _BESIDE]
+    centres = [
+        complex(x - back * sense * half.real, edge.imag + up * page.em) for back, up in places
+    ]
+    lines = [(c.vertices[0], c.vertices[-1]) for c in page.drawing.curves if c.role == "line"]
+    ends = np.concatenate([page.segments, np.array(lines, complex).reshape(-1, 2)])
+    boxes = Boxes(np.array(centres)[:, None], np.array(half))
+    ways = np.concatenate([np.stack([z[:-1], z[1:]], 1) for z in page.subject.motions])
+    struck, crossed = (
+        boxes.inside(z[:, 0], z[:, 1]).sum(axis=1) > 0.0
+        for z in (ends, ways if len(page.drawing.frames) else ways[:0])
+    )
+    for i in np.argsort(2 * struck + crossed, kind="stable"):
+        if page.write_if_free(replace(text, centre=centres[i])):
+            return
+
+
+def _ticks(page: Page, axis: Axis, graduation: Graduation, half: complex) -> None:
+    places = [axis.at(value) for value in graduation.values]
+    strips = tuple((z - half, z + half) for z in places if page.view.holds(z))
+    if strips:
+        page.items.append(Lines("axis", strips, 0.9))

@@ -1,0 +1,137 @@
+"""The fixed curves of a sheet with their labels, and the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from phaseplane.constructions.primitives import Curve, Plane
+
+from .items import VALUE, Arrow, Text, value_text
+from .page import Page
+from .paper import SEEN, Boxes, Strip, arcs, columns, telling_vertices
+from .subject import centre_of, joined
+from .text import MINUS, level_text, typeset
+
+CURVES = ("auxiliary", "line", "shortcut", "trail")
+"""The roles of the curves that belong to the planes, and not to the turn angles; a trail is one from
+another start."""
+_PLACES = 12  # for the label of a curve on each of its segments
+_STRAIGHT = 0.01  # em: how far a thinned curve may be from the whole one
+_RECENT = 200  # steps of a long motion that are drawn in full
+
+
+def draw_curves(page: Page, roles: Sequence[str] | None = CURVES) -> None:
+    """Draw the fixed curves of the given roles, or of all, with their labels."""
+    chosen = [c for c in page.drawing.curves if roles is None or c.role in roles]
+    for curve in chosen:  # motions from other starts recede behind the one that is drawn
+        page.lines(curve.role, [curve.vertices], 0.6 if curve.role == "trail" else 1.0)
+    for curve in reversed(chosen):  # the last value of an axis has its unit
+        if curve.role == "axis" and curve.label:
+            page.write_if_free(value_text(curve.vertices[-1] - 0.8j * page.em, curve.label))
+    highest = max((c.vertices[0].imag for c in chosen if c.role == "line"), default=0.0)
+    for curve in chosen:
+        if curve.role == "line":
+            _name_line(page, curve, above=curve.vertices[-1].imag == highest)
+        elif curve.role not in (*CURVES, "axis") and curve.label:
+            _name_at_end(page, curve, words_at_end(curve, chosen))
+    for curve in chosen:
+        if curve.role == "auxiliary" and curve.label:
+            _along(page, curve)
+        # further integral curves are named where they begin, since many of them end together
+        place = {"shortcut": -1, "trail": 0}.get(curve.role)
+        if place is not None and page.view.holds(curve.vertices[place]):
+            words = typeset(curve.label).replace("-", MINUS)
+            page.dots(curve.role, [curve.vertices[place]])
+            page.letter([(curve.vertices[place], words, curve.role)], VALUE)
+
+
+def _name_line(page: Page, curve: Curve, *, above: bool) -> None:
+    """Write the name of line I or II above or below it, as far right as no axis crosses it."""
+    end, side = curve.vertices[-1], 0.75j if above else -0.75j
+    low, high = (z.real for z in page.view.corners)
+    edge = min(high - 0.04 * (high - low), end.real - 0.5 * page.em)
+    arrows = [(arrow.start, arrow.tip) for arrow in page.of(Arrow) if arrow.role == "axis"]
+    axes = np.array(arrows, complex).reshape(-1, 2).T
+    for shift in range(0, 40, 2):
+        centre = complex(edge - shift * page.em, end.imag) + side * page.em
+        name = Text("line", typeset(curve.label), centre)
+        struck = Boxes(np.array(centre), np.array(name.box(page.em).half)).inside(*axes).any()
+        if not struck and page.write_if_free(name):
+            return
+
+
+def _name_at_end(page: Page, curve: Curve, words: str) -> None:
+    """Write words on the right of the end of a curve, or a little higher."""
+    name = Text(curve.role, words, 0j)
+    beside = curve.vertices[-1] + name.box(page.em).half.real + 0.5 * page.em
+    for up in (0.0, 0.4, 0.8, 1.2) if words else ():
+        if page.write_if_free(replace(name, centre=beside + up * 1j * page.em)):
+            return
+
+
+def words_at_end(curve: Curve, curves: Sequence[Curve]) -> str:
+    """Return the names of all curves of its role that end with a curve; empty if it is not the first."""
+    end = curve.vertices[-1]
+    near = 0.01 * abs(end - curve.vertices[0])
+    alike = [c for c in curves if c.role == curve.role and abs(c.vertices[-1] - end) <= near]
+    return ", ".join(typeset(c.label) for c in alike) if alike[0] is curve else ""
+
+
+def _along(page: Page, curve: Curve) -> None:
+    """Write the label of a curve on it, as near to its end as possible, if there is room."""
+    text = level_text(curve.label, *page.units[_plane_of(page, curve).name])
+    ends = np.asarray(curve.vertices, complex)
+    part = np.linspace(0.0, 1.0, _PLACES)[:, None]
+    places = ends[:-1] + part * (ends[1:] - ends[:-1])
+    for z in reversed(places.T.ravel().tolist()):
+        if page.write_if_free(Text("auxiliary", text, z, VALUE)):
+            return
+
+
+def _plane_of(page: Page, curve: Curve) -> Plane:
+    """Return the plane whose displacement a curve's label names, else the first."""
+    named = curve.label.partition(" =")[0]
+    planes = page.drawing.planes
+    return next((p for p in planes if p.displacement.label == named), planes[0])
+
+
+def draw_trails(
+    page: Page, steps: int | None = None, strength: float = 1.0, most: int | None = None
+) -> None:
+    """Draw the motion in all planes, up to a number of steps or to its end.
+
+    Parameters
+    ----------
+    most : vertices of each whole curve, which is thinned to them; default: all
+    """
+    known = min(map(len, page.subject.ways), default=0)
+    last = known if steps is None else min(steps, known)
+    since = last - _RECENT if last > 2 * _RECENT else 0
+    if since:  # a long motion would be a blot
+        past = page.subject.past(since, _STRAIGHT * page.em, most)
+        page.lines("trail", past, 0.4, 0.5 * strength)
+    recent = [joined(way[since:last]) for way in page.subject.ways if last]
+    if most:
+        recent = [z[telling_vertices(z, _STRAIGHT * page.em, len(z))] for z in recent]
+    page.lines("trail", recent, 1.0, strength)
+
+
+def draw_missed(page: Page) -> None:
+    """Draw the steps that miss the next state point, as those over a known motion do."""
+    for plane, motion in zip(page.drawing.planes, page.subject.motions, strict=True):
+        frames = page.drawing.frames[: len(motion) - 1]
+        end = columns(frames, [f"{plane.state}'"])[:, 0]
+        beside = np.flatnonzero(abs(end - motion[1:]) > SEEN)
+        strips: list[Strip] = []
+        for i in beside.tolist():
+            frame = frames[i]
+            centre = centre_of(page.drawing.schemes[frame.scheme], plane)
+            if centre:
+                strips.append(arcs(frame.points[centre], motion[i], end[i]))
+            else:
+                strips.append((motion[i], end[i]))
+        page.lines("arc", strips, 0.6)
+        page.dots("successor", end[beside].tolist(), 0.6)

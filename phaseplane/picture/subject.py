@@ -1,0 +1,122 @@
+"""What a picture shows: a construction with its motions, and what is computed of it once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from phaseplane.constructions.primitives import Axis, Drawing, Plane, Scheme
+from phaseplane.constructions.storage import Frame
+
+from .layers import Layer, layers_at
+from .paper import Points, arcs, columns, table, telling_vertices
+
+
+@dataclass
+class Subject:
+    """A construction and its motions, which all pages of it share.
+
+    Parameters
+    ----------
+    drawing : the construction
+    motions : the state points of each plane; default: those of the drawing
+    """
+
+    drawing: Drawing
+    motions: list[Points] = field(default_factory=list)
+    _few: list[tuple[Points, npt.NDArray[np.int64]]] = field(default_factory=list)
+    _last: list[tuple[Frame, list[Layer]]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Read the motions once."""
+        self.motions = self.motions or motions_of(self.drawing)
+
+    @cached_property
+    def ways(self) -> list[Points]:
+        """The way from each state point to the next in each plane, shape (steps, vertices)."""
+        known = [np.asarray(way, complex) for way in self.drawing.ways]
+        return known or paths_of(self.drawing, self.motions)
+
+    def past(self, steps: int, close: float, most: int | None) -> list[Points]:
+        """Return the motion in all planes over the first steps: parts of curves thinned once.
+
+        Parameters
+        ----------
+        close : m of paper by which a thinned curve may differ from the whole one
+        most : vertices of each whole curve; default: all
+        """
+        if most is None:
+            return [joined(way[:steps]) for way in self.ways]
+        if not self._few:
+            self._few += [(z, telling_vertices(z, close, most)) for z in map(joined, self.ways)]
+        ends = [steps * (way.shape[1] - 1) for way in self.ways]
+        return [
+            z[np.append(kept[kept < end], end)]
+            for end, (z, kept) in zip(ends, self._few, strict=True)
+        ]
+
+    def layers(self, frame: Frame) -> list[Layer]:
+        """Return the layers of a step; pages that follow each other draw the same one several times."""
+        if not self._last or self._last[0][0] != frame:
+            self._last[:] = [(frame, layers_at(self.drawing, frame))]
+        return self._last[0][1]
+
+
+def motions_of(drawing: Drawing) -> list[Points]:
+    """Return the state points of each plane, including the end of the motion if the last step has it."""
+    names = [plane.state for plane in drawing.planes]
+    states = table(drawing.frames, names)
+    ends = [f"{name}'" for name in names]
+    if all(name in drawing.frames[-1].points for name in ends):
+        states = np.concatenate([states, table(drawing.frames[-1:], ends)])
+    return list(states.T)
+
+
+def paths_of(drawing: Drawing, motions: Sequence[Points]) -> list[Points]:
+    """Return the way from each state point to the next, shape (steps, vertices): chords, or the arcs
+    on which the rule has stepped.
+    """
+    ways = []
+    for plane, motion in zip(drawing.planes, motions, strict=True):
+        ends = np.stack([motion[:-1], motion[1:]], 1)
+        schemes = drawing.frames.schemes[: len(ends)]
+        centres = {key: centre_of(scheme, plane) for key, scheme in drawing.schemes.items()}
+        if any(centres.values()) and len(ends):
+            names = sorted({*centres.values()} - {""})
+            of = columns(drawing.frames[: len(ends)], names)
+            places = [names.index(centres[key]) if centres[key] else 0 for key in schemes]
+            middle = of[np.arange(len(ends)), places]
+            middle[[not centres[key] for key in schemes]] = np.inf
+            swept = np.isfinite(middle) & (abs(middle - ends[:, 0]) < 1e3 * abs(np.ptp(ends)))
+            curved = arcs(*(np.where(swept, z, 0) for z in (middle, ends[:, 0], ends[:, 1])))
+            part = np.linspace(0.0, 1.0, curved.shape[1])
+            straight = ends[:, :1] + (ends[:, 1:] - ends[:, :1]) * part
+            # an arc that misses the next point is of a step that was cut short
+            missed = ends[:, 1] - curved[:, -1]
+            meets = abs(missed) < 0.02 * abs(ends[:, 1] - ends[:, 0])
+            curved = curved + missed[:, None] * part
+            ends = np.where((swept & meets)[:, None], curved, straight)
+        ways.append(ends)
+    return ways
+
+
+def centre_of(scheme: Scheme, plane: Plane) -> str:
+    """Return the centre of the arc on which a state point moves; empty if it moves on a line."""
+    ends = (plane.state, f"{plane.state}'")
+    return next((a.centre for a in scheme.arcs if (a.start, a.end) == ends), "")
+
+
+def reach_of(axis: Axis, motion: Points) -> tuple[float, float]:
+    """Return the smallest and largest value of a motion on an axis, always including zero."""
+    values = ((motion - axis.origin) * axis.direction.conjugate()).real / axis.scale
+    values = values[np.isfinite(values)]
+    return float(values.min(initial=0.0)), float(values.max(initial=0.0))
+
+
+def joined(way: Points) -> Points:
+    """Return the ways of several steps as one polyline."""
+    return np.append(way[:, :-1].ravel(), way[-1, -1])
