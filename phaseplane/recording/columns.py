@@ -100,8 +100,8 @@ class Clock:
         end = self.times[-1] * (1.0 + 1e-9) if len(self.times) else -np.inf
         inside = np.asarray(times <= end)
         if inside.any():
-            step = np.searchsorted(self.times, times[inside] - 1e-9)
-            numbers = self.steps[np.minimum(step, len(self.times) - 1)]
+            step = np.searchsorted(self.times, times[inside] + 1e-9, side="right") - 1
+            numbers = self.steps[np.maximum(step, 0)]
             yield inside, [seconds(times[inside]), rr.TimeColumn("step", sequence=numbers)]
         if not inside.all():
             yield ~inside, [seconds(times[~inside])]

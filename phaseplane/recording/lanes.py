@@ -11,7 +11,7 @@ import rerun as rr
 from phaseplane.picture.styles import GREEN, ORANGE, RED, Hue
 from phaseplane.picture.text import in_words
 
-from .columns import Clock, colours, rgba
+from .columns import Clock, Integers, Reals, colours, rgba
 from .content import Content
 
 LANES = "/lanes"
@@ -76,8 +76,20 @@ def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) ->
         for inside, columns in clock.within(times[new]):
             recording.send_columns(path, columns, _changes(active[new][inside]))
         if len(clock.ticks) and not content.live:
-            rows = np.searchsorted(times, clock.ticks * (1.0 + 1e-9), side="right") - 1
+            rows = _last_rows(times, clock)
             recording.send_columns(path, clock.staged(), _changes(active[np.maximum(rows, 0)]))
+
+
+def _last_rows(times: Reals, clock: Clock) -> Integers:
+    """Return the last row in the step of each tick of the story.
+
+    A step that begins at a switch begins before the first row after the switch.
+    """
+    steps = np.searchsorted(clock.times, clock.ticks * (1.0 + 1e-9), side="right")
+    ends = clock.times[np.minimum(steps, len(clock.times) - 1)]
+    begun = np.searchsorted(times, clock.ticks * (1.0 + 1e-9), side="right")
+    ended = np.searchsorted(times, ends * (1.0 - 1e-9), side="left")
+    return np.maximum(begun, ended) - 1
 
 
 def _changes(states: npt.NDArray[np.bool_]) -> Any:

@@ -125,17 +125,18 @@ def test_views_show_what_is_there(recorded: Recorded) -> None:
     assert {"/" + origin.split("/")[1] for origin in views.values()} - {"/"} <= paths
 
 
-def test_contact_has_a_lane_on_every_timeline(tmp_path: Path) -> None:
-    times = HISTORIES["time"]
+@pytest.mark.parametrize("late", [0.0, 0.0003])  # s from a step to the first row after it
+def test_contact_has_a_lane_on_every_timeline(tmp_path: Path, late: float) -> None:
+    times = HISTORIES["time"] + late
     flies = (times > 0.0624) & (times < 0.0999)
-    shown = replace(content(), histories={**HISTORIES, "airborne": flies})
+    shown = replace(content(), histories={**HISTORIES, "time": times, "airborne": flies})
     record(shown, tmp_path / "f.rrd")
     rows = Recorded(tmp_path / "f.rrd").rows["/lanes/wheel"]
     off = {
         name: [r[name] for r in rows if name in r and r["StateChange:state"] == ["loud"]]
         for name in ("t", "step", "stage")
     }
-    assert off["t"] == pytest.approx([0.0625])
+    assert off["t"] == pytest.approx([0.0625 + late])
     assert off["step"] == [25]
     told = pages_of(shown)[0]
     ticks = list(story_of(drawing(), told, arms_page(drawing()), {}))

@@ -328,7 +328,7 @@ def test_rounding_is_drawn_as_rest() -> None:
     pairs = (("x", "dx"), ("y", "dy"))
     upper, lower = pages_of(
         Content("two", histories={**still, **moving}, pairs=pairs, units=units)
-    )[0].motions
+    )[0].subject.motions
     assert abs(lower - lower[0]).max() < 1e-3 * abs(upper - upper[0]).max()
 
 
