@@ -5,6 +5,7 @@ from .marking import Mark as Mark
 from .marking import Marks as Marks
 from .marking import mark as mark
 from .pages import exercise_page as exercise_page
+from .pages import gathered as gathered
 from .pages import protocol_page as protocol_page
 from .pages import sheet_data as sheet_data
 from .protocol import Entry as Entry

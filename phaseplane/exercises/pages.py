@@ -33,7 +33,7 @@ def sheet_data(drawing: Drawing, steps: int | None = None) -> dict[str, Any]:
     ----------
     steps : the first so many; all if None
     """
-    drawing = _gathered(drawing, steps)
+    drawing = gathered(drawing, steps)
     frames = drawing.frames[:steps]
     entries = protocol(drawing, steps)
     return {
@@ -65,8 +65,13 @@ def sheet_data(drawing: Drawing, steps: int | None = None) -> dict[str, Any]:
     }
 
 
-def _gathered(drawing: Drawing, steps: int | None) -> Drawing:
-    """Return a drawing with its turn angles just below the planes, wherever they were."""
+def gathered(drawing: Drawing, steps: int | None = None) -> Drawing:
+    """Return a drawing with its turn angles just below the planes, wherever they were.
+
+    Parameters
+    ----------
+    steps : the first so many, below which they are; all if None
+    """
     frames = drawing.frames[:steps]
     turning = [z for c in drawing.curves if c.role in TURN for z in c.vertices]
     planes = [z for frame in frames for name, z in frame.points.items() if name[0] in _LOWEST] + [

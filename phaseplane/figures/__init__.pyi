@@ -5,8 +5,8 @@ from .columns import plane_of_columns as plane_of_columns
 from .columns import runs as runs
 from .exercise import Filled as Filled
 from .exercise import exercise_sheet as exercise_sheet
-from .exercise import sheet_extent as sheet_extent
 from .exercise import sheet_room as sheet_room
+from .exercise import sheet_view as sheet_view
 from .histories import axle_histories as axle_histories
 from .histories import has_histories as has_histories
 from .histories import time_histories as time_histories

@@ -177,9 +177,9 @@ def _drawn(scene: Scene, settings: Mapping[str, Any], duration: float) -> Drawin
 
 
 def _fits(drawing: Drawing, paper: str) -> bool:
-    low, high = figures.sheet_extent(exercises.sheet_data(drawing), _seen(drawing))
-    width, height = figures.sheet_room(paper, len(drawing.instants))
-    return bool(high[0] - low[0] <= width and high[1] - low[1] <= height) and _clear(drawing)
+    size = 2.0 * figures.sheet_view(exercises.gathered(drawing)).half
+    room = figures.sheet_room(paper, len(drawing.instants))
+    return size.real <= room.real and size.imag <= room.imag and _clear(drawing)
 
 
 def _clear(drawing: Drawing) -> bool:
@@ -191,16 +191,6 @@ def _clear(drawing: Drawing) -> bool:
     ]
     ordered = sorted(heights, key=max, reverse=True)
     return all(min(upper) - max(lower) >= _CLEAR for upper, lower in pairwise(ordered))
-
-
-def _seen(drawing: Drawing) -> list[list[float]]:
-    """Return the points that a sheet must have room for, cm."""
-    return [
-        _cm(z)
-        for frame in drawing.frames
-        for name, z in frame.points.items()
-        if name.startswith(("P", "D", "A", "C", "H")) and "~" not in name
-    ]
 
 
 def write_sheets(made: Exercise, folder: Path) -> list[Path]:
@@ -305,15 +295,10 @@ def write_marked_sheet(made: Exercise, summary: Mapping[str, Any], path: Path) -
     figures.save(_sheet(made, solved=True, read=read), path)
 
 
-def _paper(plane: Plane, y: float, y_bar: float) -> list[float]:
+def _paper(plane: Plane, y: float, y_bar: float) -> complex:
     factor, _ = display(plane.displacement)
     up = plane.scaled_velocity.direction * plane.scaled_velocity.scale
-    return _cm(plane.displacement.at(y / factor) + up * y_bar / factor)
-
-
-def _cm(z: complex) -> list[float]:
-    """Return a point of paper in cm."""
-    return [100.0 * z.real, 100.0 * z.imag]
+    return plane.displacement.at(y / factor) + up * y_bar / factor
 
 
 def _values(made: Exercise, states: Sequence[complex]) -> list[tuple[float, float]]:
@@ -326,9 +311,7 @@ def _values(made: Exercise, states: Sequence[complex]) -> list[tuple[float, floa
     return found
 
 
-def _sheet(
-    made: Exercise, *, solved: bool, read: Sequence[tuple[list[list[float]], bool]] = ()
-) -> Any:
+def _sheet(made: Exercise, *, solved: bool, read: Sequence[tuple[list[complex], bool]] = ()) -> Any:
     drawing = made.drawing
     planes, instants = drawing.planes, drawing.instants
     rows = []
@@ -345,15 +328,11 @@ def _sheet(
         rows.append([str(frame.step), f"{frame.time:.4g}", *cells, *feet])
     head = [lettered(name) for name in exercises.columns(planes)]
     head = [head[0], "t [s]", *head[1:]]
-    shown = instants if solved else instants[:1]
-    points = [[_cm(f.points[p.state]) for f in shown] for p in planes]
-    feet_at = [[_cm(f.points[p.foot]) for f in shown if solved] for p in planes]
     scale = ", ".join(_format_scale(p) for p in planes)
     right = sum(is_right for _, is_right in read)
     told = f"{right} of {len(read)} points right (green crosses; the others are red)"
     return figures.exercise_sheet(
-        exercises.sheet_data(drawing),
-        _seen(drawing),
+        exercises.gathered(drawing),
         paper=made.paper,
         title=("Marking sheet: " if solved else "") + (made.scene.title or made.scene.name),
         lines=[
@@ -364,7 +343,7 @@ def _sheet(
             *([told] if read else []),
         ],
         head=head,
-        filled=figures.Filled(rows, points, feet_at, read),
+        filled=figures.Filled(rows, solved, read),
     )  # fmt: skip
 
 

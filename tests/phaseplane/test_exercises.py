@@ -40,7 +40,6 @@ from phaseplane.exercises.letters import lettered
 from phaseplane.exercises.marking import METHOD, READING, RIGHT
 from phaseplane.exercises.readings import Reading
 from phaseplane.figures.exercise import Filled, exercise_sheet
-from phaseplane.figures.style import BLUE
 
 DELTA = rule_named("delta")
 STEP = 0.15
@@ -176,16 +175,27 @@ def test_marking_sheets_and_pages_draw_the_arcs_of_the_steps():
     """x'' + x = 0: the steps are arcs about the origin, not chords."""
     plane = EquationPlane(lambda v, x, t: x, initial_displacement=2.0)
     drawing = construct_motion(plane, DELTA, step=0.5, steps=6)
-    sheet = sheet_data(drawing)
-    points = [[step["state"][0] for step in sheet["steps"]]]
-    figure = exercise_sheet(sheet, points[0], head=["point"], filled=Filled([["0"]] * 6, points))
-    drawn = max(
-        (line.get_xydata() for line in figure.axes[0].lines if line.get_color() == BLUE), key=len
-    )
+    figure = exercise_sheet(drawing, head=["point"], filled=Filled([["0"]] * 6, solved=True))
+    (trail,) = (lines for lines in figure.axes[0].collections if lines.get_gid() == "trail")
+    (drawn,) = (path.vertices for path in trail.get_paths())
     assert len(drawn) > 5 * 4
-    centre = drawn[0] - [100.0 * 2.0 * plane.scale, 0.0]
-    assert np.hypot(*(drawn - centre).T) == pytest.approx(200.0 * plane.scale, rel=1e-3)
-    assert drawn.tolist()[-1] == pytest.approx((points[0][5] + drawn[0] - points[0][0]).tolist())
+    centre = drawn[0] - [2.0 * plane.scale, 0.0]
+    assert np.hypot(*(drawn - centre).T) == pytest.approx(2.0 * plane.scale, rel=1e-3)
+    end = drawing.instants[-1].points[drawing.planes[0].state]
+    assert complex(*drawn[-1]) == pytest.approx(end)
+    (way,) = sheet_data(drawing)["steps"][0]["ways"]
+    assert len(way) > 4
+
+
+def test_a_sheet_is_at_true_scale_and_gives_nothing_away():
+    drawing = construct_motion(plane_of("(x^2 - 1)*v + x"), DELTA, step=STEP, steps=4)
+    figure = exercise_sheet(drawing, head=["point"], filled=Filled([["0"]] * 4, solved=False))
+    axes = figure.axes[0]
+    width = axes.get_position().width * figure.get_figwidth() * 0.0254
+    assert width == pytest.approx(np.ptp(axes.get_xlim()), rel=1e-3)
+    drawn = {artist.get_gid() for artist in (*axes.collections, *axes.lines)}
+    assert {"auxiliary", "state"} < drawn
+    assert not drawn & {"trail", "normal"}
 
 
 def test_pages_carry_the_construction_and_an_exercise_not_its_solution():
