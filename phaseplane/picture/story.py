@@ -253,7 +253,14 @@ def _tick(
         page.put(letter)
     # at the rim, to what is out of view
     page.items += [a for a in lettered.of(Arrow) if a.start in [letter.point for letter in drawn]]
-    new = [m for m in scheme.marks if m.stage == stage and typeset(m.label) not in kept]
+    # the letters of points from which this stage is drawn return for it
+    used = {arc.centre for arc in scheme.arcs if arc.stage == stage}
+    used |= {z for s in scheme.strokes if s.stage == stage for z in (s.start, s.end)}
+    new = [
+        m
+        for m in scheme.marks
+        if (m.stage == stage or m.point in used) and typeset(m.label) not in kept
+    ]
     fresh = lettered.following()
     write_letters(fresh, frame, new)
     for letter in fresh.texts:

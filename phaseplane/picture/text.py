@@ -164,7 +164,7 @@ def _table_form(
     columns = [i for i in range(4) if any(row[i] for row in rows)]
     heads = [next(units[row[i]] for row in rows if all(row[:i])) for i in columns]
     if 3 in columns:
-        heads[-1] = "drift"
+        heads[-1] = f"drift, {heads[0]}".rstrip(", ")
     lines = []
     for row in rows:
         cells = [

@@ -33,7 +33,7 @@ from phaseplane.picture.items import Arrow, Dots, Lines, Text
 from phaseplane.picture.letters import NEAR, place, text_box
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, arcs, around, telling_vertices
-from phaseplane.picture.quantities import QUANTITIES, display_unit, unit_text
+from phaseplane.picture.quantities import QUANTITIES, display_unit, quantity_of, unit_text
 from phaseplane.picture.story import arms_page, story_of, told_steps
 from phaseplane.picture.styles import (
     INK,
@@ -295,6 +295,18 @@ def test_the_letters_of_a_stage_leave_its_moving_points_free() -> None:
             assert abs(text.box(stays.em).nearest(ring) - ring) > 0.5 * stays.em, text.text
 
 
+@pytest.mark.parametrize(
+    ("words", "letters"),
+    [("cuts line I", "A₁* B₂ C₁ C₂ Q₁ Q₂ D₁ D₂"), ("turned about Dₘ", "Dₘ₁ Dₘ₂ P₁ P₂ P₁′ P₂′")],
+)
+def test_a_stage_letters_the_points_from_which_it_is_drawn(words: str, letters: str) -> None:
+    made = construct_motion(ap57(), delta, step=0.0025, steps=62)
+    stays = pages_of(Content("quarter car", made))[0]
+    ticks = story_of(made, stays, arms_page(made), {}, (7,))
+    (tick,) = (tick for tick in ticks if words in tick.caption)
+    assert set(letters.split()) <= {text.text for text in tick.page.texts}
+
+
 def test_rounding_is_measured_as_zero() -> None:
     made = construct_motion(
         EquationPlane(lambda v, x, t: x, True, initial_displacement=1.0, initial_velocity=1e-16),
@@ -382,6 +394,14 @@ def test_rounding_is_read_off_as_zero() -> None:
     read = {"wheel_displacement": -0.0, "wheel_velocity": 4.2e-21, "wheel_acceleration": -1.5e-16}
     table = readings_table(read, dict.fromkeys(read))
     assert table.splitlines()[-1] == "| wheel | 0 | 0 | 0 |"
+
+
+def test_a_drift_is_read_off_in_its_unit() -> None:
+    names = [f"wheel_{part}" for part in ("displacement", "velocity", "acceleration")]
+    read = dict.fromkeys((*names, "wheel_displacement_drift"), 0.01)
+    head, _, row = readings_table(read, {name: quantity_of(name) for name in read}).splitlines()
+    assert head == "| read off the sheet | cm | m/s | m/s² | drift, cm |"
+    assert row == "| wheel | 1 | 0.01 | 0.01 | 1 |"
 
 
 @given(strength=st.floats(0.1, 0.9), hue=st.sampled_from(list(PARTS.values())))
