@@ -9,8 +9,9 @@ spring goes through it. The spring yields until the velocity reverses.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain
 from math import sqrt
 from typing import ClassVar
 
@@ -151,11 +152,12 @@ class ElastoplasticPlane(OnePlane):
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
         """Return the auxiliary line for zero permanent set, and those of yielding if it occurs."""
         flowing = {frame.scheme for frame in frames} & FLOWS.keys()
-        return tuple(
-            curve
-            for mode in (ELASTIC, *sorted(flowing, reverse=True))
-            for curve in self.lienards[mode].curves(frames)
-        )
+        elastic = self.lienards[ELASTIC].curves(frames)
+        if not flowing:
+            return elastic
+        named = (replace(curve, label=ELASTIC) for curve in elastic)
+        yielding = (self.lienards[mode].curves(frames) for mode in sorted(flowing, reverse=True))
+        return (*named, *chain.from_iterable(yielding))
 
     # Yielding and unloading.
 

@@ -34,6 +34,8 @@ _EVENTS = {
     "touchdown": "The {}wheel touches down (V).",
     "sticking": "Dry friction holds the {}suspension (F).",
     "jolt": "The road jumps, and so do the state points.",
+    "yielding": "The spring yields.",
+    "unloading": "The spring unloads.",
 }
 # characters of a row and rows of a protocol in the pane of the text in a window of 1366x768
 _ROW, _MOST_ROWS = 68, 20

@@ -92,20 +92,6 @@ class Clock:
         if len(self.ticks):
             yield self.ticks, self.staged()
 
-    def within(self, times: Reals) -> Iterator[tuple[npt.NDArray[np.bool_], list[rr.TimeColumn]]]:
-        """Yield masks of the times inside and outside the construction, with their time columns.
-
-        Those inside are also on `step`, at the step that contains them.
-        """
-        end = self.times[-1] * (1.0 + 1e-9) if len(self.times) else -np.inf
-        inside = np.asarray(times <= end)
-        if inside.any():
-            step = np.searchsorted(self.times, times[inside] + 1e-9, side="right") - 1
-            numbers = self.steps[np.maximum(step, 0)]
-            yield inside, [seconds(times[inside]), rr.TimeColumn("step", sequence=numbers)]
-        if not inside.all():
-            yield ~inside, [seconds(times[~inside])]
-
 
 def seconds(times: npt.ArrayLike) -> rr.TimeColumn:
     """Return times on the timeline `t`."""

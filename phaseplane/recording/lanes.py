@@ -11,7 +11,7 @@ import rerun as rr
 from phaseplane.picture.styles import GREEN, ORANGE, RED, Hue
 from phaseplane.picture.text import in_words
 
-from .columns import Clock, Integers, Reals, colours, rgba
+from .columns import Clock, Integers, Reals, colours, rgba, seconds
 from .content import Content
 
 LANES = "/lanes"
@@ -73,23 +73,30 @@ def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) ->
             static=True,
         )
         new = np.flatnonzero(np.append([True], active[1:] != active[:-1]))
-        for inside, columns in clock.within(times[new]):
-            recording.send_columns(path, columns, _changes(active[new][inside]))
+        states = active[new]
+        recording.send_columns(path, [seconds(times[new])], _changes(states))
+        if not len(clock.times):
+            continue
+        steps = _steps_of(new, times, content, clock)
+        inside = times[new] <= clock.times[-1] * (1.0 + 1e-9)
+        numbers = rr.TimeColumn("step", sequence=clock.steps[steps[inside]])
+        recording.send_columns(path, [numbers], _changes(states[inside]))
         if len(clock.ticks) and not content.live:
-            rows = _last_rows(times, clock)
-            recording.send_columns(path, clock.staged(), _changes(active[np.maximum(rows, 0)]))
+            told = np.searchsorted(clock.times, clock.ticks + 1e-9, side="right") - 1
+            last = np.searchsorted(steps, told, side="right") - 1
+            recording.send_columns(path, clock.staged(), _changes(states[np.maximum(last, 0)]))
 
 
-def _last_rows(times: Reals, clock: Clock) -> Integers:
-    """Return the last row in the step of each tick of the story.
+def _steps_of(new: Integers, times: Reals, content: Content, clock: Clock) -> Integers:
+    """Return the indices of the steps in which the state changes to that of a row.
 
-    A step that begins at a switch begins before the first row after the switch.
+    If a step since the row before begins with an event, the state changes there.
     """
-    steps = np.searchsorted(clock.times, clock.ticks * (1.0 + 1e-9), side="right")
-    ends = clock.times[np.minimum(steps, len(clock.times) - 1)]
-    begun = np.searchsorted(times, clock.ticks * (1.0 + 1e-9), side="right")
-    ended = np.searchsorted(times, ends * (1.0 - 1e-9), side="left")
-    return np.maximum(begun, ended) - 1
+    assert content.drawing is not None
+    events = clock.times[sorted(content.drawing.frames.events)]
+    last = np.append(-np.inf, events)[np.searchsorted(events, times[new], side="right")]
+    when = np.where(last > times[np.maximum(new - 1, 0)], last, times[new])
+    return np.maximum(np.searchsorted(clock.times, when + 1e-9, side="right") - 1, 0)
 
 
 def _changes(states: npt.NDArray[np.bool_]) -> Any:

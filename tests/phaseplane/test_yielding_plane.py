@@ -12,6 +12,8 @@ from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import Element, Load, System
 
 from phaseplane.constructions import RULES, ElastoplasticPlane, construct_motion
+from phaseplane.constructions.sheet import events_of
+from phaseplane.picture.text import event_text
 
 LOADS = (0.0, 5.0, 8.0, 7.0, 5.0, 3.0, 2.0, 1.0, 0.0)
 LOAD = roads.table([(0.1 * k, force) for k, force in enumerate(LOADS)])
@@ -43,6 +45,12 @@ def test_it_reproduces_the_converged_solution():
     assert events["unloading"] == pytest.approx(0.59273, abs=5e-6)
     assert 1e3 * drawing.frames[-1].readings["permanent_set"] == pytest.approx(1.5223, abs=5e-5)
     assert {f.scheme for f in drawing} == {"elastic", "yielding_up"}
+    assert [event_text(event) for f in drawing for event in events_of(f, drawing.planes)] == [
+        "The spring yields.", "The spring unloads."
+    ]  # fmt: skip
+    first, *others = (curve.label for curve in drawing.curves if curve.role == "auxiliary")
+    assert first == "elastic"
+    assert all(label.startswith("u = ") for label in others)
 
 
 def integrated(load, times, **spring) -> list[float]:
