@@ -13,13 +13,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from phaseplane.figures.style import BLUE, GREEN, ORANGE, Palette, dress, new_figure, palette_for
+from phaseplane.figures.style import PLAIN, Look, Palette, dress, printed
 from phaseplane.suspension import characteristics as law
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.systems import damper_family
 
-_COLOURS = (BLUE, ORANGE, GREEN)
 _COLUMNS = 4
 
 
@@ -42,23 +41,22 @@ class Panel:
     lines: tuple[Line, ...]
 
 
-def characteristics_sheet(*, dark: bool = False) -> Figure:
+def characteristics_sheet(look: Look = PLAIN) -> Figure:
     """Draw springs, dampers, stops, tyres, friction and yielding, one panel each.
 
     Dots mark corners, at which the integrator ends a step. Loops are results of runs.
 
     Parameters
     ----------
-    dark : use a dark background
+    look : how it is printed
     """
-    palette = palette_for(dark)
     panels = list(_panels())
     rows = -(-len(panels) // _COLUMNS)
-    figure = new_figure(2.8 * _COLUMNS, 2.5 * rows, palette)
+    figure = look.blank(2.8 * _COLUMNS, 2.5 * rows)
     for k, panel in enumerate(panels, start=1):
-        _draw(figure.add_subplot(rows, _COLUMNS, k), panel, palette)
+        _draw(figure.add_subplot(rows, _COLUMNS, k), panel, look.palette)
     figure.tight_layout(w_pad=1.2, h_pad=1.4)
-    return figure
+    return printed(figure, look)
 
 
 def _draw(axes: Axes, panel: Panel, palette: Palette) -> None:
@@ -67,10 +65,11 @@ def _draw(axes: Axes, panel: Panel, palette: Palette) -> None:
     axes.axhline(0.0, color=palette.faint, linewidth=0.7)
     axes.axvline(0.0, color=palette.faint, linewidth=0.7)
     factor = 1e3 if deflection else 1.0
-    for line, colour in zip(panel.lines, _COLOURS, strict=False):
-        axes.plot(factor * line.x, 1e-3 * line.force, color=colour, linewidth=1.5, label=line.name)
+    for number, line in enumerate(panel.lines):
+        style = palette.curve(number)
+        axes.plot(factor * line.x, 1e-3 * line.force, linewidth=1.5, label=line.name, **style)
         for x, force in line.corners:
-            axes.plot(factor * x, 1e-3 * force, "o", color=colour, markersize=3.5)
+            axes.plot(factor * x, 1e-3 * force, "o", color=style["color"], markersize=3.5)
     axes.set_title(panel.title, fontsize=9)
     axes.set_xlabel("deflection [mm]" if deflection else "rate [m/s]", fontsize=8)
     axes.set_ylabel("force [kN]", fontsize=8)

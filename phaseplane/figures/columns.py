@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import cycle
 from math import ceil
 from textwrap import fill
 
@@ -13,12 +12,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from phaseplane.figures.style import (
-    COLOURS,
-    Palette,
+    DASHES,
+    HEADING,
+    PLAIN,
+    Look,
     dress,
+    heading_lines,
     new_figure,
-    palette_for,
-)
+    printed,
+)  # fmt: skip
 from phaseplane.picture.quantities import display_unit
 from phaseplane.picture.text import bracketed, in_words
 
@@ -26,6 +28,7 @@ Curve = tuple[npt.ArrayLike, npt.ArrayLike]
 _IN_COLUMN = 7  # panels one below the other, more if they would be too many side by side
 _ACROSS = 3  # panels side by side
 _LINE = 18  # letters of a label
+_NARROW = 5.0  # inches of a picture with one column of panels
 
 
 def runs(
@@ -33,7 +36,7 @@ def runs(
     units: Mapping[str, str],
     *,
     title: str = "",
-    dark: bool = False,
+    look: Look = PLAIN,
 ) -> Figure:
     """Draw columns of several runs over one another, each column in a panel of its own.
 
@@ -42,30 +45,30 @@ def runs(
     values : for each column its time (s) and values by the name of the run
     units : of the columns, where known
     title : title of the figure
-    dark : use a dark background
+    look : how it is printed
 
     Raises
     ------
     ValueError : if there are no columns.
     """
-    palette = palette_for(dark)
     labels = list(dict.fromkeys(label for curves in values.values() for label in curves))
     shown = {name: _shown(units.get(name, ""), values[name]) for name in values}
-    figure, panels = _panels({name: unit for name, (unit, _) in shown.items()}, palette, title)
-    styles = dict(zip(labels, zip(cycle(COLOURS), cycle(("-", "--", "-.", ":"))), strict=False))
+    figure, panels = _panels({name: unit for name, (unit, _) in shown.items()}, look, title)
     drawn = {}
     for axes, (name, curves) in zip(panels, values.items(), strict=False):
         for label, (time, column) in curves.items():
-            colour, style = styles[label]
+            number = labels.index(label)
+            style = {**look.palette.curve(number), "linestyle": DASHES[number % len(DASHES)]}
             scaled = shown[name][1] * np.asarray(column, float)
-            (drawn[label],) = axes.plot(time, scaled, style, color=colour, linewidth=1.3)
+            (drawn[label],) = axes.plot(time, scaled, linewidth=1.3, **style)
     if len(labels) > 1:  # all of them, though a panel may have but one
         panels[0].legend(
             [drawn[label] for label in labels], labels,
-            loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=min(len(labels), 4), frameon=False,
-            fontsize=9.0, labelcolor=palette.ink,
+            loc="lower left", bbox_to_anchor=(0.0, 1.01),
+            ncols=1 if _narrow(look) else min(len(labels), 4), frameon=False, fontsize=9.0,
+            labelcolor=look.palette.ink,
         )  # fmt: skip
-    return figure
+    return printed(figure, look)
 
 
 def plane_of_columns(
@@ -74,7 +77,7 @@ def plane_of_columns(
     units: Mapping[str, str],
     *,
     title: str = "",
-    dark: bool = False,
+    look: Look = PLAIN,
 ) -> Figure:
     """Draw one column over another, such as a rate over its displacement, for one or more runs.
 
@@ -84,7 +87,7 @@ def plane_of_columns(
     names : names of the two columns
     units : of the columns, where known
     title : title of the figure
-    dark : use a dark background
+    look : how it is printed
 
     Raises
     ------
@@ -92,27 +95,26 @@ def plane_of_columns(
     """
     if not curves:
         raise ValueError("no columns to draw")
-    palette = palette_for(dark)
-    figure = new_figure(6.5, 5.6, palette)
+    figure = look.blank(6.5, 5.6)
     axes = figure.subplots()
     shown = [
         _shown(units.get(name, ""), {label: (0.0, both[k]) for label, both in curves.items()})
         for k, name in enumerate(names)
     ]
-    for (label, both), colour in zip(curves.items(), cycle(COLOURS), strict=False):
+    for number, (label, both) in enumerate(curves.items()):
         x, y = (factor * np.asarray(v, float) for v, (_, factor) in zip(both, shown, strict=True))
-        axes.plot(x, y, color=colour, linewidth=1.3, label=label)
-        axes.plot(x[:1], y[:1], "o", color=colour, markersize=4.0)
+        style = look.palette.curve(number)
+        axes.plot(x, y, linewidth=1.3, label=label, **style)
+        axes.plot(x[:1], y[:1], "o", color=style["color"], markersize=4.0)
     axes.set(**{
         f"{axis}label": in_words(name) + bracketed(unit)
         for axis, name, (unit, _) in zip("xy", names, shown, strict=True)
     })  # fmt: skip
-    dress(axes, palette, 8.5)
+    dress(axes, look.palette, 8.5)
     axes.set_axisbelow(True)
     if len(curves) > 1:
-        axes.legend(frameon=False, fontsize=8.5, labelcolor=palette.ink)
-    if title:
-        axes.set_title(title, fontsize=11.0)
+        axes.legend(frameon=False, fontsize=8.5, labelcolor=look.palette.ink)
+    look.entitled(figure, title)
     figure.tight_layout()
     return figure
 
@@ -124,21 +126,25 @@ def _shown(unit: str, curves: Mapping[str, Curve]) -> tuple[str, float]:
     return display_unit(unit, float(np.ptp(values)) if values.size else 0.0)
 
 
-def _panels(units: Mapping[str, str], palette: Palette, title: str) -> tuple[Figure, list[Axes]]:
+def _narrow(look: Look) -> bool:
+    return look.inches is not None and look.inches < _NARROW
+
+
+def _panels(units: Mapping[str, str], look: Look, title: str) -> tuple[Figure, list[Axes]]:
     """Return a figure with a panel for each column, in several columns of panels if there are many."""
     names = list(units)
     if not names:
         raise ValueError("no columns to draw")
-    across = min(ceil(len(names) / _IN_COLUMN), _ACROSS)
+    across = 1 if _narrow(look) else min(ceil(len(names) / _IN_COLUMN), _ACROSS)
     down = ceil(len(names) / across)
-    width, height = 2.5 + 6.0 * across, 0.9 + 1.5 * down
-    figure = new_figure(width, height, palette)
+    width, height = look.inches or 2.5 + 6.0 * across, 0.9 + 1.5 * down
+    figure = new_figure(width, height, look.palette)
     grid = figure.subplots(down, across, sharex=True, squeeze=False)
     panels = list(grid.T.ravel())
     for axes, name in zip(panels, names, strict=False):
         unit = bracketed(units[name]).replace(" ", "\n", 1)
         axes.set_ylabel(fill(in_words(name), _LINE) + unit, fontsize=8.5)
-        dress(axes, palette, 8.0)
+        dress(axes, look.palette, 8.0)
     for axes in panels[len(names) :]:
         axes.set_axis_off()
     for k in range(across):
@@ -147,7 +153,10 @@ def _panels(units: Mapping[str, str], palette: Palette, title: str) -> tuple[Fig
         lowest.tick_params(labelbottom=True)
         figure.align_ylabels(grid[:, k])
     if title:
-        figure.suptitle(title, y=1.0 - 0.3 / height, va="center", color=palette.ink, fontsize=11.0)
+        figure.suptitle(
+            "\n".join(heading_lines([title], width)), y=1.0 - 0.3 / height, va="center",
+            color=look.palette.ink, fontsize=11.0, gid=HEADING,
+        )  # fmt: skip
     figure.subplots_adjust(
         left=1.2 / width, right=1.0 - 0.25 / width, bottom=0.5 / height,
         top=1.0 - (0.65 if title else 0.4) / height, hspace=0.15, wspace=0.28,

@@ -7,7 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from phaseplane.figures.style import COLOURS, dress, new_figure, palette_for
+from phaseplane.figures.style import PLAIN, Look, dress, new_figure
+
+_LEAST = 2.6  # inches of a plane
 
 
 def modal_planes(
@@ -15,7 +17,7 @@ def modal_planes(
     names: Sequence[str],
     *,
     title: str = "",
-    dark: bool = False,
+    look: Look = PLAIN,
 ) -> Figure:
     """Draw free motion from the shape of each mode, in the planes of all modes.
 
@@ -24,23 +26,26 @@ def modal_planes(
     motions : of each mode: eta and eta'/Omega in all planes, shape (points, modes, 2)
     names : of each plane
     title : title of the figure
-    dark : use a dark background
+    look : how it is printed
     """
-    colours, count = palette_for(dark), len(names)
+    colours, count = look.palette, len(names)
     columns = min(count, 2 if count in (2, 4) else 3)
+    if look.inches:
+        columns = max(1, min(columns, int(look.inches / _LEAST)))
     rows = -(-count // columns)
-    figure = new_figure(4.2 * columns, 4.5 * rows + 0.6, colours)
+    side = look.inches / columns if look.inches else 4.2
+    figure = new_figure(side * columns, (side + 0.3) * rows + 0.6, colours)
     for plane, name in enumerate(names):
         axes = figure.add_subplot(rows, columns, plane + 1)
         dress(axes, colours, 8.5, grid=False)
         for mode, motion in enumerate(motions):
             own = mode == plane
             axes.plot(
-                *motion[:, plane].T, color=COLOURS[mode % len(COLOURS)], gid=f"mode{mode + 1}",
+                *motion[:, plane].T, **colours.curve(mode), gid=f"mode{mode + 1}",
                 linewidth=1.6 if own else 0.8, zorder=3.0 if own else 2.0,
                 label=f"started in mode {mode + 1}",
             )  # fmt: skip
-            axes.plot(*motion[0, plane], "o", color=COLOURS[mode % len(COLOURS)], markersize=4.0)
+            axes.plot(*motion[0, plane], "o", color=colours.curve(mode)["color"], markersize=4.0)
         number = plane + 1
         axes.set_xlabel(f"η{number}")
         axes.set_ylabel(f"η̇{number}/Ω{number}")
@@ -51,12 +56,12 @@ def modal_planes(
         axes.set_ylim(-half, half)
         axes.axhline(0.0, color=colours.faint, linewidth=0.6, zorder=1.0)
         axes.axvline(0.0, color=colours.faint, linewidth=0.6, zorder=1.0)
-    if title:
-        figure.suptitle(title, color=colours.ink, fontsize=11.0)
+    look.entitled(figure, title)
     handles, labels = figure.axes[0].get_legend_handles_labels()
     figure.legend(
-        handles, labels, loc="lower center", ncols=count, frameon=False, fontsize=8.5,
+        handles, labels, loc="lower center", ncols=columns, frameon=False, fontsize=8.5,
         labelcolor=colours.ink,
     )  # fmt: skip
-    figure.tight_layout(rect=(0.0, 0.05, 1.0, 0.98))
+    below = 0.05 + 0.17 * -(-count // columns)
+    figure.tight_layout(rect=(0.0, below / figure.get_figheight(), 1.0, 0.98))
     return figure

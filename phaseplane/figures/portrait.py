@@ -14,10 +14,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from phaseplane.figures import style
-from phaseplane.figures.style import Palette, dress, new_figure, palette_for
+from phaseplane.figures.style import HEADING, PLAIN, Look, Palette, dress, printed
 from phaseplane.portrait import Portrait, Section, Window
 
-_LINE = 95  # letters of the title on a line as wide as the figure
+_SIZE, _LINE = (9.0, 6.6), 95  # of a figure, inches, and the letters of its title on a line
+_ENTRY = 2.2  # inches of the legend
 _KINDS = {
     "saddle": ("X", style.RED),
     "centre": ("o", style.BLUE),
@@ -31,7 +32,7 @@ _DIRECTED = ("energy", "orbit", "separatrix", "attracting", "repelling", "semist
 _STROKE, _APART = 0.022, 0.075  # windows: length of the strokes on isoclines, and between them
 # windows from the centre: isoclines that end farther in are not labelled; labels stay farther out
 _OUTER, _INNER = 0.42, 0.25
-_LABEL = 0.045, 0.03  # windows: room of a label
+_LABEL = 0.045, 0.03  # windows: room of a label in a figure of that size
 _HEAD, _BETWEEN, _MOST_ARROWS = 0.015, 0.9, 3  # windows: length of an arrow, and between two
 # in order of their periods
 _ATTRACTORS = (style.GREEN, style.ORANGE, style.PINK, style.TEAL, style.OCHRE, style.RED)
@@ -54,7 +55,7 @@ def portrait(
     *,
     labels: tuple[str, str] = ("x", "x'"),
     title: str = "",
-    dark: bool = False,
+    look: Look = PLAIN,
 ) -> Figure:
     """Draw a phase portrait.
 
@@ -63,10 +64,9 @@ def portrait(
     shown : the computed portrait
     labels : of both axes
     title : title of the figure
-    dark : use a dark background
+    look : how it is printed
     """
-    colours = palette_for(dark)
-    figure = new_figure(9.0, 6.6, colours)
+    colours, figure = look.palette, look.blank(*_SIZE)
     axes = figure.add_axes((0.1, 0.17, 0.86, 0.73))
     _dress(axes, shown, labels, colours)
     if shown.field is not None:
@@ -85,39 +85,59 @@ def portrait(
             np.array([[at.x, 0.0], [at.until, 0.0]]) for at in shown.equilibria if at.stretches
         ],
     }
-    _slopes(axes, shown)
+    width = figure.get_figwidth()
+    _slopes(axes, shown, colours, np.array(_LABEL) * _SIZE[0] / width)
     for role in _DIRECTED:
-        _arrows(axes, roles[role], shown.window, _LINES[role][0])
-    handles = [handle for role, curves in roles.items() if (handle := _lines(axes, role, curves))]
+        _arrows(axes, roles[role], shown.window, colours.chart(_LINES[role][0]))
+    handles = [_lines(axes, role, curves, colours) for role, curves in roles.items() if curves]
     if shown.section is not None:
         handles += _section(axes, shown.section, colours)
     handles += _equilibria(axes, shown, colours)
-    if title:
-        figure.suptitle(_broken(title), color=colours.ink, fontsize=11.0)
+    columns = max(1, int(width / _ENTRY))
+    heading = _broken(title, int(_LINE * width / _SIZE[0])) if title else ""
+    _make_room(axes, -(-len(handles) // columns), heading.count("\n") + 1)
+    figure.suptitle(heading, color=colours.ink, fontsize=11.0, gid=HEADING)
     figure.legend(
-        handles=handles, loc="lower center", ncols=4, frameon=False, fontsize=8.5,
+        handles=handles, loc="lower center", ncols=columns, frameon=False, fontsize=8.5,
         labelcolor=colours.ink,
     )  # fmt: skip
-    return figure
+    return printed(figure, look)
 
 
-def _broken(title: str) -> str:
+def _make_room(axes: Axes, rows: int, lines: int) -> None:
+    """Make the figure as high as the plane, the legend below it and the title above it need."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    width, height = figure.get_size_inches() * axes.get_position().size
+    left = max(0.1 * figure.get_figwidth(), 0.6)
+    below, above = max(1.12, 0.6 + 0.19 * rows), max(0.66, 0.3 + 0.18 * lines)
+    whole = below + height + above
+    figure.set_figheight(whole)
+    across = min(width, figure.get_figwidth() - left - 0.15) / figure.get_figwidth()
+    axes.set_position((left / figure.get_figwidth(), below / whole, across, height / whole))
+
+
+def _broken(title: str, most: int) -> str:
     """Return a title in lines that end after a colon or before a list in brackets, if they can."""
     lines = [""]
     for part in re.split(r"(?<=:) | {3}(?=\()", title):
         together = part.replace(" = ", "\u00a0=\u00a0")  # no line ends beside a sign
         longer = f"{lines[-1]}   {together}" if part.startswith("(") else f"{lines[-1]} {together}"
-        if len(longer.strip()) <= _LINE:
+        if len(longer.strip()) <= most:
             lines[-1] = longer.strip()
         else:
-            lines += wrap(together, _LINE)
+            lines += wrap(together, most)
     return "\n".join(filter(None, lines))
 
 
-def _slopes(axes: Axes, shown: Portrait) -> None:
+def _slopes(axes: Axes, shown: Portrait, colours: Palette, room: np.ndarray) -> None:
     """Draw strokes of its slope along every isocline, and write the slope where it ends.
 
     Where the labels would overlap, one is written farther in.
+
+    Parameters
+    ----------
+    room : width and height of a label, windows
     """
     window = shown.window
     sides = np.array([window.width, window.height])
@@ -126,7 +146,7 @@ def _slopes(axes: Axes, shown: Portrait) -> None:
     def outwards(places: np.ndarray) -> np.ndarray:
         return np.abs((places - corner) / sides - 0.5).max(axis=-1)
 
-    taken = np.zeros((0, 2))
+    taken, teal = np.zeros((0, 2)), colours.chart(style.TEAL)
     for slope, curves in zip(shown.slopes, shown.isoclines, strict=True):
         way = np.array([1.0, slope])
         half = 0.5 * _STROKE * way / np.hypot(*(way / sides))
@@ -143,21 +163,21 @@ def _slopes(axes: Axes, shown: Portrait) -> None:
         if not strokes:
             continue
         axes.add_collection(
-            LineCollection(strokes, colors=style.TEAL, linewidths=1.0, zorder=2.8, gid="slope"),
+            LineCollection(strokes, colors=teal, linewidths=1.0, zorder=2.8, gid="slope"),
             autolim=False,
         )
         free = (
             place
             for place in sorted(places, key=outwards, reverse=True)
             if abs(place[1]) >= 0.05 * window.height
-            and (np.abs((taken - place) / sides) > _LABEL).any(axis=1).all()
+            and (np.abs((taken - place) / sides) > room).any(axis=1).all()
         )
         edge = next(free, None)
         if edge is None:
             continue
         taken = np.vstack([taken, edge])
         axes.annotate(
-            f"{slope:g}", edge, fontsize=7.0, color=style.TEAL, ha="center", va="center", zorder=6.5,
+            f"{slope:g}", edge, fontsize=7.0, color=teal, ha="center", va="center", zorder=6.5,
             bbox={"boxstyle": "round,pad=0.1", "facecolor": axes.get_facecolor(), "linewidth": 0.0},
         )  # fmt: skip
 
@@ -202,14 +222,14 @@ def _dress(axes: Axes, shown: Portrait, labels: tuple[str, str], colours: Palett
 def _section(axes: Axes, shown: Section, colours: Palette) -> list[Line2D]:
     """Draw the points of a Poincaré section, and the attractors."""
     (dots,) = axes.plot(
-        *shown.points.T, ".", color=style.BLUE, markersize=3.5, markeredgewidth=0.0, zorder=5.0,
-        gid="section", linestyle="", label=f"Poincaré section, every {shown.period:.4g} s",
+        *shown.points.T, ".", color=colours.chart(style.BLUE), markersize=3.5, markeredgewidth=0.0,
+        zorder=5.0, gid="section", linestyle="", label=f"Poincaré section, every {shown.period:.4g} s",
     )  # fmt: skip
     handles = [dots]
     for m in sorted({len(states) for states in shown.attractors}):
         states = np.vstack([states for states in shown.attractors if len(states) == m])
         (ends,) = axes.plot(
-            *states.T, "o", color=_ATTRACTORS[(m - 1) % len(_ATTRACTORS)], markersize=7.0,
+            *states.T, "o", color=colours.chart(_ATTRACTORS[(m - 1) % len(_ATTRACTORS)]), markersize=7.0,
             markeredgecolor=colours.paper, zorder=6.0, gid="attractor", linestyle="",
             label="attractor, period 1" if m == 1 else f"attractor, period {m}",
         )  # fmt: skip
@@ -230,10 +250,9 @@ def _field(axes: Axes, window: Window, field: tuple[np.ndarray, ...], colours: P
     )  # fmt: skip
 
 
-def _lines(axes: Axes, role: str, curves: Sequence[np.ndarray]) -> Line2D | None:
-    if not curves:
-        return None
-    colour, width, dash, words = _LINES[role]
+def _lines(axes: Axes, role: str, curves: Sequence[np.ndarray], colours: Palette) -> Line2D:
+    hue, width, dash, words = _LINES[role]
+    colour = colours.chart(hue)
     axes.add_collection(
         LineCollection(
             list(curves), colors=colour, linewidths=width, linestyles=dash, zorder=3.0, gid=role
@@ -251,8 +270,8 @@ def _equilibria(axes: Axes, shown: Portrait, colours: Palette) -> list[Line2D]:
             continue
         marker, colour = _KINDS[at.kinds[0].split()[0]]
         (dot,) = axes.plot(
-            [at.x], [0.0], marker, color=colour, markersize=8.0, markeredgecolor=colours.paper,
-            zorder=6.0, linestyle="", gid="equilibrium", clip_on=False,
+            [at.x], [0.0], marker, color=colours.chart(colour), markersize=8.0,
+            markeredgecolor=colours.paper, zorder=6.0, linestyle="", gid="equilibrium", clip_on=False,
             label=at.kind + (" (on a corner)" if at.on_corner else ""),
         )  # fmt: skip
         handles.setdefault(at.kind, dot)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
-from phaseplane.figures.style import BLUE, GREY, ORANGE, RED, dress, new_figure, palette_for
+from phaseplane.figures.style import BLUE, GREY, ORANGE, PLAIN, RED, Look, dress
 
 Pair = tuple[npt.ArrayLike, npt.ArrayLike]
 
@@ -21,7 +21,7 @@ def pareto(
     marked: Mapping[str, tuple[float, float]] | None = None,
     limits: tuple[Sequence[float], Sequence[float]] = ((), ()),
     title: str = "",
-    dark: bool = False,
+    look: Look = PLAIN,
 ) -> Figure:
     """Draw one measure against another for many runs, with the front that no run beats.
 
@@ -33,7 +33,7 @@ def pareto(
     marked : single runs by their labels
     limits : bounds of each measure
     title : title of the figure
-    dark : use a dark background
+    look : how it is printed
 
     Raises
     ------
@@ -42,22 +42,31 @@ def pareto(
     x, y = (np.asarray(column, float) for column in runs)
     if not np.isfinite(x + y).any():
         raise ValueError("no run has both measures")
-    palette = palette_for(dark)
-    figure = new_figure(7.0, 5.4, palette)
+    palette, figure = look.palette, look.blank(7.0, 5.4)
     axes = figure.subplots()
-    axes.plot(x, y, ".", color=GREY, markersize=3.5, alpha=0.55, label="runs", zorder=2)
+    axes.plot(
+        x, y, ".", color=palette.chart(GREY), markersize=3.5, alpha=0.55, label="runs", zorder=2
+    )
     if np.size(front[0]):
         axes.plot(
-            *front, ".-", color=BLUE, linewidth=1.6, markersize=5, label="trade-off", zorder=3
+            *front,
+            ".-",
+            color=palette.chart(BLUE),
+            linewidth=1.6,
+            markersize=5,
+            label="trade-off",
+            zorder=3,
         )
     for (label, (a, b)), colour, marker in zip(
         (marked or {}).items(), (ORANGE, RED), ("s", "*"), strict=False
     ):
-        axes.plot([a], [b], marker, color=colour, markersize=8, label=label, zorder=4)
+        axes.plot(
+            [a], [b], marker, color=palette.chart(colour), markersize=8, label=label, zorder=4
+        )
     for limit in limits[0]:
-        axes.axvline(limit, color=RED, linewidth=1.0, linestyle="--", zorder=1)
+        axes.axvline(limit, color=palette.chart(RED), linewidth=1.0, linestyle="--", zorder=1)
     for limit in limits[1]:
-        axes.axhline(limit, color=RED, linewidth=1.0, linestyle="--", zorder=1)
+        axes.axhline(limit, color=palette.chart(RED), linewidth=1.0, linestyle="--", zorder=1)
     axes.set(xlabel=labels[0], ylabel=labels[1])
     # what is far off, such as runs with the wheel in the air, does not flatten the rest
     for k, values in enumerate((x, y)):
@@ -69,7 +78,6 @@ def pareto(
     dress(axes, palette, 8.5)
     axes.set_axisbelow(True)
     axes.legend(frameon=False, fontsize=8.5, labelcolor=palette.ink)
-    if title:
-        axes.set_title(title, fontsize=11.0)
+    look.entitled(figure, title)
     figure.tight_layout()
     return figure

@@ -33,6 +33,8 @@ BLUE, ORANGE, GREEN, RED, TEAL, PINK, OCHRE, VIOLET, GREY = (
 """Colours of charts, legible on light and on dark ground."""
 COLOURS = (BLUE, ORANGE, GREEN, VIOLET, RED, TEAL, PINK, OCHRE)
 """Of curves beside one another, as many as can be distinguished."""
+DASHES = ("-", "--", "-.", ":")
+"""Of curves over one another, and of black ones."""
 
 _FALLBACK = "DejaVu Sans"  # has the subscripts, primes and bars that other fonts may lack
 
@@ -89,6 +91,17 @@ class Palette:
             return hue.on(self.shade)
         return self.faint if hue is styles.GREY else self.ink
 
+    def chart(self, colour: str) -> str:
+        """Return a colour of a chart, or the ink in its place."""
+        if not self.mono:
+            return colour
+        return self.faint if colour == GREY else self.ink
+
+    def curve(self, number: int) -> dict[str, Any]:
+        """Return colour and dashes of one of several curves; only black lines are dashed."""
+        dashes = DASHES[number % len(DASHES)] if self.mono else "-"
+        return {"color": self.chart(COLOURS[number % len(COLOURS)]), "linestyle": dashes}
+
     def halo(self, width: float = 2.5) -> list[AbstractPathEffect]:
         """Return an outline in the colour of the paper that keeps text legible on lines."""
         return [withStroke(linewidth=width, foreground=self.paper)]
@@ -136,6 +149,18 @@ class Look:
     def inches(self) -> float | None:
         """Its width in inches."""
         return None if self.width is None else self.width / 0.0254
+
+    def blank(self, width: float, height: float) -> Figure:
+        """Return an empty figure of this size, inches, or of this shape in the width asked for."""
+        inches = self.inches or width
+        return new_figure(inches, height * inches / width, self.palette)
+
+    def entitled(self, figure: Figure, title: str, size: float = 11.0) -> Figure:
+        """Return a figure with a title above it, in lines that fit."""
+        if title:
+            lines = "\n".join(heading_lines([title], figure.get_figwidth()))
+            figure.suptitle(lines, color=self.palette.ink, fontsize=size, gid=HEADING)
+        return printed(figure, self)
 
 
 PLAIN = Look()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from math import ceil
 from textwrap import fill
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -18,11 +18,13 @@ from matplotlib.ticker import MaxNLocator
 from phaseplane.figures.style import (
     BLUE,
     COLOURS,
+    HEADING,
+    PLAIN,
+    Look,
     Palette,
     dress,
-    new_figure,
-    palette_for,
-)
+    printed,
+)  # fmt: skip
 from phaseplane.picture.text import bracketed
 
 Values: TypeAlias = Sequence[float] | Sequence[str]
@@ -34,7 +36,7 @@ _LONGEST, _LEGEND = 36, 88  # most characters of an entry in the legend, and of 
 
 
 def sweep(
-    varied: Quantities, measured: Quantities, *, title: str = "", dark: bool = False
+    varied: Quantities, measured: Quantities, *, title: str = "", look: Look = PLAIN
 ) -> Figure:
     """Draw the measures of a sweep over the varied parameters.
 
@@ -46,7 +48,7 @@ def sweep(
     varied : unit and value in each run, numbers or texts, by the name of the parameter
     measured : unit and value in each run by the name of the measure; NaN where it has no value
     title : title of the figure
-    dark : use a dark background
+    look : how it is printed
 
     Raises
     ------
@@ -54,19 +56,19 @@ def sweep(
     """
     if not varied or not measured:
         raise ValueError("a picture of a sweep needs at least one parameter and one measure")
-    palette = palette_for(dark)
     shown = dict(list(measured.items())[:_MOST])
     abscissa = _abscissa(varied)
     if abscissa:
-        figure = _lines(abscissa, varied, shown, palette)
+        figure = _lines(abscissa, varied, shown, look)
     else:
         numbers = {key: column for key, column in varied.items() if not _are_texts(column[1])}
-        figure = (_maps if len(numbers) == 2 else _matrix)(numbers, shown, palette)
+        figure = (_maps if len(numbers) == 2 else _matrix)(numbers, shown, look)
     if title:
         figure.suptitle(
-            title, color=palette.ink, fontsize=11.0, y=1.0 - 0.12 / figure.get_figheight()
-        )
-    return figure
+            title, color=look.palette.ink, fontsize=11.0, y=1.0 - 0.12 / figure.get_figheight(),
+            gid=HEADING,
+        )  # fmt: skip
+    return printed(figure, look)
 
 
 def _abscissa(varied: Quantities) -> str:
@@ -84,7 +86,7 @@ def _are_texts(values: Values) -> bool:
     return any(isinstance(value, str) for value in values)
 
 
-def _lines(abscissa: str, varied: Quantities, measured: Quantities, palette: Palette) -> Figure:
+def _lines(abscissa: str, varied: Quantities, measured: Quantities, look: Look) -> Figure:
     """Draw a panel for each measure, with a curve for each combination of the other parameters."""
     unit, x = varied[abscissa]
     others = {key: column for key, column in varied.items() if key != abscissa}
@@ -92,19 +94,18 @@ def _lines(abscissa: str, varied: Quantities, measured: Quantities, palette: Pal
     columns = max(1, min(4, _LEGEND // (4 + max(len(label) for label, _ in family))))
     legend = 0.22 * (1 + ceil(len(family) / columns)) if len(family) > 1 else 0.0
     height = 1.0 + 1.8 * len(measured) + legend
-    figure = new_figure(7.5, height, palette)
+    palette, figure = look.palette, look.blank(7.5, height)
     panels = figure.subplots(len(measured), 1, sharex=True, squeeze=False)[:, 0]
     texts = list(dict.fromkeys(x)) if _are_texts(x) else []
     places = np.array([texts.index(value) for value in x] if texts else x, float)
     for axes, (name, (measure_unit, y)) in zip(panels, measured.items(), strict=True):
-        for k, ((label, runs), colour) in enumerate(
-            zip(family, _colours(len(family)), strict=True)
-        ):
+        for k, (label, runs) in enumerate(family):
             beside = 0.08 * (k - 0.5 * (len(family) - 1)) if texts else 0.0
             ordered = runs[np.argsort(places[runs], kind="stable")]
             axes.plot(
-                places[ordered] + beside, np.array(y, float)[ordered], "o" if texts else ".-",
-                color=colour, linewidth=1.3, markersize=5, label=label, clip_on=False, zorder=3,
+                places[ordered] + beside, np.array(y, float)[ordered], linewidth=1.3,
+                markersize=5, marker="o" if texts else ".", label=label, clip_on=False, zorder=3,
+                **_style(palette, k, len(family)) | ({"linestyle": ""} if texts else {}),
             )  # fmt: skip
         axes.set_ylabel(_words(name, measure_unit), fontsize=8.5)
         _plain(axes, palette, counted=measure_unit == "count")
@@ -142,21 +143,24 @@ def _family(others: Quantities, runs: int) -> Iterator[tuple[str, npt.NDArray[np
         yield label, np.array([k for k, c in enumerate(combinations) if c == found])
 
 
-def _colours(count: int) -> list[str]:
-    """Return colours for a number of curves; those of a continuous scale if there are many."""
+def _style(palette: Palette, number: int, count: int) -> dict[str, Any]:
+    """Return the style of one of several curves; colours of a continuous scale if there are many."""
     if count <= _FAMILY:
-        return list(COLOURS[:count])
-    scale = colormaps["viridis"](np.linspace(0.0, 0.92, count))
-    return [tuple(colour) for colour in scale.tolist()]  # type: ignore[misc]
+        return palette.curve(number)
+    return {"color": colormaps[_map_of(palette)](0.92 * number / (count - 1))}
 
 
-def _maps(varied: Quantities, measured: Quantities, palette: Palette) -> Figure:
+def _map_of(palette: Palette) -> str:
+    return "Greys_r" if palette.mono else "viridis"
+
+
+def _maps(varied: Quantities, measured: Quantities, look: Look) -> Figure:
     """Draw a map with contours for each measure; only points if they are collinear."""
     (x_key, (x_unit, x)), (y_key, (y_unit, y)) = varied.items()
     columns = min(2, len(measured))
     rows = -(-len(measured) // columns)
     width, height = 0.6 + 4.6 * columns, 0.7 + 3.6 * rows
-    figure = new_figure(width, height, palette)
+    palette, figure = look.palette, look.blank(width, height)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, (name, (unit, z)) in zip(panels, measured.items(), strict=False):
         px, py, pz = (np.asarray(v, float) for v in (x, y, z))
@@ -167,14 +171,14 @@ def _maps(varied: Quantities, measured: Quantities, palette: Palette) -> Figure:
         elif len(np.unique(px)) > 1 and len(np.unique(py)) > 1 and len(pz) > 2:
             counts = unit == "count" and np.ptp(pz) < _LEVELS  # a band for each integer
             levels = np.arange(pz.min() - 0.5, pz.max() + 1.0) if counts else _LEVELS
-            filled = axes.tricontourf(px, py, pz, levels=levels, cmap="viridis")
+            filled = axes.tricontourf(px, py, pz, levels=levels, cmap=_map_of(palette))
             axes.tricontour(
                 px, py, pz, levels=levels, colors=palette.paper, linewidths=0.4, linestyles="-"
             )
             ticks = np.arange(pz.min(), pz.max() + 0.5) if counts else None
             _scale(figure.colorbar(filled, ax=axes, ticks=ticks), palette)
         else:
-            dots = axes.scatter(px, py, c=pz, cmap="viridis", clip_on=False, zorder=3)
+            dots = axes.scatter(px, py, c=pz, cmap=_map_of(palette), clip_on=False, zorder=3)
             _scale(figure.colorbar(dots, ax=axes), palette)
         axes.plot(px, py, ".", color=palette.ink, markersize=1.5, clip_on=False, zorder=4)
         axes.set_title(words, fontsize=9.5)
@@ -187,16 +191,25 @@ def _maps(varied: Quantities, measured: Quantities, palette: Palette) -> Figure:
     return figure
 
 
-def _matrix(varied: Quantities, measured: Quantities, palette: Palette) -> Figure:
+def _matrix(varied: Quantities, measured: Quantities, look: Look) -> Figure:
     """Draw every measure over every parameter."""
     rows, columns = len(measured), len(varied)
     width, height = 0.8 + 2.1 * columns, 0.9 + 1.7 * rows
-    figure = new_figure(max(6.0, width), height, palette)
+    palette, figure = look.palette, look.blank(max(6.0, width), height)
     panels = figure.subplots(rows, columns, squeeze=False, sharex="col", sharey="row")
     for i, (name, (unit, y)) in enumerate(measured.items()):
         for j, (key, (key_unit, x)) in enumerate(varied.items()):
             axes = panels[i, j]
-            axes.plot(x, y, ".", color=BLUE, markersize=3, alpha=0.6, clip_on=False, zorder=3)
+            axes.plot(
+                x,
+                y,
+                ".",
+                color=palette.chart(BLUE),
+                markersize=3,
+                alpha=0.6,
+                clip_on=False,
+                zorder=3,
+            )
             _plain(axes, palette, counted=unit == "count")
             axes.xaxis.set_major_locator(MaxNLocator(4))
             if j == 0:

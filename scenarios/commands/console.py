@@ -245,9 +245,6 @@ def figure_option(what: str, more: str = "") -> Callable[[Any], Any]:
     )
 
 
-dark_option = click.option("--dark", is_flag=True, help="Use a dark background.")
-
-
 def _tenths(label: str) -> Progress:
     """Return a function that prints a line on stderr for each tenth done, once a job has taken long."""
     started, tenths = monotonic(), 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -14,7 +15,8 @@ from ..results.plain import as_json
 from ..scene.loading import load_scene
 from ..studies.ladder import format_ladder
 from ..studies.ladder import ladder as climb
-from .console import FiniteRange, dark_option, figure_option, json_option, set_option, warn
+from .console import FiniteRange, figure_option, json_option, set_option, warn
+from .viewing import look_options
 
 
 @click.command()
@@ -79,7 +81,7 @@ def ladder(
     metavar="TIME",
     help="Draw a forced system with its forcing frozen at this time, s. [default: draw its section]",
 )
-@dark_option
+@look_options
 @json_option
 def portrait(
     *,
@@ -90,7 +92,7 @@ def portrait(
     window: tuple[float, float, float, float] | None,
     period: float | None,
     frozen: float | None,
-    dark: bool,
+    look: dict[str, Any],
     as_data: bool,
 ) -> None:
     """Draw the phase portrait of SCENE.
@@ -98,9 +100,8 @@ def portrait(
     List its equilibria and limit cycles, or draw the Poincaré section of a forced system.
     """
     summary = make(
-        scene, overrides, figure,
+        scene, overrides, figure, look,
         coordinate=coordinate, window=window or (), period=period or 0.0, frozen=frozen,
-        dark=dark,
     )  # fmt: skip
     click.echo(as_json(summary) if as_data else format_portrait(summary))
 
@@ -109,14 +110,18 @@ def portrait(
 @click.argument("scene")
 @set_option
 @figure_option("the modal phase planes")
-@dark_option
+@look_options
 @json_option
 def modes(
-    scene: str, overrides: tuple[str, ...], figure: Path | None, dark: bool, as_data: bool
+    scene: str,
+    overrides: tuple[str, ...],
+    figure: Path | None,
+    look: dict[str, Any],
+    as_data: bool,
 ) -> None:
     """List the modes of SCENE about rest: frequencies, damping, shapes.
 
     The figure shows free motion from the shape of each mode in the phase planes of the modes.
     """
-    summary = make_modes(scene, overrides, figure, dark=dark)
+    summary = make_modes(scene, overrides, figure, look)
     click.echo(as_json(summary) if as_data else format_modes(summary))

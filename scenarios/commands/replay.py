@@ -13,7 +13,7 @@ import click
 from phaseplane.suspension.units import counted
 from phaseplane.suspension.variables import ParameterError, refuse_unknown
 
-from phaseplane import figures, recording
+from phaseplane import recording
 
 from ..draw.constructions import draw_scene, drawing_summary, overlay_run
 from ..draw.live import show_in
@@ -152,11 +152,6 @@ def replay_construction(
         refuse_unknown([kind], CONSTRUCTION_FIGURES, "--kind: there is no figure")
     except ParameterError as error:
         raise InputError(str(error)) from None
-    if figure is not None:
-        try:
-            figures.Look(**look or {})
-        except ValueError as error:
-            raise InputError(f"--font: {error}") from None
     started = perf_counter()
     if figure is not None and kind in RULES_SHOWN:
         overrides = (Setting("construction.rule", RULES_SHOWN[kind], "--kind"), *overrides)

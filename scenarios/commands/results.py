@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -22,7 +23,7 @@ from ..results.inspection import (
 from ..results.plain import as_json
 from ..scene.names import meant
 from .console import DONE, FAILED, FiniteRange, complain, figure_option, json_option
-from .viewing import save_option
+from .viewing import look_options, save_option
 
 _columns = click.option(
     "--column", "columns", multiple=True, metavar="NAME", help="Use only this column. Repeatable."
@@ -41,6 +42,7 @@ _columns = click.option(
     default="",
     help="Draw column Y over column X, such as a rate over its displacement.",
 )
+@look_options
 @save_option
 @json_option
 def show(
@@ -48,6 +50,7 @@ def show(
     paths: tuple[Path, ...],
     columns: tuple[str, ...],
     figure: Path | None,
+    look: dict[str, Any],
     plane: str,
     save: Path | None,
     as_data: bool,
@@ -61,7 +64,7 @@ def show(
     _check_there(*paths)
     check_recording(save)
     pair = _plane(plane, figure or save)
-    data = contents(paths[0], columns, figure, pair, paths[1:])
+    data = contents(paths[0], columns, figure, pair, paths[1:], look)
     if save is not None:
         found, units = timed(paths[0], columns, pair)
         title = str(data["summary"].get("title") or paths[0].name)
@@ -104,6 +107,7 @@ def _plane(names: str, file: Path | None) -> tuple[str, str] | None:
     help="Compare only the rows, times and columns that both have.",
 )
 @figure_option("the columns that differ most")
+@look_options
 @json_option
 def compare(
     *,
@@ -113,6 +117,7 @@ def compare(
     columns: tuple[str, ...],
     common: bool,
     figure: Path | None,
+    look: dict[str, Any],
     as_data: bool,
 ) -> int:
     """Compare the results A and B column by column.
@@ -124,7 +129,7 @@ def compare(
     differ.
     """
     _check_there(ours, other)
-    data = difference(ours, other, tolerance, columns, figure, common=common)
+    data = difference(ours, other, tolerance, columns, figure, look, common=common)
     click.echo(as_json(data) if as_data else format_difference(data))
     if data["equal"]:
         return DONE

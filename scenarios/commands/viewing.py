@@ -12,7 +12,7 @@ from typing import Any
 
 import click
 
-from phaseplane import recording
+from phaseplane import figures, recording
 
 from ..errors import InputError, RunError
 
@@ -65,6 +65,11 @@ def look_options(command: Callable[..., Any]) -> Callable[..., Any]:
                 raise InputError(
                     f"--width {width}: must be from 40 mm to 1 m, such as 85mm or '6 in'"
                 )
+        if more["figure"] is not None:
+            try:
+                figures.Look(**look)
+            except ValueError as error:
+                raise InputError(f"--font: {error}") from None
         return command(*args, look=look, **more)
 
     for option in reversed(_LOOK):

@@ -91,8 +91,12 @@ class Run(Table):
             session.advance(self.scene.duration)
         return tuple(session.events)
 
-    def figure(self, name: str = "time_histories", *, dark: bool = False) -> Picture:
+    def figure(self, name: str = "time_histories", **look: Any) -> Picture:
         """Draw one of the pictures of a scene: `time_histories`, `phase_planes`, ...
+
+        Parameters
+        ----------
+        look : dark, width (m), font, mono, headed; see `figures.Look`
 
         Raises
         ------
@@ -100,9 +104,7 @@ class Run(Table):
         ValueError : if the run lacks what the picture shows.
         """
         drawing = None if name == "time_histories" else self._drawing()
-        return Picture(
-            figure_of(name, drawing, self.results, title=self.title, look={"dark": dark})
-        )
+        return Picture(figure_of(name, drawing, self.results, title=self.title, look=look))
 
     def write(self, folder: str | os.PathLike[str]) -> Path:
         """Write the table, the summary and the scene's pictures to a folder, replaced as a whole.

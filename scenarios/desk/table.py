@@ -116,8 +116,12 @@ class Table(Mapping[str, "npt.NDArray[Any]"]):
 
     # -- pictures ------------------------------------------------------------------------------------
 
-    def plot(self, *names: str, dark: bool = False) -> Picture:
+    def plot(self, *names: str, **look: Any) -> Picture:
         """Draw columns over time, one below the other; all of them if none is named.
+
+        Parameters
+        ----------
+        look : dark, width (m), font, mono, headed; see `figures.Look`
 
         Raises
         ------
@@ -127,10 +131,14 @@ class Table(Mapping[str, "npt.NDArray[Any]"]):
         self._need_time()
         names = names or tuple(name for name in self if name != self.index)
         drawn = {name: {"": (self[self.index], self[name])} for name in names}
-        return Picture(figures.runs(drawn, self.units, title=self.title, dark=dark))
+        return Picture(figures.runs(drawn, self.units, title=self.title, look=figures.Look(**look)))
 
-    def plane(self, x: str, y: str, *, dark: bool = False) -> Picture:
+    def plane(self, x: str, y: str, **look: Any) -> Picture:
         """Draw a column over another, such as a rate over its displacement: a phase plane.
+
+        Parameters
+        ----------
+        look : as for `plot`
 
         Raises
         ------
@@ -138,7 +146,11 @@ class Table(Mapping[str, "npt.NDArray[Any]"]):
         """
         return Picture(
             figures.plane_of_columns(
-                {self.title: (self[x], self[y])}, (x, y), self.units, title=self.title, dark=dark
+                {self.title: (self[x], self[y])},
+                (x, y),
+                self.units,
+                title=self.title,
+                look=figures.Look(**look),
             )
         )
 

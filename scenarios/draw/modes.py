@@ -23,9 +23,16 @@ _ROUNDING = 1e-9  # of the largest part of a shape
 
 
 def modes(
-    reference: str, overrides: Sequence[str], figure: Path | None, *, dark: bool = False
+    reference: str,
+    overrides: Sequence[str],
+    figure: Path | None,
+    look: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """Return the modes of a scene's model about rest, and draw their planes if `figure` is given.
+
+    Parameters
+    ----------
+    look : how the figure is printed: dark, width (m), font, mono, headed
 
     Raises
     ------
@@ -54,7 +61,8 @@ def modes(
             for i, one in enumerate(modes, 1)
         ]
         motions = [found.free(i) for i in range(len(modes))]
-        figures.save(figures.modal_planes(motions, names, title=title, dark=dark), figure)
+        printed = figures.Look(**look or {})
+        figures.save(figures.modal_planes(motions, names, title=title, look=printed), figure)
     return {
         "title": title,
         "modes": modes,

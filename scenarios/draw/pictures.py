@@ -148,7 +148,7 @@ def figure_of(
         if known != motions or not figures.has_histories(columns):
             # an FMU of others, an equation, or a system with more than a body and a wheel
             units = results.summary.get("units", {})
-            return figures.runs(_by_starts(results), units, title=title, dark=printed.dark)
+            return figures.runs(_by_starts(results), units, title=title, look=printed)
         return figures.time_histories(columns, title=title, look=printed)
     draws = getattr(figures, name)
     if step is not None and "frame" not in signature(draws).parameters:

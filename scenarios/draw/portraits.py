@@ -68,12 +68,12 @@ def portrait(
     reference: str,
     overrides: Sequence[str],
     figure: Path | None,
+    look: Mapping[str, Any] | None = None,
     *,
     coordinate: str = "",
     window: Sequence[float] = (),
     period: float = 0.0,
     frozen: float | None = None,
-    dark: bool = False,
 ) -> dict[str, Any]:
     """Compute the phase portrait of a scene, and draw it if `figure` is given.
 
@@ -81,6 +81,7 @@ def portrait(
     ----------
     reference, overrides : the scene
     figure : picture to write
+    look : how it is printed: dark, width (m), font, mono, headed
     coordinate : the coordinate that moves while the others rest at zero; the first if empty
     window : left, right, bottom, top; automatic if empty
     period : forcing period of an equation, s; found in the equation if 0
@@ -127,7 +128,10 @@ def portrait(
     elif made.section is not None:
         title = f"{title}: Poincaré section, once per forcing period"
     if figure is not None:
-        figures.save(figures.portrait(made, labels=subject.labels, title=title, dark=dark), figure)
+        picture = figures.portrait(
+            made, labels=subject.labels, title=title, look=figures.Look(**look or {})
+        )
+        figures.save(picture, figure)
     return {
         "title": title,
         "coordinate": subject.labels[0],

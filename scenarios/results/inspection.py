@@ -32,6 +32,7 @@ def contents(
     figure: Path | None = None,
     plane: tuple[str, str] | None = None,
     others: Sequence[Path] = (),
+    look: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """Return the summary of results and the range of each column; draw them if asked.
 
@@ -42,6 +43,7 @@ def contents(
     figure : picture to write, of the columns over time
     plane : two columns that the picture shows one over the other instead, the abscissa first
     others : further results that the picture shows too, or TOML files with a table [measured]
+    look : how it is printed: dark, width (m), font, mono, headed
 
     Raises
     ------
@@ -72,7 +74,8 @@ def contents(
     if figure is not None:
         drawn = {what: results, **{path: results_in(path, results) for path in others}}
         title = str(results.summary.get("title", what.name)) if not others else ""
-        figures.save(_picture(drawn, names, plane, units, title), figure)
+        printed = figures.Look(**look or {})
+        figures.save(_picture(drawn, names, plane, units, title=title, look=printed), figure)
         data["files"] = [str(figure)]
     return data
 
@@ -103,7 +106,7 @@ def _picture(
     names: Sequence[str],
     plane: tuple[str, str] | None,
     units: Mapping[str, str],
-    title: str,
+    **more: Any,
 ) -> Figure:
     """Return the picture of one or more results, over time or one column over another."""
     if plane is not None:
@@ -111,7 +114,7 @@ def _picture(
         for path, results in drawn.items():
             chosen = _chosen(results, plane, path)
             curves[str(path)] = (chosen[plane[0]], chosen[plane[1]])
-        return figures.plane_of_columns(curves, plane, units, title=title)
+        return figures.plane_of_columns(curves, plane, units, **more)
     values: dict[str, dict[str, Any]] = {}
     for path, results in drawn.items():
         time = _time(results, path, "--plane X,Y draws a column over another")
@@ -120,7 +123,7 @@ def _picture(
                 values.setdefault(name, {})[str(path)] = (time, column)
     if not values:
         raise InputError(f"--figure: {next(iter(drawn))} has no column but time to draw")
-    return figures.runs(values, units, title=title)
+    return figures.runs(values, units, **more)
 
 
 def format_contents(data: Mapping[str, Any], folder: Path) -> str:
@@ -147,6 +150,7 @@ def difference(
     tolerance: float,
     names: Sequence[str] = (),
     figure: Path | None = None,
+    look: Mapping[str, Any] | None = None,
     *,
     common: bool = False,
 ) -> dict[str, Any]:
@@ -158,6 +162,7 @@ def difference(
     tolerance : largest difference over the peak that counts as equal
     names : columns to compare; all if empty
     figure : picture of the columns that differ most
+    look : how it is printed: dark, width (m), font, mono, headed
     common : whether to ignore rows, times and columns that only one of them has
 
     Raises
@@ -196,7 +201,8 @@ def difference(
             }
             for name in worst
         }
-        figures.save(figures.runs(each, first.summary.get("units", {})), figure)
+        printed = figures.Look(**look or {})
+        figures.save(figures.runs(each, first.summary.get("units", {}), look=printed), figure)
         data["files"] = [str(figure)]
     return data
 

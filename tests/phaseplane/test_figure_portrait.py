@@ -13,7 +13,7 @@ from matplotlib.quiver import Quiver
 from matplotlib.text import Text
 
 from phaseplane.figures import portrait
-from phaseplane.figures.style import palette_for
+from phaseplane.figures.style import Look, palette_for
 from phaseplane.portrait import (
     PhaseSystem,
     Window,
@@ -49,7 +49,7 @@ def test_the_pendulum_shows_saddles_centre_and_energies() -> None:
 def test_van_der_pol_shows_its_cycle_in_a_window_that_holds_it() -> None:
     system = PhaseSystem(lambda v, x, t: (x * x - 1.0) * v + x)
     made = compute_portrait(system, good_window(system, 3.0))
-    figure = portrait(made, labels=("x", "x'"), dark=True)
+    figure = portrait(made, labels=("x", "x'"), look=Look(dark=True))
     (cycle,) = curves(figure, "attracting")
     assert cycle[:, 0].max() == pytest.approx(2.0086, abs=1e-3)
     low, high = figure.axes[0].get_ylim()

@@ -1,5 +1,6 @@
 """Tables of any program, all columns, several runs, and one column over another."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.results.folder import Results
 from phaseplane.scenarios.results.inspection import difference
 from phaseplane.scenarios.results.tables import read_table
+from PIL import Image
 
 import phaseplane as desk
 from phaseplane import figures
@@ -219,3 +221,45 @@ def test_histories_show_a_motion_that_is_no_body_or_wheel():
     figure = figure_of("time_histories", None, results)
     labels = [axes.get_ylabel().replace("\n", " ") for axes in figure.axes]
     assert "driver displacement" in labels
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("show", "a", "b", "--column", "contact_force"),
+        ("show", "a", "b", "--plane", "suspension_deflection,suspension_deflection_rate"),
+        ("compare", "a", "b", "--column", "contact_force"),
+        ("modes", "ap57"),
+        ("portrait", "van_der_pol"),
+        ("replay", "h83_example25", "--set", "construction.duration=1"),
+    ],
+    ids=" ".join,
+)
+@pytest.mark.usefixtures("folders")
+def test_every_figure_is_printed_as_asked(tmp_path, command):
+    """In the width of a column, without colours, and with its heading as the title of the file."""
+    picture = tmp_path / "a.png"
+    asked = ("--width", "85mm", "--mono", "--no-title")
+    phaseplane(*command, "--figure", str(picture), *asked)
+    pixels = np.asarray(Image.open(picture).convert("RGB"), int)
+    assert pixels.shape[1] == pytest.approx(0.085 / 0.0254 * 150.0, abs=1.0)
+    assert np.ptp(pixels, axis=2).max() < 30  # the shades of ink and grey are slightly blue
+    assert pixels.min() < 60
+    drawn = tmp_path / "a.svg"
+    phaseplane(*command, "--figure", str(drawn), *asked)
+    told = drawn.read_text(encoding="utf-8")
+    title = re.search(r"<cc:Work>\s*<dc:title>([^<]*)</dc:title>", told)
+    several = command[0] == "compare" or command[:3] == ("show", "a", "b")  # which have no title
+    assert (title is None) == several
+    shown = re.findall(r"<text[^>]*>([^<]*)</text>", told)
+    assert shown
+    assert title is None or not [words for words in shown if len(words) > 9 and words in title[1]]
+
+
+@pytest.mark.usefixtures("folders")
+def test_a_font_that_is_missing_is_refused_before_anything_is_drawn(tmp_path):
+    refused = phaseplane(
+        "compare", "a", "b", "--figure", str(tmp_path / "a.png"), "--font", "None Such"
+    )
+    assert refused.exit_code == 2
+    assert "--font: font 'None Such' is not installed" in refused.stderr
