@@ -16,9 +16,10 @@ from typing import Any
 from phaseplane.suspension.trace import Number
 
 from .declarations import NUMBERS
+from .expressions import in_c
 from .kernel_sources import Sources
 from .statements import ZERO, in_lines
-from .translate import in_c, in_digits
+from .translate import in_digits
 
 _STATE = "snapshot."  # the record of the state
 

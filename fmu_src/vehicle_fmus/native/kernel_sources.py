@@ -41,7 +41,7 @@ class Module:
     tree: ast.Module
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sources:
     """All modules of a kernel.
 
