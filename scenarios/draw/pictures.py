@@ -50,14 +50,15 @@ def pictures_of(
     ----------
     drawing : the construction; if None, the pictures that need it are left out
     """
-    title, look = scene.title or scene.name, {"dark": scene.show.dark}
+    title = scene.title or scene.name
+    look: dict[str, Any] = {"dark": scene.show.dark}
     pictures: dict[str, Callable[[Path], None]] = {
         f"{name}.png": partial(draw, name, drawing=drawing, results=results, title=title, look=look)
         for name in scene.show.figures
         if name == "time_histories" or drawing is not None
     }
     for k, names in enumerate(scene.show.planes, 1):
-        plane = partial(_draw_plane, names, results, {"title": title, **look})
+        plane = partial(_draw_plane, names, results, title, figures.Look(**look))
         pictures["plane.png" if k == 1 else f"plane_{k}.png"] = plane
     if scene.show.recording:
         shown = asdict(scene.shown)
@@ -68,12 +69,13 @@ def pictures_of(
 
 
 def _draw_plane(
-    names: tuple[str, str], results: Results, look: Mapping[str, Any], path: Path
+    names: tuple[str, str], results: Results, title: str, look: figures.Look, path: Path
 ) -> None:
     """Draw one output over another."""
     x, y = (results.columns[name] for name in names)
     units = results.summary.get("units", {})
-    figures.save(figures.plane_of_columns({"": (x, y)}, names, units, **look), path)
+    drawn = figures.plane_of_columns({"": (x, y)}, names, units, title=title, look=look)
+    figures.save(drawn, path)
 
 
 def draw(
