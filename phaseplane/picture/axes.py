@@ -13,13 +13,17 @@ from phaseplane.constructions.sheet import round_step
 from .items import TYPE, Lines, Text, value_text
 from .letters import text_box
 from .page import Page
-from .paper import Boxes, Points
+from .paper import Boxes, Points, segments_of
 from .quantities import display_unit
 from .subject import reach_of
 from .text import bracketed, number, typeset
 
 _BESIDE = (0.0, 1.2, -1.2, 2.4, -2.4, 3.6, -3.6, 4.8, -4.8)  # places of the name of an axis, em
 _WIDEST = 0.27  # part of the width that the name of an axis may take up
+
+_Texts = tuple[
+    tuple[complex, str, float], list[Text]
+]  # of an axis: its name at an edge, and its values
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,10 +57,13 @@ def draw_axes(page: Page) -> None:
         words = plane.name.split("_")
         centre = _upright(page, plane, motion, up)[1] + 1.0j * page.em
         page.write(Text("axis", " ".join(words[:-1] or words), centre, kind="name"))
-    values: list[Text] = []
+    names, values = [], []
     for plane, motion, along, up in known:
-        values += _vertical(page, plane, motion, up)
-        values += _horizontal(page, plane, along)
+        for name, of_axis in (_vertical(page, plane, motion, up), _horizontal(page, plane, along)):
+            names.append(name)
+            values += of_axis
+    for name in names:  # which keep clear of the axes of all planes
+        _name(page, *name)
     for text in values:
         page.write_if_free(text)
 
@@ -71,7 +78,7 @@ def draw_y_axis(page: Page, plane: Plane) -> None:
     _name(page, tip - 1.0j * page.em, typeset(axis.label), sense)
 
 
-def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> list[Text]:
+def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> _Texts:
     """Draw the y axis across the whole view, because feet of normals are far out on it."""
     axis, em = plane.displacement, page.em
     sense = axis.direction.real
@@ -85,13 +92,12 @@ def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> list[Text]:
     name = "\n".join(rows) + f" {label}"
     if _in_columns(page) or text_box(0j, name, em).half.real > _WIDEST * page.view.half.real:
         name, rows = label, rows[:1]
-    _name(page, tip + (0.6 + 0.6 * len(rows)) * 1j * em, name, sense)
-    return [
-        value_text(axis.at(v) - 1.0j * em, number(v * graduation.factor)) for v in graduation.values
-    ]
+    texts = [(axis.at(v) - 1.0j * em, number(v * graduation.factor)) for v in graduation.values]
+    edge = tip + (0.6 + 0.6 * len(rows)) * 1j * em
+    return (edge, name, sense), [value_text(*text) for text in texts]
 
 
-def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) -> list[Text]:
+def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) -> _Texts:
     """Draw the y-bar axis only over the range of the motion, to keep clear of other planes."""
     axis, em = plane.scaled_velocity, page.em
     start, tip = _upright(page, plane, motion, graduation)
@@ -104,9 +110,9 @@ def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) 
     name = f"{typeset(axis.label)}{bracketed(graduation.unit)}"
     if _in_columns(page):
         name = bracketed(graduation.unit).strip()
-    _name(page, tip + side * 0.8 * em - 0.2j * em, name, -side)
     texts = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
-    return [value_text(z + side * (0.7 + 0.2 * len(t)) * em, t) for z, t in texts]
+    values = [value_text(z + side * (0.7 + 0.2 * len(t)) * em, t) for z, t in texts]
+    return (tip + side * 0.8 * em - 0.2j * em, name, -side), values
 
 
 def _upright(
@@ -141,7 +147,8 @@ def _room(page: Page, plane: Plane) -> tuple[float, float]:
 def _name(page: Page, edge: complex, name: str, sense: float) -> None:
     """Write the name of an axis, ending (sense > 0) or beginning at the edge of the view.
 
-    It avoids the axes, and lines I and II, which may be close to them, and the motion if it can.
+    It avoids the axes, and lines I and II, which may be close to them; if it can the motion, too, and
+    then the auxiliary curves.
     """
     text = Text("axis", name, edge, 8.5 / TYPE, "name")
     half = text.box(page.em).half
@@ -154,12 +161,16 @@ def _name(page: Page, edge: complex, name: str, sense: float) -> None:
     lines = [(c.vertices[0], c.vertices[-1]) for c in page.drawing.curves if c.role == "line"]
     ends = np.concatenate([page.segments, np.array(lines, complex).reshape(-1, 2)])
     boxes = Boxes(np.array(centres)[:, None], np.array(half))
-    ways = np.concatenate([np.stack([z[:-1], z[1:]], 1) for z in page.subject.motions])
-    struck, crossed = (
+    auxiliary = [c.vertices for c in page.drawing.curves if c.role == "auxiliary"]
+    struck, crossed, touched = (
         boxes.inside(z[:, 0], z[:, 1]).sum(axis=1) > 0.0
-        for z in (ends, ways if len(page.drawing.frames) else ways[:0])
+        for z in (
+            ends,
+            segments_of(page.subject.motions if len(page.drawing.frames) else ()),
+            segments_of(auxiliary),
+        )
     )
-    for i in np.argsort(2 * struck + crossed, kind="stable"):
+    for i in np.argsort(4 * struck + 2 * crossed + touched, kind="stable"):
         if page.write_if_free(replace(text, centre=centres[i])):
             return
 

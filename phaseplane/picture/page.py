@@ -16,7 +16,7 @@ from phaseplane.constructions.primitives import Drawing, Plane
 
 from .items import LETTER, Arrow, Dots, Item, Kindred, Lines, Text
 from .letters import place
-from .paper import Box, Points, Strip
+from .paper import Box, Points, Strip, segments_of
 from .quantities import display_unit
 from .styles import style_of
 from .subject import Subject, reach_of
@@ -97,9 +97,7 @@ class Page:
     def segments(self) -> Points:
         """Ends of all lines drawn so far, shape (segments, 2)."""
         if self._strips:
-            new = (np.asarray(strip, complex) for strip in self._strips)
-            ends = (np.stack((points[:-1], points[1:]), axis=1) for points in new)
-            self._segments = np.concatenate([self._segments, *ends])
+            self._segments = np.concatenate([self._segments, segments_of(self._strips)])
             self._strips.clear()
         return self._segments
 

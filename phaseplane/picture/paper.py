@@ -130,6 +130,13 @@ def around(points: Iterable[complex] | Points, margin: float = 0.05) -> Box:
     return Box(complex(centre), complex(half))
 
 
+def segments_of(strips: Iterable[Strip]) -> Points:
+    """Return the ends of the segments of all polylines, shape (segments, 2)."""
+    each = (np.asarray(strip, complex) for strip in strips)
+    ends = (np.stack((points[:-1], points[1:]), axis=1) for points in each)
+    return np.concatenate([np.zeros((0, 2), complex), *ends])
+
+
 def arcs(
     centre: npt.ArrayLike, start: npt.ArrayLike, end: npt.ArrayLike, *, finest: float = 0.1
 ) -> Points:

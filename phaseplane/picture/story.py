@@ -18,7 +18,7 @@ from .curves import CURVES, draw_curves, draw_trails, words_at_end
 from .items import TYPE, Arrow
 from .letters import text_box
 from .page import Page
-from .paper import Box, around, table
+from .paper import Box, around, readings, table
 from .quantities import Quantity
 from .step import draw_step, mark_events, write_letters
 from .styles import MOVING_POINT, style_of
@@ -27,6 +27,7 @@ from .text import (
     event_text,
     format_time,
     markdown,
+    number,
     protocol,
     readings_table,
     step_head,
@@ -45,6 +46,11 @@ _RING = 0.8  # size of the ring of a state point, relative to that of a moving o
 _VERTICES = 4000  # of a motion in a plane
 _TOLD = ("lift_off", "touchdown")
 _EMPTY = "The empty sheet: axes and auxiliary curves"
+_AS_LARGE = 0.9  # of a state: drift that is taken for as large as it
+_LEFT = (
+    "**The drift is as large as the motion: the construction has left the run.** Its step is too long "
+    "for the stiffest spring or damper. Choose a shorter one."
+)
 _HELP = (
     "**How to use this view.** Space plays and pauses, the arrow keys go one tick back or forward. "
     "The timeline *stage* shows how a few steps are drawn, *step* and *t* go through all of them. Drag "
@@ -124,7 +130,8 @@ def story_of(
     page.dots("state", [motion[-1] for motion in stays.subject.motions], 1.6)
     read = readings_table((drawing.end or last).readings, quantities)
     count = len(drawing.frames)
-    said = f"**The whole motion**: {counted(count, 'step')}. {_FURTHER}\n\n{read}"
+    told = [f"**The whole motion**: {counted(count, 'step')}. {_FURTHER}", *_drift(stays), read]
+    said = "\n\n".join(filter(None, told))
     caption = f"The whole motion: {counted(count, 'step')}"
     yield Tick(page, arms.following(), said, caption, count, last.time + last.duration)
 
@@ -134,6 +141,25 @@ def staged(drawing: Drawing, stays: Page, arms: Page, index: int) -> Iterator[Ti
     lettered = _lettered(stays, drawing.frames[index], index)
     for stage in range(len(_stages(drawing, drawing.frames[index]))):
         yield _tick(drawing, stays, arms, lettered, index, stage)
+
+
+def _drift(stays: Page) -> list[str]:
+    """Return how far a construction gets from a motion with which it is compared, and whether it follows.
+
+    It does not where the state is farthest from its origin, and the drift is as large as the state.
+    """
+    frames, found, follows = stays.drawing.frames, [], True
+    for plane in stays.drawing.planes:
+        name, axis = f"{plane.name}_drift", plane.displacement
+        if name not in frames[0].readings:
+            return []
+        drift = readings(frames, [name])[:, 0]
+        state = abs(table(frames, [plane.state])[:, 0] - axis.origin) / axis.scale
+        unit, factor = stays.units[plane.name]
+        found.append(f"{typeset(axis.label)} {number(factor * drift.max(), 3)} {unit}".rstrip())
+        follows = follows and bool(drift[state.argmax()] < _AS_LARGE * state.max())
+    words = [f"Largest drift from the run: {', '.join(found)}."]
+    return words if follows else [*words, _LEFT]
 
 
 _FURTHER = "The timelines *step* and *t* go through all of them."

@@ -201,21 +201,19 @@ def step_text(drawing: Drawing, frame: Frame, quantities: Mapping[str, Quantity 
 def protocol(
     drawing: Drawing, frame: Frame, present: int, units: Mapping[str, tuple[str, float]]
 ) -> str:
-    """Return all stages, the present one bold, each with the lengths measured in it so far.
+    """Return all stages as a list, an arrow before the present one, with the lengths measured so far.
 
     Where the text would be too long for its pane, the lengths of the first stages are left out, and
-    then stages far from the present one.
+    then stages far from the present one. The numbers belong to the text, because the viewer cuts the
+    number of a list off if it has two digits.
 
     Parameters
     ----------
     units : display unit of each plane's displacement, and its number in one unit of the axis
     """
     scheme = drawing.schemes[frame.scheme]
-    bold = ["**" if stage == present else "" for stage in range(len(scheme.stages))]
-    lines = [
-        f"{stage + 1}. {mark}{markdown(typeset(words))}{mark}"
-        for stage, (mark, words) in enumerate(zip(bold, scheme.stages, strict=True))
-    ]
+    lines = [f"- {i}: {markdown(typeset(words))}" for i, words in enumerate(scheme.stages, 1)]
+    lines[present] = f"- **\N{RIGHTWARDS ARROW} {lines[present][2:]}**"
     for stage in range(present, -1, -1):
         found = markdown("; ".join(measured(drawing, scheme, frame, stage, units)))
         longer = [*lines[:stage], f"{lines[stage]} {found}".rstrip(), *lines[stage + 1 :]]
@@ -225,13 +223,13 @@ def protocol(
     first, last = 0, len(lines)
     while sum(map(_rows, lines[first:last])) + (last < len(lines)) > _MOST_ROWS:
         first, last = (first, last - 1) if last > present + 1 else (first + 1, last)
-    more = [f"{last + 1}. …"] if last < len(lines) else []
+    more = [f"- {last + 1}: …"] if last < len(lines) else []
     return "\n".join(lines[first:last] + more)
 
 
 def _rows(line: str) -> int:
     """Return the rows that an item of a list takes up in a pane of `_ROW` characters."""
-    return len(wrap(re.sub(r"^\d+\. |\*\*|\\", "", line), _ROW))
+    return len(wrap(re.sub(r"^- |\*\*|\\", "", line), _ROW))
 
 
 def measured(

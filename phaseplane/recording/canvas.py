@@ -77,8 +77,9 @@ class Viewer(Canvas):
         path = f"{self.root}/{role}/{name}"
         if path not in self._begun:
             self._begun.add(path)
-            self.recording.log(f"{path}/recent", line_style([role]), static=True)
-            self.recording.log(f"{path}/past", line_style([role], [_FAINT], 0.4), static=True)
+            for part, strength, weight in (("recent", 1.0, 1.0), ("past", _FAINT, 0.4)):
+                style = line_style([role], [strength], weight, beneath=role == "run")
+                self.recording.log(f"{path}/{part}", style, static=True)
         if not len(ways):
             return
         rows = first + 1 + np.arange(len(ways))

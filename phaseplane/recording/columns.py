@@ -30,6 +30,7 @@ LINE_UP = 0.55
 """How far above its centre the anchor of each line of a text is, in em: the viewer writes below it."""
 
 _STRIPS = rr.components.LineStrip2DBatch([]).as_arrow_array().type
+_BENEATH = 19.0  # other lines have 20
 _SCREEN = 1.25  # points on a screen for a point on paper
 _INSTEAD = {0x2098: "m", 0x209B: "s", 0x209C: "t", 0x2009: " "}  # of indices and a thin space
 
@@ -123,13 +124,15 @@ def radii(sizes: Sequence[float]) -> npt.NDArray[np.float32]:
 
 
 def line_style(
-    roles: Sequence[str], strengths: Sequence[float] = (), weight: float = 1.0
-) -> rr.LineStrips2D:
-    """Return the style of lines of these roles."""
+    roles: Sequence[str], strengths: Sequence[float] = (), weight: float = 1.0, *,
+    beneath: bool = False,
+) -> rr.LineStrips2D:  # fmt: skip
+    """Return the style of lines of these roles, which are drawn first if `beneath`."""
     strengths = strengths or [1.0] * len(roles)
     return rr.LineStrips2D.from_fields(
         colors=colours([rgba(style_of(r).hue, s) for r, s in zip(roles, strengths, strict=True)]),
         radii=radii([weight * style_of(role).width for role in roles]),
+        draw_order=_BENEATH if beneath else None,
     )
 
 

@@ -116,19 +116,23 @@ def _plane_name(content: Content, number: int) -> str:
 
 def _sheet(content: Content, page: Page, name: str) -> rrb.Spatial2DView:
     drawing = content.constructed
-    rows = len(np.asarray(content.histories.get("time", ())))
-    span = float(np.ptp(content.histories["time"])) if rows else _LIVE
-    run = "trail" if drawing is None else "run"
-    curves = [(run, [p.plane for p in state_planes(content)], min(rows, MOST_ROWS) - 1, span)]
-    overrides = {}
+    times = np.asarray(content.histories.get("time", ()))
+    span = float(np.ptp(times)) if len(times) else _LIVE
+    rows = min(len(times), MOST_ROWS) - 1
+    run, drawn = ("trail" if drawing is None else "run"), np.inf  # s, a step of the construction
+    curves, overrides = [], {}
     if drawing is not None:
         frames = drawing.frames
         lasts = frames[-1].time + frames[-1].duration - frames[0].time
-        curves.append(("trail", list(drawing.planes), len(frames), lasts))
+        drawn = lasts / max(len(frames), RECENT)
+        curves.append(("trail", list(drawing.planes), len(frames), drawn))
         overrides[EVENTS] = _ranges(None)
-    for role, planes, steps, duration in curves:
+    # no run is seen in full where the construction over it is faint
+    step = min(span / max(rows, RECENT), drawn)
+    curves.append((run, [p.plane for p in state_planes(content)], rows, step))
+    for role, planes, steps, step in curves:
         every = 0 < steps <= RECENT
-        recent = _ranges(None if every else RECENT, duration / max(steps, RECENT))
+        recent = _ranges(None if every else RECENT, step)
         for plane in planes:
             path = f"{SHEET}/{role}/{plane.name}"
             overrides |= {f"{path}/past": _ranges(None), f"{path}/recent": recent}

@@ -24,7 +24,15 @@ from recorded import (
 )
 from worked_example import ap57
 
-from phaseplane.constructions import Axis, Curve, EquationPlane, Mark, construct_motion, delta
+from phaseplane.constructions import (
+    Axis,
+    Curve,
+    EquationPlane,
+    Mark,
+    compare_with_motion,
+    construct_motion,
+    delta,
+)
 from phaseplane.picture import subject
 from phaseplane.picture.axes import graduation_of
 from phaseplane.picture.canvas import Canvas
@@ -32,7 +40,7 @@ from phaseplane.picture.chart import Chart, part_of
 from phaseplane.picture.items import Arrow, Dots, Lines, Text
 from phaseplane.picture.letters import NEAR, place, text_box
 from phaseplane.picture.page import Page
-from phaseplane.picture.paper import Box, arcs, around, telling_vertices
+from phaseplane.picture.paper import Box, arcs, around, readings, telling_vertices
 from phaseplane.picture.quantities import QUANTITIES, display_unit, quantity_of, unit_text
 from phaseplane.picture.story import arms_page, story_of, told_steps
 from phaseplane.picture.styles import (
@@ -188,7 +196,7 @@ def test_a_lift_off_that_cannot_be_seen_on_the_sheet_is_not_told() -> None:
     assert not {2, 4} & set(told)
 
 
-def test_the_present_stage_is_bold_and_in_the_units_of_the_axes() -> None:
+def test_the_present_stage_has_an_arrow_and_is_in_the_units_of_the_axes() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=30)
     stays = pages_of(Content("quarter car", made))[0]
     ticks = list(story_of(made, stays, arms_page(made), {}, (12,)))
@@ -196,10 +204,26 @@ def test_the_present_stage_is_bold_and_in_the_units_of_the_axes() -> None:
     told = [tick.text.split("\n\n") for tick in ticks if tick.step == 12]
     assert len(told) == len(stages)
     for i, (stage, (_, listed)) in enumerate(zip(stages, told, strict=True)):
-        assert listed.split("\n")[i].startswith(f"{i + 1}. **{markdown(typeset(stage))}**")
+        assert listed.split("\n")[i].startswith(f"- **→ {i + 1}: {markdown(typeset(stage))}**")
     unit, factor = stays.units["wheel_displacement"]
     value = factor * made.frames[12].readings["wheel_displacement"]
     assert f"y₂ = {value:.4g} {unit}" in told[0][1]
+
+
+@pytest.mark.parametrize(("share", "follows"), [(1.0, True), (0.0, False)])
+def test_a_story_tells_at_its_end_whether_the_construction_follows_the_run(
+    share: float, follows: bool
+) -> None:
+    """A run with a share of the motion: all of it, or none."""
+    made = construct_motion(ap57(), delta, step=0.0025, steps=30)
+    of_body = ("suspension_deflection", "suspension_deflection_rate")
+    names = (*of_body, "wheel_displacement", "wheel_velocity")
+    run = share * readings(made.frames, names).T
+    compared = compare_with_motion(made, list(made.frames.times), *run.tolist())
+    stays = pages_of(Content("quarter car", compared))[0]
+    *_, last = story_of(compared, stays, arms_page(compared), {}, (12,))
+    assert "Largest drift from the run: y₁ " in last.text
+    assert ("has left the run" in last.text) is not follows
 
 
 def test_arrows_at_the_rim_come_with_their_letters() -> None:

@@ -254,7 +254,7 @@ def test_the_present_stage_stands_out_and_letters_follow_it(recorded: Recorded) 
     lines = recorded.rows["/sheet/story/lines"]
     letters = recorded.rows["/sheet/story/letters"]
     assert len(lines) == len(letters) == len(told)
-    tick = next(k for k, t in enumerate(told) if "**from A" in t.text)  # normals are drawn
+    tick = next(k for k, t in enumerate(told) if "**→ 2: from A" in t.text)  # normals are drawn
     opacity = [colour & 0xFF for colour in lines[tick]["LineStrips2D:colors"]]
     normal = rgba(style_of("normal").hue)
     assert lines[tick]["LineStrips2D:colors"].count(normal) == 2
@@ -331,10 +331,10 @@ def test_a_step_in_words(recorded: Recorded) -> None:
 def test_the_whole_protocol_is_there_with_the_present_line_bold(recorded: Recorded) -> None:
     texts = [r["TextDocument:text"][0] for r in recorded.rows["/words"] if "stage" in r]
     one, two = "A\N{SUBSCRIPT ONE}\\*", "A\N{SUBSCRIPT TWO}\\*"
-    bold = f"2. **from {one} to {two}: the normals**"
+    bold = f"- **→ 2: from {one} to {two}: the normals**"
     (first, *_) = [text for text in texts if bold in text]
-    assert "1. P" in first
-    assert "3. the successors" in first
+    assert "- 1: P" in first
+    assert "- 3: the successors" in first
     assert "D\N{SUBSCRIPT ONE}P\N{SUBSCRIPT ONE} = " in first  # a length, measured
     assert "m/s\N{SUPERSCRIPT TWO}" in first  # and what it gives
     assert "Space plays and pauses" in texts[0]

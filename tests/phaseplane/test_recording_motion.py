@@ -63,6 +63,18 @@ def test_parts_move_as_the_columns_say(tmp_path: Path) -> None:
     np.testing.assert_allclose(foot + length, floor, atol=1e-6)
 
 
+def test_the_construction_is_drawn_over_the_run(tmp_path: Path) -> None:
+    """Which is seen where the construction leaves it."""
+    times = np.linspace(0.0, 0.15, 16)
+    names = ("suspension_deflection", "suspension_deflection_rate")
+    shown = Content("two planes", drawing(), {"time": times, **dict.fromkeys(names, 0.1 * times)})
+    made = recorded(tmp_path, shown)
+    for part in ("recent", "past"):
+        run, trail = (made.static[f"/sheet/{r}/{names[0]}/{part}"] for r in ("run", "trail"))
+        ((beneath,), above) = (x.get("LineStrips2D:draw_order") for x in (run, trail))
+        assert beneath < (above or [20.0])[0]  # the default of the viewer
+
+
 def test_the_road_passes_below_the_wheel(tmp_path: Path) -> None:
     made = recorded(tmp_path, Content("a run", histories=MOTION, vehicle=QUARTER))
     surface = paper(made.static["/vehicle/road"]["LineStrips2D:strips"][0])

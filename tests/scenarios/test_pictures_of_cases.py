@@ -25,6 +25,7 @@ from phaseplane.figures.style import PLAIN
 from phaseplane.picture.items import Arrow
 from phaseplane.picture.letters import NEAR
 from phaseplane.picture.page import Page
+from phaseplane.picture.paper import Boxes, segments_of
 from phaseplane.picture.step import mark_events, write_letters
 from phaseplane.picture.story import FEWEST, MOST, arms_page, story_of, told_steps
 from phaseplane.picture.text import step_text, typeset
@@ -65,8 +66,8 @@ def text_height(text: str) -> float:
             height += 0 if line.startswith("|---") else 23
         elif line.startswith("# "):
             height += 25 * len(wrap(plain, 40))
-        elif found := re.match(r"\d+\. ", plain):
-            height += 15 * len(wrap(plain[found.end() :], 68)) + (0 if listed else 15)
+        elif line.startswith("- "):
+            height += 15 * len(wrap(plain[2:], 68)) + (0 if listed else 15)
             listed = True
         else:
             height += 15 * max(1, len(wrap(plain, 75)))
@@ -141,7 +142,7 @@ def test_the_text_fits_its_pane(name: str, rule: str | None) -> None:
     for text in [tick.text for tick in recorder.ticks] + steps:
         assert text_height(text) <= room, text
     for tick in recorder.ticks:
-        bold = re.search(r"^\d+\. \*\*.*", tick.text, re.MULTILINE)
+        bold = re.search(r"^- \*\*.*", tick.text, re.MULTILINE)
         if bold and "successor" in bold[0]:
             assert " = " in bold[0].rpartition("**")[2]
 
@@ -204,6 +205,7 @@ def test_steps_are_told_of_the_whole_motion() -> None:
 def test_no_line_strikes_the_name_of_an_axis(name: str) -> None:
     """Neither an axis nor one of the lines I to IV, all of which are horizontal or upright.
 
+    No auxiliary curve does, either.
     The names of those lines, which may stand close to another one, are clear of axes.
     """
     drawing = drawing_of(name)
@@ -218,6 +220,17 @@ def test_no_line_strikes_the_name_of_an_axis(name: str) -> None:
                 beside = (ends.real < -box.half.real).all(1) | (ends.real > box.half.real).all(1)
                 above = (ends.imag < -box.half.imag).all(1) | (ends.imag > box.half.imag).all(1)
                 assert (beside | above).all(), text.text
+            if text.kind == "name":
+                for curve in (c for c in drawing.curves if c.role == "auxiliary"):
+                    starts, ends = segments_of([curve.vertices]).T
+                    assert not Boxes(*np.array([box.centre, box.half])).inside(starts, ends).any()
+
+
+def test_a_construction_with_a_stiff_stop_follows_its_run() -> None:
+    """It has no travel beyond its stops: 40 mm in bump and 60 mm in rebound, where the stop gives way."""
+    drawing = drawing_of("stiff_stop")
+    travel = [frame.readings["suspension_deflection"] for frame in drawing.frames]
+    assert -0.041 < min(travel) < max(travel) < 0.1
 
 
 def test_the_name_of_an_axis_keeps_clear_of_the_motion() -> None:
