@@ -21,9 +21,8 @@ from .text import bracketed, number, typeset
 _BESIDE = (0.0, 1.2, -1.2, 2.4, -2.4, 3.6, -3.6, 4.8, -4.8)  # places of the name of an axis, em
 _WIDEST = 0.27  # part of the width that the name of an axis may take up
 
-_Texts = tuple[
-    tuple[complex, str, float], list[Text]
-]  # of an axis: its name at an edge, and its values
+# of an axis: its name, at an edge, with the sense in which it ends there; and its values
+_Texts = tuple[tuple[complex, str, float], list[Text]]
 
 
 @dataclass(frozen=True, slots=True)

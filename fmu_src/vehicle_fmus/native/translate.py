@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 
 from phaseplane.suspension.trace import number
@@ -23,6 +24,11 @@ from .routine import Routine, declared
 from .statements import constants
 
 
+@cache
+def _routine(kernel: Sources, key: tuple[str, str]) -> Routine:
+    return Routine(kernel, kernel.routines[key])
+
+
 def needed(kernel: Sources, roots: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
     """Return the routines that these call, and they themselves, in the order of the sources."""
     found: set[tuple[str, str]] = set()
@@ -31,7 +37,7 @@ def needed(kernel: Sources, roots: Iterable[tuple[str, str]]) -> list[tuple[str,
         key = waiting.pop()
         if key not in found:
             found.add(key)
-            waiting += Routine(kernel, kernel.routines[key]).calls
+            waiting += _routine(kernel, key).calls
     return [key for key in kernel.routines if key in found]
 
 
@@ -55,7 +61,7 @@ def translated(
     NotTranslatableError : a construct that is not in the language.
     """
     chosen = list(kernel.routines) if routines is None else list(routines)
-    bodies = [Routine(kernel, kernel.routines[key]) for key in chosen]
+    bodies = [_routine(kernel, key) for key in chosen]
     used = {word for text in (host, *(b.code for b in bodies)) for word in re.findall(r"\w+", text)}
     parts = [
         "#include <math.h>\n#include <stddef.h>\n",
@@ -131,7 +137,7 @@ def _records(kernel: Sources, used: Collection[str]) -> Iterator[str]:
 
 def changed(kernel: Sources) -> tuple[set[tuple[str, str]], set[tuple[str, str]]]:
     """Return the fields, by class and name, that routines change; and arrays that are replaced."""
-    found = [Routine(kernel, definition) for definition in kernel.routines.values()]
+    found = [_routine(kernel, key) for key in kernel.routines]
     return set().union(*(r.changed for r in found)), set().union(*(r.replaced for r in found))
 
 
