@@ -227,6 +227,7 @@ def protocol(
     return "\n".join(lines[first:last] + more)
 
 
+@lru_cache(maxsize=4096)
 def _rows(line: str) -> int:
     """Return the rows that an item of a list takes up in a pane of `_ROW` characters."""
     return len(wrap(re.sub(r"^- |\*\*|\\", "", line), _ROW))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import asdict
+from functools import cache
 from itertools import combinations, pairwise, product
 from textwrap import wrap
 
@@ -45,6 +46,7 @@ DRAWN = sorted({*case_names()} - SYSTEMS_OF_ONES_OWN - {*REFUSED})
 PANES = ((880, 640), (1680, 1340))  # of the sheet in windows of 1366 x 768 and 2560 x 1440
 
 
+@cache
 def drawing_of(name: str, longest: float = LONGEST, rule: str | None = None) -> Drawing:
     """The construction of a case, or of its first second."""
     scene = load_scene(name, [f"construction.rule={rule}"] if rule else [], expect=False)

@@ -1,6 +1,7 @@
 """Tables of any program, all columns, several runs, and one column over another."""
 
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -17,10 +18,17 @@ import phaseplane as desk
 from phaseplane import figures
 
 
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    made = tmp_path_factory.mktemp("runs")
+    desk.run("ap57", duration=0.2).write(made / "a")
+    desk.run("ap57", duration=0.2, speed=25).write(made / "b")
+    return made
+
+
 @pytest.fixture
-def folders():
-    desk.run("ap57", duration=0.2).write("a")
-    desk.run("ap57", duration=0.2, speed=25).write("b")
+def folders(written):
+    shutil.copytree(written, ".", dirs_exist_ok=True)
 
 
 @pytest.mark.parametrize(
