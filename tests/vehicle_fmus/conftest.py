@@ -4,14 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from ctypes import byref
 from pathlib import Path
 from typing import Any
 
 import pytest
 from fmpy import extract, read_model_description
+from fmpy.fmi2 import fmi2CallbackFunctions, fmi2CallbackLoggerTYPE, printLogMessage
+from fmpy.logging import addLoggerProxy
 from fmpy.simulation import instantiate_fmu
 from phaseplane.suspension.models import FILES
 from phaseplane.vehicle_fmus.build import build
+
+_PRINTING = fmi2CallbackFunctions()
+
+
+@pytest.fixture(autouse=True)
+def _messages_are_printed() -> None:
+    """FMPy passes messages to the callbacks that any FMU of the process was given last, freed or not."""
+    _PRINTING.logger = fmi2CallbackLoggerTYPE(printLogMessage)
+    addLoggerProxy(byref(_PRINTING))
 
 
 class Host:
