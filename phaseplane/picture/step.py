@@ -10,7 +10,7 @@ from phaseplane.constructions.primitives import Mark
 from phaseplane.constructions.sheet import events_of
 from phaseplane.constructions.storage import Frame
 
-from .items import VALUE
+from .items import VALUE, Dots
 from .layers import Layer, is_main
 from .page import Page
 from .paper import SEEN
@@ -113,6 +113,19 @@ def mark_events(page: Page, known: int | None = None) -> None:
         several = len(named) > MOST_LETTERED
         page.dots("event", [z for z, *_ in named], 0.4 if several else 1.0)
         page.letter([] if several else named)
+
+
+def event_pages(page: Page) -> dict[int, Page]:
+    """Return the marks on a page of all events as one page for each frame with events, by its index."""
+    frames, found = page.drawing.frames, {}
+    for i in frames.events:
+        at = {frames[i].points[plane.state] for plane in page.drawing.planes}
+        found[i] = Page(page.subject, page.view, page.em)
+        for dots in (dots for dots in page.of(Dots) if dots.role == "event"):
+            found[i].dots("event", [z for z in dots.points if z in at], dots.weight)
+        for letter in (text for text in page.texts if text.point in at):
+            found[i].put(letter)
+    return found
 
 
 def write_numbers(page: Page, frames: Sequence[Frame]) -> None:

@@ -35,6 +35,8 @@ from .text import (
 )
 from .views import room_for_letters
 
+VERTICES = 4000
+"""Most vertices of a motion in a plane."""
 FEWEST, MOST = 40, 60
 """Ticks of a story, where the schemes allow it."""
 # least distance of a state point from its origin in a step that is told, of the largest in its plane
@@ -43,8 +45,7 @@ _TELLING = 6  # fewest steps from which those are chosen
 _CANDIDATES = 1000  # most of them
 _ARMS = 13.5 + 5.7j  # width and height of the pane of the turn angles, em
 _RING = 0.8  # size of the ring of a state point, relative to that of a moving one
-_VERTICES = 4000  # of a motion in a plane
-_TOLD = ("lift_off", "touchdown")
+_TOLD = ("lift_off", "touchdown", "yielding", "unloading", "sticking")
 _EMPTY = "The empty sheet: axes and auxiliary curves"
 _AS_LARGE = 0.9  # of a state: drift that is taken for as large as it
 _LEFT = (
@@ -176,7 +177,9 @@ def told_steps(drawing: Drawing, steps: Sequence[int] = ()) -> list[int]:
         return len(drawing.schemes[frame.scheme].stages) + bool(frame.event)
 
     found: list[int] = []
-    for kind in _TOLD:  # the first lift-off that can be seen on the sheet, and its touchdown
+    for (
+        kind
+    ) in _TOLD:  # the first event that can be seen on the sheet, and then those that follow it
         of_kind = [i for i, event in sorted(drawing.frames.events.items()) if kind in event]
         later = [i for i in of_kind if i > max(found, default=-1)]
         found += ([] if found else _away(drawing, later)[:1]) or later[:1]
@@ -219,9 +222,9 @@ def _introduction(drawing: Drawing) -> str:
         f"# {markdown(typeset(drawing.title))}",
         "The empty sheet: the axes of the phase planes",
     ]
-    if any(curve.role == "auxiliary" for curve in drawing.curves):
-        words[1] += " and the auxiliary curves of damping and spring"
-    words[1] += "."
+    curves = [curve.label for curve in drawing.curves if curve.role == "auxiliary"]
+    words[1] += " and the auxiliary curves" * bool(curves)
+    words[1] += ", each with its value of the displacement." if any(curves) else "."
     if lines:
         distances = ", ".join(
             f"{typeset(c.label)} {100 * abs(top - c.vertices[0].imag):.4g} cm" for c in lines
@@ -238,7 +241,7 @@ def _introduction(drawing: Drawing) -> str:
 def _page(stays: Page, index: int) -> Page:
     """Return a page with the motion up to a step."""
     page = stays.following()
-    draw_trails(page, index, 0.8, _VERTICES)
+    draw_trails(page, index, 0.8, VERTICES)
     return page
 
 

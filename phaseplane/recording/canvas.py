@@ -34,6 +34,8 @@ BLOCK = 128
 """Steps in a block of a long curve, which the viewer draws as one row."""
 RECENT = 200
 """Steps of a curve that are drawn in full, more than a block."""
+PARTS = ("lines", "points", "letters")
+"""The entities of a page."""
 _FAINT = 0.35  # opacity of older steps
 _HEAD = 0.5  # length of the head of an arrow, em
 
@@ -93,6 +95,10 @@ class Viewer(Canvas):
             f"{path}/past", columns(first + ends), rr.LineStrips2D.columns(strips=ragged(blocks))
         )
 
+    def mark(self, pages: Sequence[Page], times: Sequence[rr.TimeColumn]) -> None:
+        """Log marks that stay once their time has come, a page for each time."""
+        self._send("events", pages, times)
+
     def end(self) -> None:
         """Log the ticks."""
         if self._ticks:
@@ -101,9 +107,8 @@ class Viewer(Canvas):
 
     def _send(self, name: str, pages: Sequence[Page], times: Sequence[rr.TimeColumn]) -> None:
         """Log pages, each at one of these times; without times it stays."""
-        for part, columns in (
-            ("lines", _lines(pages)), ("points", _points(pages)), ("letters", _letters(pages)),
-        ):  # fmt: skip
+        of = (_lines(pages), _points(pages), _letters(pages))
+        for part, columns in zip(PARTS, of, strict=True):
             self.recording.send_columns(f"{self.root}/{name}/{part}", times, columns)
 
 

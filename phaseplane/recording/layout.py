@@ -13,7 +13,7 @@ from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
 from phaseplane.picture.text import in_words, number, typeset
 
-from .canvas import RECENT
+from .canvas import PARTS, RECENT
 from .columns import legible
 from .content import Content
 from .histories import Panel, overlays, panels
@@ -21,7 +21,7 @@ from .lanes import LANES, SHEET_SHARE, lanes_share
 from .motion import state_planes
 from .recorder import MOST_ROWS, Recorder
 from .side_view import VEHICLE, vehicle_of, view_box
-from .steps import ARMS, CHART, EVENTS, SHEET, WORDS
+from .steps import ARMS, CHART, SHEET, WORDS
 
 _STAGES_PER_SECOND = 1.0
 _LONGEST = 60.0  # s that the viewer takes to play the motion
@@ -120,13 +120,14 @@ def _sheet(content: Content, page: Page, name: str) -> rrb.Spatial2DView:
     span = float(np.ptp(times)) if len(times) else _LIVE
     rows = min(len(times), MOST_ROWS) - 1
     run, drawn = ("trail" if drawing is None else "run"), np.inf  # s, a step of the construction
-    curves, overrides = [], {}
+    curves = []
+    overrides: dict[str, rrb.VisibleTimeRanges] = {}
     if drawing is not None:
         frames = drawing.frames
         lasts = frames[-1].time + frames[-1].duration - frames[0].time
         drawn = lasts / max(len(frames), RECENT)
         curves.append(("trail", list(drawing.planes), len(frames), drawn))
-        overrides[EVENTS] = _ranges(None)
+        overrides |= {f"{SHEET}/events/{part}": _ranges(None) for part in PARTS}
     # no run is seen in full where the construction over it is faint
     step = min(span / max(rows, RECENT), drawn)
     curves.append((run, [p.plane for p in state_planes(content)], rows, step))

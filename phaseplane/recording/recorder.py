@@ -11,9 +11,11 @@ import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.picture.chart import Chart
+from phaseplane.picture.curves import draw_trails
 from phaseplane.picture.page import Page
 from phaseplane.picture.quantities import Quantity
-from phaseplane.picture.story import Tick, arms_page, story_of
+from phaseplane.picture.step import event_pages, mark_events
+from phaseplane.picture.story import VERTICES, Tick, arms_page, story_of
 
 from .canvas import Viewer
 from .columns import Clock, legible, seconds
@@ -29,7 +31,6 @@ from .steps import (
     SLICE,
     WORDS,
     send_cursor,
-    send_events,
     send_here,
     send_point,
     send_steps,
@@ -69,6 +70,20 @@ class Recorder:
         return pages_of(self.content)
 
     @cached_property
+    def lettered(self) -> Page:
+        """The whole motion with the letters of its events, which all others keep clear of."""
+        page = self.pages[0].following()
+        if page.drawing.frames.events:
+            draw_trails(page, most=VERTICES)
+            mark_events(page)
+        return page
+
+    @cached_property
+    def events(self) -> dict[int, Page]:
+        """The marks of each frame with events, by its index."""
+        return event_pages(self.lettered)
+
+    @cached_property
     def arms_page(self) -> Page | None:
         """The arm of the turn angles."""
         drawing = self.content.constructed
@@ -93,8 +108,7 @@ class Recorder:
         if not wanted:
             return None
         shown = wanted[0]
-        names = (*shown.drawn, *(n for n in shown.names if n not in shown.drawn))
-        return Chart(content.constructed, content.histories, names, shown.quantity)
+        return Chart(content.constructed, content.histories, shown.drawn, shown.quantity)
 
     def _story(self) -> list[Tick]:
         content = self.content
@@ -149,9 +163,12 @@ class Recorder:
                 for plane, way in zip(drawing.planes, self.pages[0].subject.ways, strict=True):
                     self.sheet.curve(plane.name, "trail", way[start:end], start, self.clock.columns)
                 send_here(self.recording, drawing, self.clock, start, end)
-                send_events(self.recording, drawing, self.clock, start, end)
+                now = [i for i in self.events if start <= i < end]
+                if now:
+                    pages = [self.events[i] for i in now]
+                    self.sheet.mark(pages, self.clock.columns(np.array(now)))
                 if self.content.detail != "trail":
-                    send_steps(self.recording, drawing, self.pages[0], self.clock, start, end)
+                    send_steps(self.recording, drawing, self.lettered, self.clock, start, end)
             if self.words:
                 send_text(self.recording, drawing, self.quantities, self.clock, start, end)
             if self.chart is not None:

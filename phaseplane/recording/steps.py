@@ -10,16 +10,13 @@ import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.constructions.sheet import events_of
-from phaseplane.constructions.storage import Frame
 from phaseplane.picture.layers import Layer, is_main, layers_of
 from phaseplane.picture.letters import text_box
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, Boxes, Points, table
 from phaseplane.picture.quantities import Quantity
-from phaseplane.picture.step import MOST_LETTERED
 from phaseplane.picture.styles import MOVING_POINT, style_of
-from phaseplane.picture.text import LETTER_OF_EVENT, step_text, typeset
+from phaseplane.picture.text import step_text, typeset
 
 from .canvas import placed_letters
 from .columns import (
@@ -30,7 +27,6 @@ from .columns import (
     legible,
     line_style,
     point_style,
-    radii,
     rgba,
     seconds,
     strips,
@@ -38,7 +34,7 @@ from .columns import (
 )
 
 SHEET, ARMS, CHART = "/sheet", "/arms", "/chart"
-EVENTS, WORDS = f"{SHEET}/events", "/words"
+WORDS = "/words"
 SLICE = 4096
 """Steps that are encoded at once."""
 _REPEATED = 0.4  # opacity of what a rule repeats
@@ -47,7 +43,7 @@ _REPEATED = 0.4  # opacity of what a rule repeats
 def send_steps(
     recording: rr.RecordingStream, drawing: Drawing, page: Page, clock: Clock, first: int, last: int
 ) -> None:
-    """Log the construction of a range of steps.
+    """Log the construction of a range of steps, whose letters keep clear of the texts on a page.
 
     An empty row clears a scheme where a step of another one begins.
 
@@ -185,43 +181,6 @@ def send_point(recording: rr.RecordingStream, path: str, times: Reals, z: Points
     recording.log(path, point_style(MOVING_POINT, 1.2), static=True)
     discs = rr.Points2D.columns(positions=xy(np.repeat(z, len(MOVING_POINT))))
     recording.send_columns(path, [seconds(times)], discs.partition([len(MOVING_POINT)] * len(z)))
-
-
-def send_events(
-    recording: rr.RecordingStream, drawing: Drawing, clock: Clock, first: int, last: int
-) -> None:
-    """Log marks in the planes of each event in a range of steps."""
-    events = drawing.frames[first:last].events
-    found = {first + i: _marks(drawing.frames[first + i], drawing) for i in events}
-    if not found:
-        return
-    several = len(drawing.frames.events) > MOST_LETTERED
-    flat = [mark for marks in found.values() for mark in marks]
-    recording.log(
-        EVENTS,
-        rr.Points2D.from_fields(
-            colors=colours([rgba(style_of("event").hue)]),
-            radii=radii([style_of("event").size * (0.4 if several else 1.0)]),
-            show_labels=True,
-        ),
-        static=True,
-    )
-    recording.send_columns(
-        EVENTS,
-        clock.columns(np.array(list(found))),
-        rr.Points2D.columns(
-            positions=xy([z for z, _ in flat]),
-            labels=["" if several else legible(text) for _, text in flat],
-        ).partition([len(marks) for marks in found.values()]),
-    )
-
-
-def _marks(frame: Frame, drawing: Drawing) -> list[tuple[complex, str]]:
-    return [
-        (frame.points[plane.state], LETTER_OF_EVENT.get(event.kind, event.kind))
-        for event in events_of(frame, drawing.planes)
-        for plane in event.planes
-    ]
 
 
 def send_text(

@@ -159,7 +159,9 @@ def run_scene(
     facts: dict[str, Any] = {"drawn": None, "problems": problems}
     drawing = None
     if scene.show.figures_construction or (
-        scene.show.records_construction and scene.fmu.model in draw.planes.CONSTRUCTED
+        scene.show.records_construction
+        and scene.fmu.model in draw.planes.CONSTRUCTED
+        and scene.controller is None
     ):
         started = perf_counter()
         try:
@@ -186,9 +188,10 @@ def run_scene(
                 sys.exit(TERMINATED)
             raise KeyboardInterrupt(_format_place(interrupted.results, place)) from None
         if drawing is not None:
-            drawing = draw.constructions.with_drift(
-                drawing, results.columns, partial(read_at, scene)
-            )
+            if scene.controller is None:
+                drawing = draw.constructions.with_drift(
+                    drawing, results.columns, partial(read_at, scene)
+                )
             facts["drawn"] = draw.constructions.drawing_summary(drawing, drawing_time)
         pictures = _pictures(scene, results, drawing)
         standing = _written(results, pictures, facts, place)

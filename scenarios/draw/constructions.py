@@ -47,13 +47,16 @@ class Begin(NamedTuple):
 
 
 def draw_scene(scene: Scene) -> Drawing:
-    """Return the graphical construction of a scene; see `draw_construction`."""
-    return draw_construction(
+    """Return the graphical construction of a scene, without its controller; see `draw_construction`."""
+    drawing = draw_construction(
         scene.fmu.model,
         scene.all_parameters,
         asdict(scene.construction),
         scene.construction_time,
     )
+    if scene.controller is None:
+        return drawing
+    return replace(drawing, title=f"{drawing.title}, without the controller")
 
 
 def draw_construction(

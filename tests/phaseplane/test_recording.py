@@ -39,11 +39,12 @@ from phaseplane.constructions import (
     construct_motion,
     delta,
 )
+from phaseplane.picture.letters import text_box
 from phaseplane.picture.story import Tick, arms_page, story_of
 from phaseplane.picture.styles import style_of
 from phaseplane.recording import DETAILS, new_recording, record
 from phaseplane.recording.canvas import BLOCK
-from phaseplane.recording.columns import rgba
+from phaseplane.recording.columns import LINE_UP, rgba
 from phaseplane.recording.motion import pages_of
 from phaseplane.recording.server import viewer_program
 
@@ -59,7 +60,7 @@ def test_entities(recorded: Recorded) -> None:
     steps = "/sheet/steps"
     assert set(recorded.rows) == {
         "/words",
-        "/sheet/events",
+        *(f"/sheet/events/{part}" for part in ("lines", "points", "letters")),
         *(f"/sheet/trail/{name}/{part}" for name in planes for part in ("past", "recent")),
         *(f"/sheet/story/{part}" for part in ("lines", "points", "letters")),
         *(f"/arms/story/{part}" for part in ("lines", "points", "letters")),
@@ -217,7 +218,8 @@ def test_the_recent_trail_is_shown_in_full_and_all_of_it_up_to_the_cursor(
 ) -> None:
     ranges = ranges_of(recorded)
     trails = {f"/sheet/trail/{p.name}/{part}" for p in PLANES for part in ("past", "recent")}
-    assert trails | {"/sheet/events"} <= set(ranges)
+    marks = {f"/sheet/events/{part}" for part in ("lines", "points", "letters")}
+    assert trails | marks <= set(ranges)
     for given_range in ranges.values():
         assert [r["timeline"] for r in given_range] == ["t", "step"]
 
@@ -271,22 +273,35 @@ def story() -> Iterator[Tick]:
 
 
 def test_lift_off_and_touchdown_are_marked_in_both_planes(recorded: Recorded) -> None:
-    rows = recorded.rows["/sheet/events"]
+    """And lettered beside the points, where no other letter lies on them."""
+    (stays, *_), rows = pages_of(content()), recorded.rows["/sheet/events/points"]
+    letters = recorded.rows["/sheet/events/letters"]
     assert [row["step"] for row in rows] == [FLIGHT.start, FLIGHT.stop]
-    assert [row["Points2D:labels"] for row in rows] == [["U"] * 2, ["V"] * 2]
-    for row in rows:
+    assert [row["Points2D:labels"] for row in letters] == [["U"] * 2, ["V"] * 2]
+    for row, lettered in zip(rows, letters, strict=True):
         places = [spiral(plane, row["step"]) for plane in (1, 2)]
         np.testing.assert_allclose(paper(row["Points2D:positions"]), places, atol=1e-7)
+        beside = paper(lettered["Points2D:positions"]) - LINE_UP * 1j * stays.em
+        boxes = [text_box(complex(z), "U", stays.em) for z in beside]
+        assert not any(box.holds(z) for box, z in zip(boxes, places, strict=True))
+        for k in range(FLIGHT.stop, 60):
+            at = f"/sheet/steps/{frame(k).scheme}/letters"
+            for role in ("state", "normal"):
+                moving = next((r for r in recorded.rows[f"{at}/{role}"] if r["step"] == k), None)
+                for z in map(paper, moving["Points2D:positions"] if moving else ()):
+                    box = text_box(complex(z) - LINE_UP * 1j * stays.em, "P1", stays.em)
+                    assert not any(box.overlap(other) for other in boxes)
 
 
 @pytest.mark.parametrize(("events", "label"), [(6, "U"), (25, "")])
 def test_many_events_are_marked_in_fewer_letters(tmp_path: Path, events: int, label: str) -> None:
     frames = tuple(replace(frame(k), event="lift_off") for k in range(events))
     record(replace(drawing(), frames=frames), tmp_path / "f.rrd")
-    rows = Recorded(tmp_path / "f.rrd").rows["/sheet/events"]
-    assert [row["Points2D:labels"] for row in rows] == [[label, label]] * events
-    (radius,) = Recorded(tmp_path / "f.rrd").static["/sheet/events"]["Points2D:radii"]
-    assert (abs(radius) < 2.0) == (events > 24)  # many would be a blot
+    rows = Recorded(tmp_path / "f.rrd").rows
+    labels = [row["Points2D:labels"] or [] for row in rows["/sheet/events/letters"]]
+    assert labels == [[label, label] if label else []] * events
+    radii = {abs(r) for row in rows["/sheet/events/points"] for r in row["Points2D:radii"]}
+    assert (max(radii) < 2.0) == (events > 24)  # many would be a blot
 
 
 def test_an_axle_leaves_the_road_in_its_own_planes(tmp_path: Path) -> None:
@@ -296,8 +311,9 @@ def test_an_axle_leaves_the_road_in_its_own_planes(tmp_path: Path) -> None:
     ]
     frames = (frame(0), replace(frame(1), event="rear_lift_off"))
     record(replace(drawing(), planes=tuple(planes), frames=frames), tmp_path / "f.rrd")
-    (row,) = Recorded(tmp_path / "f.rrd").rows["/sheet/events"]
-    assert row["Points2D:labels"] == ["U"]
+    rows = Recorded(tmp_path / "f.rrd").rows
+    (row,), (letters,) = (rows[f"/sheet/events/{part}"] for part in ("points", "letters"))
+    assert letters["Points2D:labels"] == ["U"]
     np.testing.assert_allclose(paper(row["Points2D:positions"]), [spiral(2, 1)], atol=1e-7)
 
 
@@ -309,8 +325,8 @@ def test_two_events_at_one_instant_are_two(tmp_path: Path) -> None:
     frames = (frame(0), replace(frame(1), event="front_lift_off, rear_touchdown"))
     record(replace(drawing(), planes=tuple(planes), frames=frames), tmp_path / "f.rrd")
     recorded = Recorded(tmp_path / "f.rrd")
-    (row,) = recorded.rows["/sheet/events"]
-    assert row["Points2D:labels"] == ["U", "V"]
+    (row,), (letters,) = (recorded.rows[f"/sheet/events/{part}"] for part in ("points", "letters"))
+    assert letters["Points2D:labels"] == ["U", "V"]
     places = [spiral(1, 1), spiral(2, 1)]
     np.testing.assert_allclose(paper(row["Points2D:positions"]), places, atol=1e-7)
     said = "The front wheel leaves the road (U). The rear wheel touches down (V)."
@@ -370,8 +386,8 @@ def test_figure_7_with_lift_off(tmp_path: Path, rule: Rule) -> None:
         [(way[0], way[-1]) for way in ways], np.stack([states[:-1], states[1:]], 1), atol=1e-6
     )
     events = {frame.step: frame for frame in figure.frames if frame.event}
-    assert [row["step"] for row in recorded.rows["/sheet/events"]] == list(events)
-    for row in recorded.rows["/sheet/events"]:
+    assert [row["step"] for row in recorded.rows["/sheet/events/points"]] == list(events)
+    for row in recorded.rows["/sheet/events/points"]:
         points = events[row["step"]].points
         places = [points["P1"], points["P2"]]
         np.testing.assert_allclose(paper(row["Points2D:positions"]), places, atol=1e-6)
@@ -424,7 +440,7 @@ def test_one_plane(tmp_path: Path) -> None:
     record(construct_motion(plane, delta, step=0.0025, steps=40), tmp_path / "f.rrd")
     recorded = Recorded(tmp_path / "f.rrd")
     assert len(recorded.rows["/sheet/trail/suspension_deflection/recent"]) == 40
-    assert "/sheet/events" not in recorded.rows
+    assert not [path for path in recorded.rows if path.startswith("/sheet/events")]
     assert {path.split("/")[3] for path in recorded.rows if "/steps/" in path} == {
         "contact",
         "here",

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.errors import InputError, RunError
 
 import phaseplane
@@ -152,3 +153,15 @@ def test_a_woken_controller_acts_where_a_sampled_one_tends_to():
     np.testing.assert_allclose(woken[1], woken[0], rtol=0.0, atol=1e-11)
     late = [abs(contacts(period, False) - woken[0]).max() for period in (5e-3, 1e-3, 1e-4)]
     assert late[0] > 1e-3 > late[1] > 1e-4 > late[2] > 0.0
+
+
+def test_a_construction_does_not_pass_for_a_run_under_a_controller(tmp_path):
+    """It has no actuator: a recording of the run shows the planes of the run, a figure says so."""
+    settings = ["duration=0.05 s", 'show.recording="stages"', "show.figures=[]"]
+    summary, _ = run_scene("groundhook", settings, tmp_path / "run", expect=False)
+    assert "construction.rrd" in summary["files"]
+    assert summary["drawn"] is None
+    figured = [settings[0], 'show.figures=["phase_planes"]']
+    summary, _ = run_scene("groundhook", figured, tmp_path / "two", expect=False)
+    assert summary["drawn"]["title"].endswith(", without the controller")
+    assert not summary["drawn"]["drift"]

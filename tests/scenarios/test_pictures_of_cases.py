@@ -189,6 +189,24 @@ def test_no_step_is_told_whose_points_lie_on_one_another() -> None:
     assert min(size[step] for step in told_steps(drawing)) > 0.2 * max(size)
 
 
+def test_a_frame_that_yields_is_told_where_it_yields() -> None:
+    drawing = drawing_of("h83_example40")
+    assert "yielding_up" in {drawing.frames[step].scheme for step in told_steps(drawing)}
+
+
+def test_the_chart_is_of_the_motion_that_is_drawn() -> None:
+    """Not of the pendulum that goes round and round, beside which it would be lost."""
+    drawing = drawing_of("h83_example23")
+    histories = readings(drawing)
+    histories["start4_displacement"] = 10.0 + histories["displacement"]
+    units = dict.fromkeys(("displacement", "start4_displacement"), "rad")
+    recorder = Recorder(
+        rr.RecordingStream("chart"), Content("example 23", drawing, histories, units)
+    )
+    assert recorder.chart is not None
+    assert recorder.chart.names == ("displacement",)
+
+
 @pytest.mark.parametrize("name", ["ap57", "h83_example40", "van_der_pol"])
 def test_the_turn_angles_fit_their_pane_with_type_of_its_size(name: str) -> None:
     """The pane is 120 pixels high in a window of 1366x768, with a bar of 25; 1 em is 16.75 pixels."""
