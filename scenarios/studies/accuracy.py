@@ -29,7 +29,7 @@ from .workbench import Run, UnableError, Workbench, silenced, timed
 Family = Literal["incremental", "FMU", "construction", "peer"]
 
 REPEATS = 7
-_TOLERANCES = tuple(10.0**-k for k in range(2, 13))
+_TOLERANCES = tuple(10.0**-k for k in range(1, 13))
 _FRACTIONS = tuple(0.5**k for k in range(8))  # of the output interval, for fixed steps
 _DRAWN_FRACTIONS = tuple(0.5**k for k in range(1, 4))
 _NO_SOLUTION = 0.3  # relative error from which a result does not count as a solution

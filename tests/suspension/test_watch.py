@@ -228,7 +228,13 @@ def still_beside_a_slow_one(ratio: float, omega: float = 100.0) -> System:
         ({"tolerance": 1e-7}, 0.021, 6.0),
         ({"tolerance": 1e-3, "order": 4}, 0.100, 2.4),
         ({"tolerance": 1e-3, "order": 4}, 0.102, 6.0),
-        ({"tolerance": 1e-3}, 50.0, 6.0),
+        ({"tolerance": 1e-3}, 0.117, 6.0),
+        ({"tolerance": 1e-3}, 0.119, 8.4),
+        ({"tolerance": 1e-7}, 0.055, 6.0),
+        ({"tolerance": 1e-7}, 0.056, 8.4),
+        ({"tolerance": 1e-3, "order": 4}, 0.277, 6.0),
+        ({"tolerance": 1e-3, "order": 4}, 0.279, 8.4),
+        ({"tolerance": 1e-3}, 50.0, 8.4),
     ],
 )
 def test_steps_chosen_by_the_error_are_as_long_as_damping_allows(

@@ -6,7 +6,7 @@ from .modes cimport Modes
 from .motion cimport Motion
 from .network cimport Network
 
-cdef double READ_PHASE, ROUNDING_OF_RATES, _SHARE, _OF_SPEED, _LOW_ORDER, _ROUNDING, _LEAST_LENGTH, _READ_SHARE, _NEGLIGIBLE, _MISSED, _LONG_PHASE, _STRONG
+cdef double ROUNDING_OF_RATES, _SHARE, _OF_SPEED, _LOW_ORDER, _ROUNDING, _LEAST_LENGTH, _READ_SHARE, _READ_PHASE, _NEGLIGIBLE, _MISSED, _LONG_PHASE, _STRONG
 
 @cython.final
 cdef class Errors:
@@ -43,7 +43,7 @@ cdef class Errors:
     cdef void _note_lack(self, double h) noexcept nogil
     @cython.locals(i=int, decay=double)
     cdef double of_reading(self, double h) noexcept nogil
-    @cython.locals(i=int, u=double, of_q=double, of_v=double, error=double)
+    @cython.locals(i=int, u=double, of_q=double, of_v=double, error=double, phase=double, allowed=double)
     cdef bint can_read(self, double x, double h) noexcept nogil
 
 cdef double _least_scale(double reach, double speed) noexcept nogil

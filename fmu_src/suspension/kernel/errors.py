@@ -17,9 +17,9 @@ _LEAST_LENGTH = 1e-290  # m; keeps the error allowed greater than zero
 _OF_SPEED = 0.5
 # exponent of the step in the error, up to which the septic is as accurate as the step
 _LOW_ORDER = 5
-_READ_SHARE = 0.05  # share of the error allowed, for reading the state at a switch
+_READ_SHARE = 0.08  # share of the error allowed, for reading the state at a switch
 # phase of the fastest motion up to which the septic can be as accurate as the step
-READ_PHASE = 3.0
+_READ_PHASE = 4.5
 _MISSED = 3.7e-7  # relative error of a sinusoid's rate, in the septic of a step of 1 rad
 _LONG_PHASE = 20.0  # phase of the fastest motion beyond which its remainder spoils the jerks
 _STRONG = 20.0  # parts of a step; a damper whose masses stop within one of them is strong
@@ -228,18 +228,20 @@ class Errors:
         """Return whether the septic through the ends of an attempt is accurate enough at a fraction x.
 
         Its error is proportional to (x (1 - x))^4; if it is e halfway, its second derivative there is
-        -32 e / h^2.
+        -32 e / h^2. In a motion of phase p per step the residual lacks p^2 e / h^2 of that.
         """
-        if self.net.stuck or h * self.modes.quickest > READ_PHASE:
+        phase = h * self.modes.quickest
+        if self.net.stuck or phase > _READ_PHASE:
             return 0
         if self.balance.bends.count == 0:
             self.find_lack(h)
+        allowed = _READ_SHARE * self.allowed * (1.0 - phase * phase / 32.0)
         u = fabs(x * (1.0 - x))
         of_q = 8.0 * h * h * u * u * u * u
         of_v = 32.0 * h * u * u * u * max(fabs(1.0 - 2.0 * x), 0.25)
         for i in range(self.n):
             error = max(of_q, of_v * self.velocity_scale[i]) * self.lack[i]
-            if not error <= _READ_SHARE * self.allowed:
+            if not error <= allowed:
                 return 0
         return 1
 

@@ -33,8 +33,9 @@ _STIFF_PHASE = 100.0  # phase of the fastest motion beyond which jerks do not de
 _EXCESS = 2.5
 _FINE = 1e-4  # tolerance below which order 8 is faster than order 6
 _LINK = 1e4  # times the fastest frequency; a damper with a decay this fast acts like a rigid link
-# By order: the damping with which no mode grows up to a phase of 6 (see `modes`; a single column takes no
-# longer steps), and the largest omega h at which an undamped mode grows by less than 1/1000.
+# By order: the damping with which no mode grows up to a phase of 6, and with 1.8 times as much up to
+# one of 8.4 (see `modes`; a single column takes no longer steps), and the largest omega h at which an
+# undamped mode grows by less than 1/1000.
 _LEAST_DAMPING = {2: 1e3, 4: 0.04, 6: 0.017, 8: 0.008}
 _LIMITS = {2: 12.0**0.5, 4: 2.2, 6: 2.2, 8: 3.2}
 

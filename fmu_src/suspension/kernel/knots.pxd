@@ -19,7 +19,7 @@ cdef class Knots:
     cdef int row, count
     cdef int *element, *kind, *piece
     cdef bint lands, ends_table, is_end
-    cdef double at, value, bound
+    cdef double at, value, bound, most_effect
 
     @cython.locals(e=int, kind=int, p=int, k=int)
     cdef void enter_branches(self) noexcept nogil

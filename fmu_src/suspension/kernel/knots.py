@@ -18,7 +18,7 @@ if not cython.compiled:
 # largest sum of w B3(x n) / (6 n^3) over the columns of n substeps with weights w, where the jump is at x
 # in the step, and B3 is the periodic Bernoulli polynomial; the same at orders 6 and 8
 _MISSED_JUMP = 6.2e-4
-_MOST_EFFECT = 0.5  # of a point, over the error allowed
+_MOST_EFFECT = 0.5  # of a point, over the error allowed; at fine tolerances half of it
 _LIKELY = 0.6  # of the step proposed by the last error; a shorter one may pass points
 _LEAST_KNOT = 0.02  # of a step: a point closer to its ends does not matter
 _CLOSE_KNOT = 1e-4  # of a step that must be repeated anyway
@@ -45,6 +45,8 @@ class Knots:
         memory = self.net.memory
         self.element, self.kind = memory.marks(laws), memory.marks(laws)
         self.piece = memory.marks(laws)
+        coarse = self.stepper.method.order <= _COARSE
+        self.most_effect = _MOST_EFFECT if coarse else 0.5 * _MOST_EFFECT
         # where the attempt should end, and whether that is just before a point: its value, that of
         # `switches.row` which passes it, and whether the table ends there
         self.at = self.value = 0.0
@@ -72,14 +74,14 @@ class Knots:
             return h
         self.motion.foresee(shorter)
         self.stepper.errors.begin(shorter)
-        self._find(shorter, _LEAST_KNOT, _MOST_EFFECT)
+        self._find(shorter, _LEAST_KNOT, self.most_effect)
         return self.at * shorter if self.at < 1.0 else h
 
     def within(self, h):
         """Return the length h of the attempt, or a shorter one that the points it passes allow."""
         most = self.stepper.method.most_error
         least = _LEAST_KNOT if self.stepper.errors.error <= most else _CLOSE_KNOT
-        self._find(h, least, _MOST_EFFECT * most)
+        self._find(h, least, self.most_effect * most)
         return self.at * h if self.at < 1.0 else h
 
     def met(self, h):

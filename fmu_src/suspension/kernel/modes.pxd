@@ -3,7 +3,7 @@ from libc.math cimport fabs, sqrt
 from .balance cimport Balance
 from .network cimport Network
 
-cdef double _SAFE_PHASE, _DAMPED_PHASE
+cdef double _SAFE_PHASE, _DAMPED_PHASE, _LONGEST_PHASE, _MORE_DAMPING
 
 @cython.final
 cdef class Modes:
@@ -21,7 +21,8 @@ cdef class Modes:
     cdef void _find_fastest(self) noexcept nogil
     @cython.locals(i=int, j=int, k=int, x=double, trace=double, stiffness=double)
     cdef inline double _highest(self, int n) noexcept nogil
-    @cython.locals(omega=double, longer=double)
     cdef double bound(self, double h, double least_damping) noexcept nogil
+    @cython.locals(longer=double)
+    cdef bint _lengthened(self, double phase, double least_damping) noexcept nogil
     @cython.locals(k=int, at=int, omega=double, decay=double)
     cdef void _scale_velocities(self) noexcept nogil

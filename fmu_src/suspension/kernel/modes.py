@@ -8,9 +8,11 @@ if not cython.compiled:
     from math import fabs, sqrt
 
 # Phase of a mode per macro step up to which an undamped mode grows by less than 1/500 at any order, and
-# phase up to which it does not grow with the least damping of the method: see `bound`.
+# phases up to which it does not grow with the least damping of the method, and with more: see `bound`.
 _SAFE_PHASE = 2.4
 _DAMPED_PHASE = 6.0
+_LONGEST_PHASE = 8.4
+_MORE_DAMPING = 1.8  # times the least damping
 
 
 class Modes:
@@ -94,17 +96,24 @@ class Modes:
 
         The limit is 2.4 rad for an undamped mode. In a linear branch it is 6 rad if every mode beyond
         2.4 is damped: c_i > x h (omega_i^2 - (2.4 / h)^2), where x is the least damping, that of the
-        method (0 for none). This holds if B - x h (K - (2.4 / h)^2 M) is positive definite.
+        method (0 for none). This holds if B - x h (K - (2.4 / h)^2 M) is positive definite. With 1.8
+        times this damping the limit is 8.4 rad.
         """
-        if h > self.longest and not self.damping_known:
+        if h > self.longest and least_damping > 0.0 and not self.damping_known:
             self.damping_known = 1
-            omega = sqrt(self.omega_squared)
-            longer = _DAMPED_PHASE / omega
-            if least_damping > 0.0 and self.net.is_damped(
-                self.stiffness, self.damping, least_damping * longer, _SAFE_PHASE / longer
-            ):
-                self.longest = longer
+            if not self._lengthened(_LONGEST_PHASE, _MORE_DAMPING * least_damping):
+                self._lengthened(_DAMPED_PHASE, least_damping)
         return self.longest if h > self.longest else h
+
+    def _lengthened(self, phase, least_damping):
+        """Let steps be as long as a phase of the fastest mode, if every mode is damped enough for it."""
+        longer = phase / sqrt(self.omega_squared)
+        if self.net.is_damped(
+            self.stiffness, self.damping, least_damping * longer, _SAFE_PHASE / longer
+        ):
+            self.longest = longer
+            return 1
+        return 0
 
     def _scale_velocities(self):
         """Find the factors that convert errors of velocity into errors of displacement.

@@ -18,7 +18,7 @@ from .trial cimport Trial
 cdef int _AT_SWITCHES, _AT_STEPS
 cdef int _AGAIN, _STALLS, _FLIPS, _STALLED, _KNOTS
 cdef int _OVERRUNS, _PAUSE
-cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _DECAY_PHASE, _SHORT_PHASE, _NEAR_END, _AFTER_KNOT
+cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _DECAY_PHASE, _SHORT_PHASE, _NEAR_END, _NEAR_PHASE, _AFTER_KNOT
 
 cdef class TimeLoop:
     cdef Network net
@@ -88,7 +88,8 @@ cdef class TimeLoop:
     @cython.locals(readable=bint, reads=bint, _iteration=int, status=int, step=double, best=double,
                    late=double, new=double, near=double)
     cdef int _land(self, double h) noexcept nogil
-    cdef int _end_at(self, double step, bint reads) noexcept nogil
+    cdef bint _reads(self) noexcept nogil
+    cdef double _keep_near(self, double h) noexcept nogil
     @cython.locals(i=int)
     cdef void _keep_attempt(self, double h) noexcept nogil
     @cython.locals(new=int, before=int)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import cython
 
 from .dense import Dense
-from .errors import READ_PHASE
 from .knots import Knots
 from .layout import BRANCHES, CONTACT, FRICTION
 from .ledger import Ledger
@@ -57,6 +56,7 @@ _KNOTS = 4  # attempts to end a step on its first knot
 _AFTER_KNOT = 0.85  # least part of the step proposed before one that a point shortens, for the next
 # of an attempt: this close to its end, its septic is far more accurate than halfway
 _NEAR_END = 0.005
+_NEAR_PHASE = 0.05  # of the fastest motion: the same, in long steps
 
 
 class TimeLoop:
@@ -605,16 +605,14 @@ class TimeLoop:
         gap opens in it has no switch at its end, either.
         """
         step = self.switches.at * h
-        readable = self.stepper.errors.controlled and not self.method.exact
-        reads = readable and self.stepper.errors.can_read(self.switches.at, h)
-        near = h  # how far from its end the stored attempt may be read
-        if reads:
+        near = h  # how far from the switch expected the stored attempt may be read
+        if self._reads() and self.stepper.errors.can_read(self.switches.at, h):
             self._keep_attempt(h)
-        status = self._end_at(step, reads)
-        if readable and not (reads or self.net.stuck):
-            self._keep_attempt(step)
-            reads = step * self.stepper.modes.quickest < READ_PHASE
-            near = _NEAR_END * step
+            self.stepper.stop_within(self.state.time + step, self.whole)
+            status = 0
+        else:
+            status = self.stepper.attempt(self.state.time, step)
+            near = self._keep_near(step)
         self.switches.recedes = False
         best = 1e300
         for _iteration in range(0 if self.switches.only_opens else 8):
@@ -631,19 +629,26 @@ class TimeLoop:
             best = self.switches.miss
             if fabs(late) * self.stepper.modes.quickest < _SHORT_PHASE:
                 self.stepper.shift_end(self.state.time + new, -late)
+            elif fabs(late) < near:
+                self.stepper.stop_within(self.state.time + new, self.whole)
             else:
-                status = self._end_at(new, reads and fabs(late) < near)
+                status = self.stepper.attempt(self.state.time, new)
+                near = self._keep_near(new)
             step = new
         if status == 0:
             self.trial.length = step
         return status
 
-    def _end_at(self, step, reads):
-        """End the attempt after `step`, read from the stored attempt or repeated."""
-        if not reads:
-            return self.stepper.attempt(self.state.time, step)
-        self.stepper.stop_within(self.state.time + step, self.whole)
-        return 0
+    def _reads(self):
+        """Return whether the state at a switch may be read from an attempt."""
+        return self.stepper.errors.controlled and not self.method.exact
+
+    def _keep_near(self, h):
+        """Store the attempt just made; return how far from its end it may be read."""
+        if self.net.stuck or not self._reads():
+            return 0.0
+        self._keep_attempt(h)
+        return min(_NEAR_END * h, _NEAR_PHASE / (self.stepper.modes.quickest + 1.0))
 
     def _keep_attempt(self, h):
         for i in range(self.n):
