@@ -25,7 +25,7 @@ Reals = npt.NDArray[np.float64]
 
 _WIDTH, _HEIGHT = 0.3, 0.15  # of the chart, m of paper
 _NAMES = 1.17 * _WIDTH  # where the names of the columns begin
-_EM = 0.0145
+_EM = 0.029  # of type in a window of 1366x768
 _MOST = 600  # vertices of a curve
 _SERIES = 4
 
@@ -91,7 +91,7 @@ class Chart:
             for role, name in zip(self.roles, self.names, strict=True)
         ]
         halves = [text.box(_EM).half.real for text in named]
-        left, right = -0.17 * _WIDTH, max([1.73 * _WIDTH, _NAMES + 2.0 * max(halves) + _EM])
+        left, right = -0.34 * _WIDTH, max([1.73 * _WIDTH, _NAMES + 2.0 * max(halves) + _EM])
         half = complex(right - left, 1.55 * _HEIGHT) / 2.0
         view = Box(complex((left + right) / 2.0, 0.465 * _HEIGHT), half)
         sheet = Drawing("", (), (), {}, StoredFrames(()))
@@ -100,16 +100,16 @@ class Chart:
         page.lines("value", [[zero, zero + _WIDTH]], 0.7)
         page.arrow("axis", corner, corner + 1.03 * _WIDTH)
         page.arrow("axis", corner, self.at(self.start, self.high) + 0.01j)
-        words = Text("axis", f"{self.quantity.name}{bracketed(self.quantity.unit)}", 0j)
+        words = Text("axis", f"{self.quantity.name}{bracketed(self.quantity.unit)}", 0j, 0.9)
         aside = words.box(_EM).half.real + 0.6 * _EM
-        page.write(replace(words, centre=complex(aside, _HEIGHT + 1.7 * _EM)))
+        page.write(replace(words, centre=complex(aside, _HEIGHT + 0.72 * _EM)))
         self._values(page)
         for role, name in zip(self.roles, self.names, strict=True):
             curve = self._curve(self.times, self.values[name])
             if len(curve) > 1:
                 page.lines(role, [curve], 0.8, 0.6 * _strength(name))
         for row, (text, wide) in enumerate(zip(named, halves, strict=True)):  # beside it
-            page.write(replace(text, centre=complex(_NAMES + wide, _HEIGHT - 1.7 * row * _EM)))
+            page.write(replace(text, centre=complex(_NAMES + wide, _HEIGHT - 1.4 * row * _EM)))
         return page
 
     def _values(self, page: Page) -> None:
@@ -120,17 +120,18 @@ class Chart:
             if len(shown) > 1:
                 break
         for i in shown:
-            z = self.at(self.start, i * step)
-            page.lines("axis", [[z, z + 0.4 * _EM]])
-            page.write_if_free(Text("value", number(i * step), z - 1.3 * _EM, 0.8, "value"))
+            z, text = self.at(self.start, i * step), number(i * step)
+            page.lines("axis", [[z, z + 0.2 * _EM]])
+            beside = z - (0.3 + 0.27 * len(text)) * _EM
+            page.write_if_free(Text("value", text, beside, 0.8, "value"))
         unit, factor = self.time_unit
-        step = round_step(factor * (self.end - self.start) or 1.0, 6)
+        step = round_step(factor * (self.end - self.start) or 1.0, 5)
         last = int(factor * (self.end - self.start) / step)
-        for i in range(1, last + 1):
+        for i in range(last, 0, -1):  # the last one has the unit
             z = self.at(self.start + i * step / factor, self.low)
-            page.lines("axis", [[z, z + 0.4j * _EM]])
+            page.lines("axis", [[z, z + 0.2j * _EM]])
             text = number(i * step) + (f" {unit}" if i == last else "")
-            page.write_if_free(Text("value", text, z - 1.0j * _EM, 0.8, "value"))
+            page.write_if_free(Text("value", text, z - 0.8j * _EM, 0.8, "value"))
 
     def upto(self, step: int) -> Page:
         """Return a page with what was read off the planes up to a step, and a line at its time."""

@@ -364,6 +364,21 @@ def test_all_columns_of_a_chart_are_named_in_its_view() -> None:
     assert "3 s" in [text.text for text in texts]
 
 
+def test_the_texts_of_a_chart_fit_their_pane_with_type_of_its_size() -> None:
+    """The pane is 166 pixels high in a window of 1366x768, with a bar of 30; 1 em is 16.75 pixels."""
+    made = construct_motion(ap57(), delta, step=0.0025, steps=30)
+    names = ("body_displacement", "wheel_displacement", "suspension_deflection", "road_elevation")
+    histories = {"time": [0.0, 0.075], **{name: [0.0, 0.05] for name in names}}
+    chart = Chart(made, histories, names, QUANTITIES[0])
+    page = chart.stays
+    assert 2.0 * page.view.half.imag / page.em <= (166.0 - 30.0) / 16.75
+    boxes = [text.box(page.em) for text in page.texts]
+    assert not any(one.overlap(other) for one, other in combinations(boxes, 2))
+    assert all(page.view.contains(box) for box in boxes)
+    (heading,) = (text.box(page.em) for text in page.texts if text.role == "axis")
+    assert heading.centre.imag - heading.half.imag >= chart.at(0.0, chart.high).imag
+
+
 def test_the_values_of_the_time_stand_below_the_curves_of_a_chart() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=10)
     shown = {"time": [0.0, 0.025], "wheel_displacement": [0.05, -0.05]}
@@ -374,6 +389,13 @@ def test_the_values_of_the_time_stand_below_the_curves_of_a_chart() -> None:
         box = text.box(chart.stays.em)
         assert box.centre.imag + box.half.imag <= chart.at(0.0, chart.low).imag
         assert chart.stays.view.contains(box)
+
+
+@given(end=st.floats(0.01, 4.0))
+def test_the_unit_of_time_stands_in_every_chart(*, end: float) -> None:
+    made = construct_motion(EquationPlane(lambda v, x, t: x, True), delta, step=end / 4, steps=4)
+    texts = Chart(made, {"time": [0.0, end], "y": [0.0, 1.0]}, ("y",), QUANTITIES[0]).stays.texts
+    assert [text.text.split()[-1] for text in texts if text.text.endswith("s")] in (["s"], ["ms"])
 
 
 @given(low=st.floats(-100.0, 0.0), span=st.floats(0.01, 200.0))
