@@ -45,7 +45,8 @@ def draw_curves(page: Page, roles: Sequence[str] | None = CURVES) -> None:
         if place is not None and page.view.holds(curve.vertices[place]):
             words = typeset(curve.label).replace("-", MINUS)
             page.dots(curve.role, [curve.vertices[place]])
-            page.letter([(curve.vertices[place], words, curve.role)], VALUE)
+            starts = [motion[0] for motion in page.subject.motions]
+            page.letter([(curve.vertices[place], words, curve.role)], VALUE, others=starts)
 
 
 def _name_line(page: Page, curve: Curve, *, above: bool) -> None:

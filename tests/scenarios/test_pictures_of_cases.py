@@ -207,6 +207,16 @@ def test_the_chart_is_of_the_motion_that_is_drawn() -> None:
     assert recorder.chart.names == ("displacement",)
 
 
+@pytest.mark.parametrize("name", ["h83_example23", "h83_example25", "h83_example27"])
+def test_no_start_is_taken_for_that_of_the_motion(name: str) -> None:
+    stays, *_ = pages_of(Content(name, drawing_of(name)))
+    (motion,) = stays.subject.motions
+    named = [text for text in stays.texts if text.role == "trail" and text.point is not None]
+    assert named
+    for text in named:
+        assert abs(text.centre - text.point) < abs(text.centre - motion[0]), text.text
+
+
 @pytest.mark.parametrize("name", ["ap57", "h83_example40", "van_der_pol"])
 def test_the_turn_angles_fit_their_pane_with_type_of_its_size(name: str) -> None:
     """The pane is 120 pixels high in a window of 1366x768, with a bar of 25; 1 em is 16.75 pixels."""
