@@ -198,6 +198,13 @@ def step_text(drawing: Drawing, frame: Frame, quantities: Mapping[str, Quantity 
     return f"{step_head(drawing, frame)}\n\n{readings_table(frame.readings, quantities)}"
 
 
+def end_text(drawing: Drawing, quantities: Mapping[str, Quantity | None]) -> str:
+    """Return what a construction has come to, where a run may go on, in Markdown."""
+    last = drawing.frames[-1]
+    read = readings_table((drawing.end or last).readings, quantities)
+    return f"**The construction ends** at t = {last.time + last.duration:.5f} s.\n\n{read}"
+
+
 def protocol(
     drawing: Drawing, frame: Frame, present: int, units: Mapping[str, tuple[str, float]]
 ) -> str:

@@ -16,7 +16,7 @@ from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, Boxes, Points, table
 from phaseplane.picture.quantities import Quantity
 from phaseplane.picture.styles import MOVING_POINT, style_of
-from phaseplane.picture.text import step_text, typeset
+from phaseplane.picture.text import end_text, step_text, typeset
 
 from .canvas import placed_letters
 from .columns import (
@@ -187,10 +187,13 @@ def send_text(
     recording: rr.RecordingStream, drawing: Drawing, quantities: dict[str, Quantity | None],
     clock: Clock, first: int, last: int,
 ) -> None:  # fmt: skip
-    """Log the description of steps and their readings."""
+    """Log the description of steps and their readings, and after the last one that of the end."""
     style_only = rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN)
     recording.log(WORDS, style_only, static=True)
-    texts = [legible(step_text(drawing, f, quantities)) for f in drawing.frames[first:last]]
+    texts = [step_text(drawing, frame, quantities) for frame in drawing.frames[first:last]]
+    texts += [end_text(drawing, quantities)] if last == len(drawing.frames) else []
     recording.send_columns(
-        WORDS, clock.columns(np.arange(first, last)), rr.TextDocument.columns(text=texts)
+        WORDS,
+        clock.columns(first + np.arange(len(texts))),
+        rr.TextDocument.columns(text=[legible(text) for text in texts]),
     )

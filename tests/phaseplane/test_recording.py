@@ -333,6 +333,19 @@ def test_two_events_at_one_instant_are_two(tmp_path: Path) -> None:
     assert any(said in text for text in recorded.words())
 
 
+def test_no_step_is_told_once_the_construction_has_ended(tmp_path: Path) -> None:
+    """A run may go on for long after it."""
+    record(construct_motion(ap57(), delta, step=0.0025, steps=10), tmp_path / "f.rrd")
+    recorded = Recorded(tmp_path / "f.rrd")
+    for step, words in (
+        (9, "**Step 9 (0 to 9)"),
+        (10, "**The construction ends** at t = 0.02500 s."),
+    ):
+        row = recorded.shown("/words", "step", step)
+        assert row is not None
+        assert row["TextDocument:text"][0].startswith(words)
+
+
 def test_a_step_in_words(recorded: Recorded) -> None:
     row = recorded.shown("/words", "step", 30)
     assert row is not None
