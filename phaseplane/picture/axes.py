@@ -159,15 +159,11 @@ def _name(page: Page, edge: complex, name: str, sense: float) -> None:
     ]
     lines = [(c.vertices[0], c.vertices[-1]) for c in page.drawing.curves if c.role == "line"]
     ends = np.concatenate([page.segments, np.array(lines, complex).reshape(-1, 2)])
-    boxes = Boxes(np.array(centres)[:, None], np.array(half))
-    auxiliary = [c.vertices for c in page.drawing.curves if c.role == "auxiliary"]
-    struck, crossed, touched = (
-        boxes.inside(z[:, 0], z[:, 1]).sum(axis=1) > 0.0
-        for z in (
-            ends,
-            segments_of(page.subject.motions if len(page.drawing.frames) else ()),
-            segments_of(auxiliary),
-        )
+    motions = segments_of(page.subject.motions if len(page.drawing.frames) else ())
+    auxiliary = segments_of(c.vertices for c in page.drawing.curves if c.role == "auxiliary")
+    struck, crossed, touched = (  # one place after the other, as a motion may have many segments
+        np.array([Boxes(z, np.array(half)).inside(*of.T).any() for z in np.array(centres)])
+        for of in (ends, motions, auxiliary)
     )
     for i in np.argsort(4 * struck + 2 * crossed + touched, kind="stable"):
         if page.write_if_free(replace(text, centre=centres[i])):
