@@ -47,11 +47,8 @@ _ARMS = 13.5 + 5.7j  # width and height of the pane of the turn angles, em
 _RING = 0.8  # size of the ring of a state point, relative to that of a moving one
 _TOLD = ("lift_off", "touchdown", "yielding", "unloading", "sticking")
 _EMPTY = "The empty sheet: axes and auxiliary curves"
-_AS_LARGE = 0.9  # of a state: drift that is taken for as large as it
-_LEFT = (
-    "**The drift is as large as the motion: the construction has left the run.** Its step is too long "
-    "for the stiffest spring or damper. Choose a shorter one."
-)
+_MOST_DRIFT = 0.5  # root mean square over the motion, in parts of that of the state
+_LEFT = "**The construction has left the run.** Choose a shorter step."
 _HELP = (
     "**How to use this view.** Space plays and pauses, the arrow keys go one tick back or forward. "
     "The timeline *stage* shows how a few steps are drawn, *step* and *t* go through all of them. Drag "
@@ -147,7 +144,7 @@ def staged(drawing: Drawing, stays: Page, arms: Page, index: int) -> Iterator[Ti
 def _drift(stays: Page) -> list[str]:
     """Return how far a construction gets from a motion with which it is compared, and whether it follows.
 
-    It does not where the state is farthest from its origin, and the drift is as large as the state.
+    It does not if the drift over all steps is more than half as large as the state; at impacts it may be.
     """
     frames, found, follows = stays.drawing.frames, [], True
     for plane in stays.drawing.planes:
@@ -158,7 +155,7 @@ def _drift(stays: Page) -> list[str]:
         state = abs(table(frames, [plane.state])[:, 0] - axis.origin) / axis.scale
         unit, factor = stays.units[plane.name]
         found.append(f"{typeset(axis.label)} {number(factor * drift.max(), 3)} {unit}".rstrip())
-        follows = follows and bool(drift[state.argmax()] < _AS_LARGE * state.max())
+        follows = follows and bool((drift**2).mean() < _MOST_DRIFT**2 * (state**2).mean())
     words = [f"Largest drift from the run: {', '.join(found)}."]
     return words if follows else [*words, _LEFT]
 
