@@ -17,16 +17,17 @@ from .items import Text
 from .page import Page
 from .paper import Box, readings
 from .quantities import Quantity
-from .styles import PARTS
+from .styles import PARTS, strength_of
 from .subject import Subject
 from .text import bracketed, in_words, number
 
 Reals = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
 
 _WIDTH, _HEIGHT = 0.3, 0.15  # of the chart, m of paper
 _NAMES = 1.17 * _WIDTH  # where the names of the columns begin
 _EM = 0.029  # of type in a window of 1366x768
-_MOST = 600  # vertices of a curve
+_MOST = 600  # vertices of a curve, about
 _SERIES = 4
 
 
@@ -53,12 +54,11 @@ class Chart:
         self.start, self.end = drawing.frames[0].time, last.time + last.duration
         times = np.asarray(histories["time"], float)
         until = times <= self.end * (1.0 + 1e-9)
-        every = max(1, int(until.sum()) // _MOST)
         self.names = names[:_SERIES]
         self.roles = [part_of(name, number) for number, name in enumerate(self.names)]
-        self.times = times[until][::every]
+        self.times = times[until]
         self.values = {
-            n: quantity.factor * np.asarray(histories[n], float)[until][::every] for n in self.names
+            n: quantity.factor * np.asarray(histories[n], float)[until] for n in self.names
         }
         end = StoredFrames([] if drawing.end is None else [drawing.end])
         read = np.append(readings(drawing.frames, self.names), readings(end, self.names), axis=0)
@@ -74,7 +74,9 @@ class Chart:
         return point
 
     def _curve(self, times: Reals, values: Reals) -> list[complex]:
-        """Return the points of values at times, shape (n,)."""
+        """Return the points of values at times, shape (n,), or the telling ones of many."""
+        chosen = telling_rows(values)
+        times, values = times[chosen], values[chosen]
         span = (self.high - self.low) or 1.0
         x = _WIDTH * (times - self.start) / ((self.end - self.start) or 1.0)
         points: list[complex] = (x + 1j * (_HEIGHT * (values - self.low) / span)).tolist()
@@ -90,8 +92,8 @@ class Chart:
             Text(role, in_words(name), 0j, 0.9)
             for role, name in zip(self.roles, self.names, strict=True)
         ]
-        halves = [text.box(_EM).half.real for text in named]
-        left, right = -0.34 * _WIDTH, max([1.73 * _WIDTH, _NAMES + 2.0 * max(halves) + _EM])
+        widest = max(text.box(_EM).half.real for text in named)
+        left, right = -0.34 * _WIDTH, max(1.73 * _WIDTH, _NAMES + 2.0 * widest + _EM)
         half = complex(right - left, 1.55 * _HEIGHT) / 2.0
         view = Box(complex((left + right) / 2.0, 0.465 * _HEIGHT), half)
         sheet = Drawing("", (), (), {}, StoredFrames(()))
@@ -107,9 +109,9 @@ class Chart:
         for role, name in zip(self.roles, self.names, strict=True):
             curve = self._curve(self.times, self.values[name])
             if len(curve) > 1:
-                page.lines(role, [curve], 0.8, 0.6 * _strength(name))
-        for row, (text, wide) in enumerate(zip(named, halves, strict=True)):  # beside it
-            page.write(replace(text, centre=complex(_NAMES + wide, _HEIGHT - 1.4 * row * _EM)))
+                page.lines(role, [curve], 0.8, 0.6 * strength_of(name))
+        for row, text in enumerate(named):  # beside it, centred: in larger windows type is smaller
+            page.write(replace(text, centre=complex(_NAMES + widest, _HEIGHT - 1.7 * row * _EM)))
         return page
 
     def _values(self, page: Page) -> None:
@@ -137,11 +139,10 @@ class Chart:
         """Return a page with what was read off the planes up to a step, and a line at its time."""
         page = self.stays.following()
         times, read = (of[: step + 1] for of in self.read)
-        every = max(1, len(times) // _MOST)
-        for name, role, values in zip(self.names, self.roles, read[::every].T, strict=True):
+        for name, role, values in zip(self.names, self.roles, read.T, strict=True):
             shown = np.isfinite(values)
-            points = self._curve(times[::every][shown], values[shown])
-            page.dots(role, points, 0.9, _strength(name))
+            points = self._curve(times[shown], values[shown])
+            page.dots(role, points, 0.9, strength_of(name))
         page.lines("value", [self.cursor(times[-1])])
         return page
 
@@ -150,9 +151,18 @@ class Chart:
         return [self.at(time, self.low), self.at(time, self.high)]
 
 
-def _strength(name: str) -> float:
-    """Return the opacity of a column: that of a rear axle is fainter, as in plots."""
-    return 0.6 if name.startswith("rear_") else 1.0
+def telling_rows(values: Reals) -> Integers:
+    """Return the rows that show a series: of many, the least and the greatest of each short part.
+
+    Every n-th row would show a fast vibration as a slow one.
+    """
+    every = 2 * ceil(len(values) / _MOST)
+    if every <= 2:
+        return np.arange(len(values))
+    parts = values[: len(values) // every * every].reshape(-1, every)
+    first = every * np.arange(len(parts))
+    rest = np.arange(parts.size - 1, len(values))
+    return np.unique(np.concatenate([first + parts.argmin(1), first + parts.argmax(1), rest]))
 
 
 def part_of(name: str, number: int) -> str:

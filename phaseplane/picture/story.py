@@ -52,7 +52,8 @@ _LEFT = "**The construction has left the run.** Choose a shorter step."
 _HELP = (
     "**How to use this view.** Space plays and pauses, the arrow keys go one tick back or forward. "
     "The timeline *stage* shows how a few steps are drawn, *step* and *t* go through all of them. Drag "
-    "to move the sheet, turn the mouse wheel to zoom, double-click to reset the view."
+    "to move the sheet, turn the mouse wheel to zoom, double-click to reset the view. Ctrl and + makes "
+    "all type larger, as for a projector."
 )
 
 
@@ -86,10 +87,10 @@ def arms_page(drawing: Drawing) -> Page:
     names = [words_at_end(curve, curves) for curve in curves if curve.role != "axis"]
     room = max((2.0 * text_box(0j, name, 1.0).half.real for name in names), default=0.0) + 0.5
     size = 2.0 * arms.half
-    em = max(size.real / (_ARMS.real - room - 1.0), size.imag / (_ARMS.imag - 3.2))
+    em = max(size.real / (_ARMS.real - room - 1.0), size.imag / (_ARMS.imag - 3.4))
     # room for the names beside the arms, and for the values below them
     low, high = arms.corners
-    low, high = low - (0.5 + 1.6j) * em, high + (room + 0.5 + 1.6j) * em
+    low, high = low - (0.5 + 1.6j) * em, high + (room + 0.5 + 1.8j) * em
     page = Page(Subject(drawing), Box((low + high) / 2.0, (high - low) / 2.0), em)
     draw_curves(page, list(dict.fromkeys(c.role for c in curves)))
     return page

@@ -96,6 +96,7 @@ PARTS = {
     "tyre": VIOLET,
     "contact": PINK,
     "road": OCHRE,
+    "ground": OCHRE,
     "kinetic": BLUE,
     "stored": GREEN,
     "dissipated": ORANGE,
@@ -116,6 +117,12 @@ def hue_of(variable: str, number: int = 0) -> Hue:
     """Return the hue of a variable by the part it belongs to, else the hue with this number."""
     words = variable.split("_")
     return next((PARTS[w] for w in words if w in PARTS), _OTHERS[number % len(_OTHERS)])
+
+
+def strength_of(variable: str) -> float:
+    """Return the opacity of a variable: a rear axle is fainter than a front one, right than left."""
+    words = variable.split("_")
+    return (0.5 if "rear" in words else 1.0) * (0.7 if "right" in words else 1.0)
 
 
 def luminance(colour: str) -> float:

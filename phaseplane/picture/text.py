@@ -33,7 +33,7 @@ _EVENTS = {
     "lift_off": "The {}wheel leaves the road (U).",
     "touchdown": "The {}wheel touches down (V).",
     "sticking": "Dry friction holds the {}suspension (F).",
-    "jolt": "The road jumps, and so do the state points.",
+    "jolt": "The road jumps, and so do the state points (J).",
     "yielding": "The spring yields.",
     "unloading": "The spring unloads.",
 }

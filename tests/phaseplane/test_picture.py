@@ -33,6 +33,7 @@ from phaseplane.constructions import (
     construct_motion,
     delta,
 )
+from phaseplane.constructions.sheet import Event
 from phaseplane.picture import subject
 from phaseplane.picture.axes import graduation_of
 from phaseplane.picture.canvas import Canvas
@@ -52,9 +53,19 @@ from phaseplane.picture.styles import (
     Hue,
     hue_of,
     luminance,
+    strength_of,
     style_of,
 )
-from phaseplane.picture.text import level_text, markdown, number, protocol, readings_table, typeset
+from phaseplane.picture.text import (
+    LETTER_OF_EVENT,
+    event_text,
+    level_text,
+    markdown,
+    number,
+    protocol,
+    readings_table,
+    typeset,
+)
 from phaseplane.recording import Content, record
 from phaseplane.recording.columns import legible, rgba
 from phaseplane.recording.motion import pages_of
@@ -340,6 +351,11 @@ def test_rounding_is_measured_as_zero() -> None:
     assert "QP = 0 cm: ẋ = 0 1/s" in told
 
 
+@pytest.mark.parametrize(("kind", "letter"), LETTER_OF_EVENT.items())
+def test_the_sentence_of_an_event_names_its_letter(kind: str, letter: str) -> None:
+    assert event_text(Event(kind, kind, "", ())).endswith(f"({letter}).")
+
+
 def test_there_is_no_negative_zero() -> None:
     assert number(-0.0) == "0"
 
@@ -375,8 +391,32 @@ def test_the_texts_of_a_chart_fit_their_pane_with_type_of_its_size() -> None:
     boxes = [text.box(page.em) for text in page.texts]
     assert not any(one.overlap(other) for one, other in combinations(boxes, 2))
     assert all(page.view.contains(box) for box in boxes)
+    # the names are one column in larger windows, too, and the plates of the viewer have gaps
+    centres = [text.centre for text in page.texts if text.role in PARTS]
+    assert len({z.real for z in centres}) == 1
+    assert np.all(np.diff([z.imag for z in centres]) < -1.6 * page.em)
     (heading,) = (text.box(page.em) for text in page.texts if text.role == "axis")
     assert heading.centre.imag - heading.half.imag >= chart.at(0.0, chart.high).imag
+
+
+def test_a_chart_of_many_rows_shows_the_size_of_a_vibration() -> None:
+    """A sine of 20 Hz, of which every twentieth row is nearly the same."""
+    made = construct_motion(EquationPlane(lambda v, x, t: x, True), delta, step=0.1, duration=12.0)
+    times = np.arange(12001) / 1e3
+    shown = {"time": times, "y": np.sin(2 * np.pi * 20.0 * times)}
+    chart = Chart(made, shown, ("y",), QUANTITIES[0])
+    (curve,) = (
+        strip for i in chart.stays.of(Lines) for strip in i.strips if i.role == chart.roles[0]
+    )
+    assert len(curve) < 700
+    for part in np.array_split(np.array(curve[:560]), 28):
+        assert part.imag.min() < chart.at(0.0, -99.0).imag
+        assert part.imag.max() > chart.at(0.0, 99.0).imag
+
+
+def test_the_curves_of_four_wheels_can_be_told_apart() -> None:
+    names = [f"{axle}_{side}_wheel" for axle in ("front", "rear") for side in ("left", "right")]
+    assert len({strength_of(name) for name in names}) == 4
 
 
 def test_the_values_of_the_time_stand_below_the_curves_of_a_chart() -> None:
@@ -412,8 +452,9 @@ def test_turn_angles_are_named_and_their_arm_has_a_unit() -> None:
     four = draw_construction(
         half_car.fmu.model, half_car.all_parameters, asdict(half_car.construction), 0.02
     )
-    two = construct_motion(ap57(), delta, step=0.0025, steps=10)
-    for made, wanted in ((two, ["Δτ₁", "Δτ₂"]), (four, ["Δτ₁₁, Δτ₂₁", "Δτ₁₂, Δτ₂₂"])):
+    two, flat = (construct_motion(ap57(), delta, step=h, steps=10) for h in (0.0025, 0.00025))
+    pair = ["Δτ₁", "Δτ₂"]
+    for made, wanted in ((two, pair), (flat, pair), (four, ["Δτ₁₁, Δτ₂₁", "Δτ₁₂, Δτ₂₂"])):
         page = arms_page(made)
         assert [text.text for text in page.texts if "τ" in text.text] == wanted
         assert sum(text.text.endswith(" cm") for text in page.texts) == 1
