@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import zip_longest
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +14,7 @@ from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.storage import StoredFrames
 from phaseplane.picture.paper import readings
 from phaseplane.picture.quantities import QUANTITIES, RADIANS, Quantity, quantity_of, read_off
-from phaseplane.picture.styles import hue_of
+from phaseplane.picture.styles import hue_of, strength_of
 from phaseplane.picture.subject import motions_of, reach_of
 from phaseplane.picture.text import in_words
 
@@ -21,6 +22,9 @@ from .columns import Clock, Reals, colours, legible, rgba, seconds
 from .content import Content
 
 HISTORIES = "/histories"
+MOST_NAMED = 8
+"""Curves of a plot that are named in it; more names would hide them."""
+_PLACES = ("front", "rear", "left", "right")
 _POINTS = "drawn"  # name of the entity with the points of the construction, under its series
 
 
@@ -67,7 +71,10 @@ def quantities_of(drawing: Drawing) -> dict[str, Quantity | None]:
 
 
 def panels(content: Content) -> list[Panel]:
-    """Return the columns by quantity: those of the table first, then other units, then bare numbers."""
+    """Return the columns by quantity: those of the table first, then other units, then bare numbers.
+
+    Without a construction, those of more than `MOST_NAMED` columns are split by the part of the car.
+    """
     drawing = content.drawing
     known = quantities_of(drawing) if drawing is not None else {}
     read = {quantity.name: quantity for quantity in known.values() if quantity is not None}
@@ -91,11 +98,28 @@ def panels(content: Content) -> list[Panel]:
             "energies" if quantity.name == "energy" else "histories"
         ):
             found.setdefault(quantity, []).append(name)
-    return [
-        Panel(quantity, tuple(names), tuple(name for name in names if name in known))
+    kinds = [
+        [
+            Panel(of, tuple(several), tuple(name for name in several if name in known))
+            for of, several in _by_part(quantity, names, MOST_NAMED if drawing is None else None)
+        ]
         for quantity, names in found.items()
-        if names
     ]
+    return [panel for rank in zip_longest(*kinds) for panel in rank if panel is not None]
+
+
+def _by_part(
+    quantity: Quantity, names: list[str], most: int | None
+) -> list[tuple[Quantity, list[str]]]:
+    """Return columns of a quantity together, or more than `most` by the parts of several wheels."""
+    parts: dict[str, list[str]] = {}
+    for name in names:
+        part = "_".join(word for word in name.split("_") if word not in _PLACES)
+        parts.setdefault(in_words(part), []).append(name)
+    if most is None or len(names) <= most or len(parts) > len(names) / 2:
+        return [(quantity, names)] if names else []
+    largest = sorted(parts.items(), key=lambda item: -len(item[1]))
+    return [(replace(quantity, name=part), several) for part, several in largest]
 
 
 def send_histories(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
@@ -135,10 +159,9 @@ def send_readings(
 
 
 def log_series(recording: rr.RecordingStream, panel: Panel, content: Content) -> None:
-    """Log names and colours of the curves of a panel; a rear axle has fainter ones."""
+    """Log names and colours of the curves of a panel; a rear axle and a right wheel have fainter ones."""
     for number, name in enumerate(panel.names):
-        strength = 0.6 if name.startswith("rear_") else 1.0
-        colour = colours([rgba(hue_of(name, number), strength)])
+        colour = colours([rgba(hue_of(name, number), strength_of(name))])
         words = legible(in_words(name))
         recording.log(
             panel.entity(name),

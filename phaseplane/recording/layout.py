@@ -16,7 +16,7 @@ from phaseplane.picture.text import in_words, number, typeset
 from .canvas import PARTS, RECENT
 from .columns import legible
 from .content import Content
-from .histories import Panel, overlays, panels
+from .histories import MOST_NAMED, Panel, overlays, panels
 from .lanes import LANES, SHEET_SHARE, lanes_share
 from .motion import state_planes
 from .recorder import MOST_ROWS, Recorder
@@ -185,7 +185,7 @@ def _plot(panel: Panel, content: Content) -> rrb.TimeSeriesView:
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
     margin = 0.05 * (high - low) or 1.0
-    named = 4 if content.drawing is not None else 8  # above that names would hide the curves
+    named = MOST_NAMED // 2 if content.drawing is not None else MOST_NAMED  # where plots are low
     ends = (number(end if abs(end) > _ROUNDING * (high - low) else 0.0, 3) for end in (low, high))
     return rrb.TimeSeriesView(
         origin=panel.path,

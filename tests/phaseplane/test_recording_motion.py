@@ -266,6 +266,24 @@ def test_the_curves_of_a_plot_are_named(tmp_path: Path, axles: int, *, named: bo
     assert legend == [named]
 
 
+def test_more_curves_of_several_wheels_have_a_plot_for_each_part(tmp_path: Path) -> None:
+    wheels = [f"{axle}_{side}" for axle in ("front", "rear") for side in ("left", "right")]
+    parts = ("wheel_displacement", "suspension_deflection", "wheel_velocity")
+    columns = {f"{wheel}_{part}": TIME for wheel in wheels for part in parts}
+    columns |= dict.fromkeys(("time", "heave_displacement", "heave_velocity"), TIME)
+    made = recorded(tmp_path, Content("a run", histories=columns))
+    titles = [
+        row["ViewBlueprint:display_name"][0].partition(" [")[0]
+        for _, row in made.layout
+        if row.get("ViewBlueprint:class_identifier") == ["TimeSeries"]
+    ]
+    assert sorted(titles) == ["heave displacement", "suspension deflection", "velocity",
+                              "wheel displacement"]  # fmt: skip
+    legends = [r["PlotLegend:visible"] for p, r in made.layout if p.endswith("PlotLegend")]
+    assert legends == [[True]] * 4
+    assert "/histories/wheel\\ displacement/rear_left_wheel_displacement" in made.rows
+
+
 def test_columns_of_any_unit_are_plotted(tmp_path: Path) -> None:
     columns = {"time": TIME, "pressure": TIME, "gain": TIME}
     content = Content("any", histories=columns, units={"pressure": "Pa", "gain": ""})
