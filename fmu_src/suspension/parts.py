@@ -284,13 +284,12 @@ def _progressive(name: str, text: str, gap: float, side: float) -> Characteristi
     pressed = points(name, text)
     if pressed[0] != (0.0, 0.0) or any(b[1] <= a[1] for a, b in pairwise(pressed)):
         raise ParameterError(f"{name} = {text!r}: must begin with 0:0, and its forces must rise")
-    curve = [(side * (gap + x), side * force) for x, force in pressed]
     with blaming(name):
-        slopes = [(b[1] - a[1]) / (b[0] - a[0]) for a, b in pairwise(pressed)]
-        characteristics.table(pressed)  # refuses what does not ascend
+        beyond = characteristics.table(pressed).tangent(pressed[-1][0])  # of the last line
+    curve = [(side * (gap + x), side * force) for x, force in pressed]
     if side > 0.0:
-        return characteristics.polyline(curve, 0.0, slopes[-1])
-    return characteristics.polyline(curve[::-1], slopes[-1], 0.0)
+        return characteristics.polyline(curve, 0.0, beyond)
+    return characteristics.polyline(curve[::-1], beyond, 0.0)
 
 
 def _friction_element(

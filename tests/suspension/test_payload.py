@@ -77,7 +77,8 @@ def test_a_table_through_the_same_points_is_the_same_stop():
 @pytest.mark.parametrize(
     ("table", "words"),
     [("0.01:0, 0.02:10", "begin with 0:0"), ("0:0, 0.01:5, 0.02:5", "must rise"),
-     ("0:0, 0.02:5, 0.01:6", "ascend"), ("stiff", "pairs of finite numbers")],
+     ("0:0, 0.02:5, 0.01:6", "ascend"), ("0:0, 0:5", "ascend"),
+     ("stiff", "pairs of finite numbers")],
 )  # fmt: skip
 def test_a_stop_that_is_no_stop_is_refused(table, words):
     with pytest.raises(ParameterError, match=rf"bump_stop.table.*{words}"):
