@@ -19,11 +19,11 @@ import numpy as np
 import numpy.typing as npt
 
 from .engine import Integrator
+from .equilibrium import start_state
 from .models import build, cached
 from .outputs import reading_of
 from .reasons import why_stopped
 from .series import RESIDUAL, Series, is_at_end, is_over_time, joints
-from .session import start_state
 from .systems import System
 from .variable import Variable
 from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
@@ -318,8 +318,7 @@ class _Bench:
         model = self._task.model
         parameters = checked_parameters(model, given)
         system = build(model, parameters)
-        rest = (0.0,) * len(system.mass)
-        state = start_state(system, parameters, self._task.times[0]) or (rest, rest)
+        state = start_state(system, parameters, self._task.times[0])
         kind = self._kind(_solver(parameters), system)
         kind.integrator.add_row(kind.numbers, system, *state)
         kind.runs.append(run)

@@ -1,10 +1,12 @@
-"""Static equilibrium of a system: sum b f(b' q - u, 0) = p (see `kernel.rest`)."""
+"""Where a system rests, sum b f(b' q - u, 0) = p (see `kernel.rest`), and from where a run starts."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 
 from .systems import System
+from .variable import Value, number
 
 
 def static_equilibrium(
@@ -37,3 +39,31 @@ def static_equilibrium(
             "its load"
         )
     return found
+
+
+def start_state(
+    system: System, parameters: Mapping[str, Value], time: float
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return the initial displacements (m) and velocities (m/s) of all coordinates.
+
+    They are the static equilibrium on the road just before, plus the initial values. External forces
+    act from the start on and are not part of the equilibrium.
+    """
+    levels = {axle.road: system.signals[axle.road].before(time) for axle in system.axles}
+    displacements, velocities = (
+        tuple(number(parameters, name) for name in names)
+        for names in initial_names(system.coordinates)
+    )
+    if any(levels.values()):
+        rest = static_equilibrium(system, levels)
+        displacements = tuple(r + q for r, q in zip(rest, displacements, strict=True))
+    return displacements, velocities
+
+
+@cache
+def initial_names(coordinates: tuple[str, ...]) -> list[list[str]]:
+    """Return the names of the parameters: initial displacements of coordinates, then velocities."""
+    return [
+        [f"initial.{name}_{what}".replace("._", ".") for name in coordinates]
+        for what in ("displacement", "velocity")
+    ]

@@ -13,20 +13,20 @@ from array import array
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import partial
 from math import inf, isfinite, nan
 from typing import Any
 from weakref import proxy
 
 from .engine import KINDS, Integrator, Lines, Run, laws_of
-from .equilibrium import static_equilibrium
+from .equilibrium import start_state
 from .models import build, declared_parameters, inputs
 from .reading import Contacts, Energies, Readers, ReadMany, State
 from .reasons import why_stopped
 from .retuning import Retuning
 from .signals import Segment, Signal
 from .systems import Axle, System
-from .variable import Checked, number
+from .variable import Checked
 from .variables import (
     SOLVER_PARAMETERS,
     ParameterError,
@@ -141,24 +141,25 @@ class Session:
         A wheel may start in the air; this does not count as a lift-off.
         """
         now = replace(self._system, signals=self._signals)  # with the present inputs
-        rest = [0.0] * len(now.coordinates)
-        state = start_state(now, self.parameters, self.time) or (rest, rest)
-        self._integrator.sample(self.time)
-        if state != (list(self._integrator.sample_q), list(self._integrator.sample_v)):
-            self._integrator.set_state(*state)
-            self._behind = self._integrator.snapshot()
-        self._run.contacts.begin(self._integrator)
-        self._run.account.begin(self._integrator)
+        integrator = self._integrator
+        integrator.sample(self.time)
+        q, v = start_state(now, self.parameters, self.time)
+        if any((*q, *v, *integrator.sample_q, *integrator.sample_v)):
+            integrator.set_state(q, v)
+            self._behind = integrator.snapshot()
+        self._run.contacts.begin(integrator)
+        self._run.account.begin(integrator)
         self._energies = None
+
+    def _report(self, category: str, text: str) -> None:
+        self.messages.append((category, text))
 
     def _allowed(self, tolerance: float | None) -> float | None:
         """Return the host's tolerance if it can be used; hosts that have none may give 0."""
         try:
             return float(_TOLERANCE.checked(tolerance)) if tolerance else None
         except ParameterError as error:
-            self.messages.append(
-                ("info", f"the host's tolerance of {tolerance:g} is not used: {error}")
-            )
+            self._report("info", f"the host's tolerance of {tolerance:g} is not used: {error}")
             return None
 
     def _new_integrator(self, system: System, time: float) -> Integrator:
@@ -255,11 +256,9 @@ class Session:
         if run.sampled:
             self._hand_over(until)
         if now == run.start < until:
-            self.messages += [
-                ("event", f"{_wheel(axle)}wheel in the air at the start")
-                for axle, airborne in zip(self._tyres, self.contacts.airborne, strict=True)
-                if airborne
-            ]
+            for axle, airborne in zip(self._tyres, self.contacts.airborne, strict=True):
+                if airborne:
+                    self._report("event", f"{_wheel(axle)}wheel in the air at the start")
         self._integrator.halts = _AT_SWITCHES if to_switch else 0
         switch = self._next_switch() if to_switch else inf
         while switch > until and self._integrator.time < until:
@@ -292,7 +291,7 @@ class Session:
             step = self._integrator.step_count
             where = f"at {self.time:.6g} s, in step {step}"
             reason = why_stopped(status, where, self._integrator, self.system)
-            self.messages.append(("error", reason))
+            self._report("error", reason)
             raise SimulationError(reason)
 
     def _forget_events(self) -> None:
@@ -306,38 +305,32 @@ class Session:
         if beyond is not None and not self._warned:
             self._warned = True
             since, stable = beyond
-            self.messages.append(
-                (
-                    "info",
-                    f"solver.step = {self.parameters['solver.step']:g} s is not stable from "
-                    f"{since:.6g} s on: it is divided into parts of at most {stable:.3g} s",
-                )
+            self._report(
+                "info",
+                f"solver.step = {self.parameters['solver.step']:g} s is not stable from "
+                f"{since:.6g} s on: it is divided into parts of at most {stable:.3g} s",
             )
 
     def _note_drift(self) -> None:
         """Report once that errors have accumulated, as they do in a long run without damping."""
         part = self._run.account.find_drift(self._integrator)
         if part > 0.0:
-            self.messages.append(
-                (
-                    "info",
-                    f"errors accumulate: at {self._integrator.time:.6g} s the energy balance is off by "
-                    f"{part:.2g} of all energy; reduce solver.tolerance, or a fixed solver.step, for "
-                    "a long run",
-                )
+            self._report(
+                "info",
+                f"errors accumulate: at {self._integrator.time:.6g} s the energy balance is off by "
+                f"{part:.2g} of all energy; reduce solver.tolerance, or a fixed solver.step, for a "
+                "long run",
             )
 
     def _note_overruns(self) -> None:
         """Report once that switches had to be passed over."""
         if self._integrator.overruns and not self._passed_over:
             self._passed_over = True
-            self.messages.append(
-                (
-                    "info",
-                    f"switches follow one another without time between them, first before "
-                    f"{self._integrator.time:.6g} s: they are passed over; results may be less "
-                    "accurate there",
-                )
+            self._report(
+                "info",
+                "switches follow one another without time between them, first before "
+                f"{self._integrator.time:.6g} s: they are passed over; results may be less accurate "
+                "there",
             )
 
     def _take_parameters(self) -> None:
@@ -439,9 +432,7 @@ class Session:
                 self._run.contacts.note(time, element, after)
             elif name.endswith("stop"):
                 met = (after < before) == name.endswith("bump_stop")
-                self.messages.append(
-                    ("event", f"{name} {'met' if met else 'left'} at {time:.9g} s")
-                )
+                self._report("event", f"{name} {'met' if met else 'left'} at {time:.9g} s")
 
     @property
     def integrator(self) -> Integrator:
@@ -474,7 +465,7 @@ class Session:
             airborne = self.contacts.airborne[c]
             instants = self.contacts.last_lift_off if airborne else self.contacts.last_touchdown
             what = f"{_wheel(self._tyres[c])}{'lift-off' if airborne else 'touchdown'}"
-            self.messages.append(("event", f"{what} at {instants[c]:.9g} s"))
+            self._report("event", f"{what} at {instants[c]:.9g} s")
         self._integrator.sample(now)
         self.state.at(now, self._signals)
 
@@ -590,39 +581,6 @@ def _wheel(axle: Axle) -> str:
     return axle.prefix.replace("_", " ")
 
 
-def start_state(
-    system: System, parameters: Mapping[str, Value], time: float
-) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
-    """Return the initial state: static equilibrium on the road just before, plus the initial values.
-
-    External forces act from the start on and are not part of the equilibrium.
-
-    Returns
-    -------
-    Displacements (m) and velocities (m/s), or None if all of them are zero.
-    """
-    levels = {axle.road: system.signals[axle.road].before(time) for axle in system.axles}
-    displacements, velocities = (
-        tuple(number(parameters, name) for name in names)
-        for names in initial_names(system.coordinates)
-    )
-    if any(levels.values()):
-        rest = static_equilibrium(system, levels)
-        displacements = tuple(r + q for r, q in zip(rest, displacements, strict=True))
-    if not any(displacements) and not any(velocities):
-        return None
-    return displacements, velocities
-
-
-@cache
-def initial_names(coordinates: tuple[str, ...]) -> list[list[str]]:
-    """Return the names of the parameters: initial displacements of coordinates, then velocities."""
-    return [
-        [f"initial.{name}_{what}".replace("._", ".") for name in coordinates]
-        for what in ("displacement", "velocity")
-    ]
-
-
 def simulate(
     model: str,
     parameters: Mapping[str, object],
@@ -649,10 +607,9 @@ def simulate(
     if not times:
         raise ValueError("there is nothing to simulate: give at least one time")
     session = Session(model, parameters, times[0])
-    columns: dict[str, list[Value]] = {"time": list(times), **{name: [] for name in outputs}}
+    columns: dict[str, list[Value]] = {name: [] for name in outputs}
     for time in times:
         session.advance(time)
         for name, column in columns.items():
-            if name != "time":
-                column.append(session.value(name))
-    return columns
+            column.append(session.value(name))
+    return {"time": [*times], **columns}

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from .equilibrium import start_state
 from .models import ALL
-from .session import start_state
 from .trace import Node, Tape
 from .variable import Value
 
@@ -60,8 +60,7 @@ class Slots:
         make = ALL[model].system
         assert make is not None, model
         system = make(noted)
-        rest = (0.0,) * len(system.mass)
-        state = start_state(system, noted, start) or (rest, rest)
+        state = start_state(system, noted, start)
         if not integrator.fits(system):
             raise ValueError("the structure of the system depends on how it is built")
         self._row = [tape.node(x) for x in integrator.row(system, *state)]

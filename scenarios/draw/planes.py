@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import reduce
 from math import inf
 from operator import add
 from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension.characteristics import Characteristic, linear
-from phaseplane.suspension.equilibrium import static_equilibrium
+from phaseplane.suspension.equilibrium import start_state
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import Axle, Element, System
-from phaseplane.suspension.variables import MODELS, Value
+from phaseplane.suspension.variables import MODELS, Value, checked_parameters
 
 from phaseplane import constructions
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from phaseplane.constructions import Construction
     from phaseplane.constructions.laws import Damper
 
-    Start = tuple[list[float], list[float]]
+    Start = tuple[Sequence[float], Sequence[float]]
 
 CONSTRUCTED = (*MODELS, EQUATION)
 """The models that have a construction."""
@@ -47,24 +47,10 @@ def planes_of(
         if model == EQUATION:
             return _of_equation(parameters, settings)
         system = build(model, parameters)
-        return of_system(system, settings, _start(system, parameters))
+        start = start_state(system, checked_parameters(model, parameters), 0.0)
+        return of_system(system, settings, start)
     except ValueError as error:
         raise InputError(f"construction: {error}") from None
-
-
-def _start(system: System, parameters: Mapping[str, Value]) -> Start:
-    """Return the displacements and velocities of the coordinates at the start of a run."""
-    levels = {axle.road: system.signals[axle.road].before(0.0) for axle in system.axles}
-    q, v = (
-        [
-            float(parameters.get(f"initial.{name}_{what}".replace("._", "."), 0.0))
-            for name in system.coordinates
-        ]
-        for what in ("displacement", "velocity")
-    )
-    if any(levels.values()):
-        q = [a + b for a, b in zip(q, static_equilibrium(system, levels), strict=True)]
-    return q, v
 
 
 def of_system(

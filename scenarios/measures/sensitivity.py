@@ -7,6 +7,7 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from phaseplane.suspension.equilibrium import start_state
 from phaseplane.suspension.models import build
 from phaseplane.suspension.variables import Value, Variable, checked_parameters
 
@@ -54,21 +55,17 @@ def magnification(model: str, parameters: Mapping[str, Value], duration: float) 
     duration : s
     """
     from phaseplane.suspension.engine import Integrator  # noqa: PLC0415  (heavy)
-    from phaseplane.suspension.session import start_state  # noqa: PLC0415  (heavy)
 
     system = build(model, parameters)
-    n = len(system.mass)
-    rest = ((0.0,) * n, (0.0,) * n)
-    start = start_state(system, checked_parameters(model, parameters), 0.0) or rest
     integrator = Integrator(system, tolerance=_TOLERANCE)
-    integrator.set_state(*start)
+    integrator.set_state(*start_state(system, checked_parameters(model, parameters), 0.0))
     times = np.linspace(0.0, duration, _INSTANTS + 1)
     # a state set anew has no memory of what has yielded, or of springs in series with dampers
     remembers = any(min(e.yield_force, e.series) < inf for e in system.elements)
     kicks = 1 if remembers else _KICKS
     kicked_at = {k * _INSTANTS // _KICKS for k in range(kicks)}
     kept: dict[int, Any] = {}
-    rows, speed = np.empty((len(times), n)), 0.0
+    rows, speed = np.empty((len(times), len(system.mass))), 0.0
     for k, t in enumerate(times):
         if k in kicked_at:
             kept[k] = integrator.snapshot()

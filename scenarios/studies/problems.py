@@ -7,15 +7,16 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import inf, pi, sqrt, tanh
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from phaseplane.suspension import characteristics, roads
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.equilibrium import start_state
 from phaseplane.suspension.models import SYSTEMS, build
-from phaseplane.suspension.session import Session
 from phaseplane.suspension.systems import Element, System
 from phaseplane.suspension.units import nearest
-from phaseplane.suspension.variables import Value
+from phaseplane.suspension.variables import Value, checked_parameters
 
 from ..errors import InputError, shown
 from ..scene.loading import load_scene
@@ -66,6 +67,12 @@ class Problem:
         rest = (0.0,) * len(self.system.mass)
         return np.array([*(self.displacements or rest), *(self.velocities or rest)])
 
+    def integrator(self, **options: Any) -> Integrator:
+        """Return an integrator of the system at the initial state, with given options."""
+        integrator = Integrator(self.system, **options)
+        integrator.set_state(*(half.tolist() for half in np.split(self.start, 2)))
+        return integrator
+
 
 def of_model(
     name: str,
@@ -77,24 +84,10 @@ def of_model(
     intervals: int = 400,
 ) -> Problem:
     """Return a problem that an FMU can run too, from the FMU's initial state."""
-    session = Session(model, parameters)
     system = build(model, parameters)
-
-    def at_start(what: str) -> tuple[float, ...]:
-        names = (f"{name}_{what}".removeprefix("_") for name in system.coordinates)
-        return tuple(float(session.value(name)) for name in names)
-
+    start = start_state(system, checked_parameters(model, parameters), 0.0)
     return Problem(
-        name,
-        title,
-        kind,
-        system,
-        duration,
-        intervals,
-        at_start("displacement"),
-        at_start("velocity"),
-        model,
-        parameters,
+        name, title, kind, system, duration, intervals, *start, model=model, parameters=parameters
     )
 
 

@@ -11,7 +11,6 @@ from typing import Any
 from zipfile import ZipFile
 
 import numpy as np
-from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import FILES
 from phaseplane.suspension.reasons import why_stopped
 from phaseplane.suspension.variables import MODELS
@@ -35,16 +34,14 @@ def in_process(bench: Workbench, *, energy: bool = False, **options: Any) -> Pre
     options : further options of `Integrator`
     """
     problem = bench.problem
-    n = len(problem.system.mass)
     try:
-        integrator = Integrator(problem.system, energy=energy, **options)
+        integrator = problem.integrator(energy=energy, **options)
     except ValueError as error:
         raise UnableError(str(error)) from None
-    integrator.set_state(problem.start[:n].tolist(), problem.start[n:].tolist())
     start, times = integrator.snapshot(), problem.times
 
     def go() -> Vector:
-        out = np.empty((n, len(times)))
+        out = np.empty((len(problem.system.mass), len(times)))
         status = integrator.run(times, out.reshape(-1))
         if status:
             where = f"at {integrator.time:.6g} s"

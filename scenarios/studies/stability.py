@@ -155,17 +155,9 @@ class Limit:
     measured: float | None
 
 
-def _begun(problem: Problem, options: dict[str, Any]) -> Integrator:
-    integrator = Integrator(problem.system, **options)
-    if problem.displacements or problem.velocities:
-        rest = [0.0] * len(problem.system.mass)
-        integrator.set_state(list(problem.displacements or rest), list(problem.velocities or rest))
-    return integrator
-
-
 def fastest(problem: Problem) -> float:
     """Return the highest angular frequency of any tangent in the run, rad/s."""
-    integrator = _begun(problem, {"tolerance": 1e-6})
+    integrator = problem.integrator(tolerance=1e-6)
     steps = []
     while integrator.time < problem.duration:
         if integrator.stable_step() > 0.0:
@@ -177,7 +169,7 @@ def fastest(problem: Problem) -> float:
 
 def grows(problem: Problem, options: dict[str, Any], step: float) -> bool:
     """Whether a run with this step fails or creates energy."""
-    integrator = _begun(problem, {**options, "step": step, "beyond_stable": "allow"})
+    integrator = problem.integrator(**options, step=step, beyond_stable="allow")
     return bool(integrator.advance(max(problem.duration, _STEPS * step)) != 0)
 
 
@@ -226,23 +218,18 @@ def maps(size: int = 32, progress: Progress = silent) -> Maps:
     phases, grid = np.linspace(0.05, 8.0, 4 * size), np.linspace(0.1, 8.0, size)
     damping_ratios, ratios = np.geomspace(1e-3, 1e3, size), np.geomspace(1e-2, 1e4, size)
     default, plain = METHODS[-1][1], METHODS[0][1]
-    parts = 4.0
-
-    def report(done: float) -> None:
-        progress(done / parts)
-
     curves = {
         name: np.array([radius(name, options, x) for x in phases]) for name, options, _ in METHODS
     }
-    report(1.0)
+    progress(0.25)
     damped = np.array([[radius("", default, x, z) for x in grid] for z in damping_ratios])
-    report(2.0)
+    progress(0.5)
     coupled = np.array(
         [[spectral_radius(amplification(two_masses(x, r), plain)) for x in grid] for r in ratios]
     )
-    report(3.0)
+    progress(0.75)
     bounced = np.array([[stop_growth(x, r, plain) for x in grid] for r in ratios])
-    report(4.0)
+    progress(1.0)
     return Maps(phases, curves, grid, damping_ratios, damped, ratios, coupled, bounced)
 
 

@@ -52,8 +52,8 @@ def case(drawn: Drawn, count: int = 60) -> Case:
 
 def motion(system: System, start: Array, times: Array) -> Array:
     """Displacements at the instants, one row each."""
-    integrator, n = Integrator(system, tolerance=TOLERANCE), len(system.mass)
-    integrator.set_state(start[:n].tolist(), start[n:].tolist())
+    integrator = Integrator(system, tolerance=TOLERANCE)
+    integrator.set_state(*np.split(start, 2))
     rows = []
     for t in times:
         status = integrator.advance(float(t))

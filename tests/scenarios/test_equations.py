@@ -238,9 +238,7 @@ def test_every_scene_is_the_same_motion_to_both(name: str) -> None:
     longest = 0.06 if name == "light_wheel" else 1.0
     kept = min(problem.intervals, int(longest * problem.intervals / problem.duration) + 1)
     problem = replace(problem, duration=problem.times[kept], intervals=kept)
-    n = len(problem.system.mass)
-    integrator = Integrator(problem.system, tolerance=1e-9)
-    integrator.set_state(problem.start[:n].tolist(), problem.start[n:].tolist())
+    integrator = problem.integrator(tolerance=1e-9)
     rows = []
     for t in problem.times.tolist():
         assert integrator.advance(t) == 0

@@ -14,6 +14,7 @@ from typing import Any
 
 from phaseplane.suspension import characteristics, reading
 from phaseplane.suspension.engine import FAILURES
+from phaseplane.suspension.equilibrium import initial_names
 from phaseplane.suspension.models import ALL
 from phaseplane.suspension.outputs import (
     DISPLACEMENT,
@@ -22,7 +23,7 @@ from phaseplane.suspension.outputs import (
     OfContact,
     reading_of,
 )
-from phaseplane.suspension.session import driven, initial_names
+from phaseplane.suspension.session import driven
 from phaseplane.suspension.signals import Signal
 from phaseplane.suspension.systems import Element, System
 from phaseplane.suspension.trace import Guard, Node, Number, Tape, number
