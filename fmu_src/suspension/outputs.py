@@ -86,6 +86,11 @@ class OfLedger(NamedTuple):
 Reading = Line | OfContact | OfFlow | OfLedger | OfRun
 
 
+def is_of_switches(reading: Reading) -> bool:
+    """Return whether an output follows from the switches of a contact."""
+    return isinstance(reading, OfContact) and reading.what != "airborne_time"
+
+
 def reading_of(output: Variable, system: System) -> Reading:
     """Return how an output of a model is computed from its system."""
     assert output.reading is not None, output.name

@@ -34,7 +34,7 @@ class Contacts(NamedTuple):
     """The contacts of all tyres at the present time, in the order of their axles."""
 
     airborne: Sequence[int]
-    lift_offs: Sequence[int]
+    lift_off_count: Sequence[int]
     last_lift_off: Sequence[float]
     last_touchdown: Sequence[float]
 
@@ -192,15 +192,9 @@ def _reader(reading: Reading, integrator: Integrator, run: Run) -> Read:
         case OfContact(c, _, "airborne"):
             airborne = run.contacts.airborne
             return lambda: airborne[c] != 0
-        case OfContact(c, _, "lift_off_count"):
-            lift_offs = run.contacts.lift_offs
-            return lambda: lift_offs[c]
-        case OfContact(c, _, "last_lift_off"):
-            lifted = run.contacts.last_lift_off
-            return lambda: lifted[c]
-        case OfContact(c):
-            touched = run.contacts.last_touchdown
-            return lambda: touched[c]
+        case OfContact(c, _, what):
+            of_tyres = getattr(run.contacts, what)
+            return lambda: of_tyres[c]
         case OfFlow(element, "yielding"):
             return lambda: integrator.yielding(element)
         case OfFlow(element):

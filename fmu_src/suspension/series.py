@@ -29,6 +29,7 @@ from .outputs import (
     OfContact,
     OfRun,
     Reading,
+    is_of_switches,
     reading_of,
 )
 from .signals import Signal
@@ -55,11 +56,6 @@ def is_over_time(reading: Reading) -> bool:
 def is_at_end(reading: Reading) -> bool:
     """Return whether `Series.ends` can return an output."""
     return isinstance(reading, OfContact) or reading == OfRun("step_count")
-
-
-def is_of_switches(reading: Reading) -> bool:
-    """Return whether an output follows from the switches of a contact."""
-    return isinstance(reading, OfContact) and reading.what != "airborne_time"
 
 
 class Ended(NamedTuple):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from math import inf
@@ -20,7 +20,7 @@ from phaseplane.suspension.outputs import (
     DISPLACEMENT,
     VELOCITY,
     Line,
-    OfContact,
+    is_of_switches,
     reading_of,
 )
 from phaseplane.suspension.session import driven
@@ -516,15 +516,20 @@ def _read(model: str, system: System, tape: Tape) -> dict[int, tuple[Any, str]]:
         ),
         yielding=lambda e: _Flag(f"Integrator_yielding(of, {e})"),
     )
-    tyres = sum(1 for axle in system.axles if axle.tyre)
-    of_contacts: list[Any] = [[_Flag(f"run->contacts->airborne[{c}]") for c in range(tyres)]]
-    for what in ("lift_offs", "last_lift_off", "last_touchdown"):
-        of_contacts.append([number_of(f"run->contacts->{what}[{c}]") for c in range(tyres)])
-    contacts = reading.Contacts(*of_contacts)
+    tyres = range(sum(1 for axle in system.axles if axle.tyre))
+
+    def of_tyres(what: str, make: Callable[[str], Any] = number_of) -> list[Any]:
+        return [make(f"run->contacts->{what}[{c}]") for c in tyres]
+
+    contacts = reading.Contacts(
+        of_tyres("airborne", _Flag),
+        of_tyres("lift_offs"),
+        of_tyres("last_lift_off"),
+        of_tyres("last_touchdown"),
+    )
     account = "run->account->"
     entries: list[Any] = [number_of(account + x) for x in ("kinetic", "stored", "dissipated")]
-    supplied = [number_of(f"{account}supplied[{s}]") for s in range(len(system.signals))]
-    entries.append(tuple(supplied))
+    entries.append(tuple(number_of(f"{account}supplied[{s}]") for s in range(len(system.signals))))
     energies = reading.Energies(*entries)
     run = SimpleNamespace(
         clock=SimpleNamespace(time=0.0),
@@ -568,6 +573,4 @@ def _rates(model: str, system: System, tape: Tape) -> dict[int, tuple[Any, str]]
 
 def _is_continuous(output: Variable, system: System) -> bool:
     """Return whether an output changes between switches, too; instants and counts do not."""
-    reading = reading_of(output, system)
-    instant = isinstance(reading, OfContact) and reading.what != "airborne_time"
-    return isinstance(output.start, float) and not instant
+    return isinstance(output.start, float) and not is_of_switches(reading_of(output, system))
