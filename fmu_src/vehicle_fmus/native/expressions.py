@@ -305,8 +305,8 @@ class Expressions:
         return self._joined(text, "int", _EITHER, parts)
 
     def _of_ifexp(self, node: ast.IfExp) -> C:
-        test, yes, no = self._truth(node.test), self._expression(node.body), None
-        no = self._expression(node.orelse)
+        test = self._truth(node.test)
+        yes, no = self._expression(node.body), self._expression(node.orelse)
         if yes.kind not in NUMBERS or no.kind not in NUMBERS:
             raise self._wrong(node, "only numbers are chosen between")
         kinds = {yes.kind, no.kind}

@@ -88,17 +88,12 @@ class Routine(Expressions):
         names = [n for n in self.kinds if n in self._assigned and n not in parameters]
         for kind in dict.fromkeys(self.kinds[n] for n in names):
             same = [self._name(n) for n in names if self.kinds[n] == kind]
-            if kind.endswith("*"):
-                yield from _wrapped(f"    {NUMBERS[kind[:-1]]} *{', *'.join(same)};")
-            elif kind in NUMBERS:
-                yield from _wrapped(f"    {NUMBERS[kind]} {', '.join(same)};")
-            else:
-                yield from _wrapped(f"    {self.kernel.in_c(kind)} *{', *'.join(same)};")
+            yield from _wrapped(f"    {declared(kind, self.kernel, *same)};")
 
     def _declared(self, name: str, kind: str) -> str:
         if not in_c(kind, self.kernel):
             raise self._wrong(self.definition.tree, f"{name} is of type {kind}")
-        return declared(self._name(name), kind, self.kernel)
+        return declared(kind, self.kernel, self._name(name))
 
     # -- statements --------------------------------------------------------------------------------
 
@@ -329,15 +324,14 @@ class Routine(Expressions):
         return target, target if value is None else self._as(target.kind, value)
 
 
-def declared(name: str, kind: str, kernel: Sources) -> str:
-    """Return the declaration of a field or variable in C."""
-    if array := re.fullmatch(r"(\w+)\[(\d+)\]", kind):
-        return f"{NUMBERS[array[1]]} {name}[{array[2]}]"
-    if kind.endswith("*"):
-        return f"{NUMBERS[kind[:-1]]} *{name}"
+def declared(kind: str, kernel: Sources, *names: str) -> str:
+    """Return the declaration of fields or variables of one type in C."""
+    if array := re.fullmatch(r"(\w+)(\[\d+\])", kind):
+        return f"{NUMBERS[array[1]]} {', '.join(name + array[2] for name in names)}"
     if kind in NUMBERS:
-        return f"{NUMBERS[kind]} {name}"
-    return f"{kernel.in_c(kind)} *{name}"
+        return f"{NUMBERS[kind]} {', '.join(names)}"
+    to = NUMBERS[kind[:-1]] if kind.endswith("*") else kernel.in_c(kind)
+    return f"{to} *{', *'.join(names)}"
 
 
 def _wrapped(line: str) -> list[str]:

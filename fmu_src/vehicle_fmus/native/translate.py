@@ -128,7 +128,7 @@ def _records(kernel: Sources, used: Collection[str]) -> Iterator[str]:
     )
     for name in filter(names.__contains__, kernel.fields):
         lines = [
-            f"    {declared(field, kind, kernel)};"
+            f"    {declared(kind, kernel, field)};"
             for field, kind in kernel.stored(name).items()
             if in_c(kind, kernel)
         ]
