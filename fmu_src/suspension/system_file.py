@@ -64,7 +64,7 @@ from .outputs import (
 from .parts import force_course, points, road_from, suspension_elements, tyre_element
 from .signals import Segment, Signal
 from .system_module import model_in, model_name
-from .system_units import check_units
+from .system_units import check_units, numbered, place_of
 from .systems import Axle, Element, Load, System
 from .units import UNITS, UnitError, nearest, to_si
 from .variable import ParameterError, Value, Variable, number, parameter
@@ -78,14 +78,12 @@ _POWER = (
     "exponent",
     "linear_below",
 )  # added to a spring or damper; see `characteristics.power`
-_NAME = re.compile(r"(?<![\w.])[A-Za-z_][\w.]*")
 _WORD = re.compile(r"[a-z][a-z0-9_]*\Z")
 _OPERATIONS: Mapping[type, Callable[..., float]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul,
     ast.Div: operator.truediv, ast.Pow: operator.pow, ast.USub: operator.neg,
     ast.UAdd: operator.pos,
 }  # fmt: skip
-_PLACE = "_"  # before the number of a parameter in an expression
 _SMALL = 1e-3  # m, scale of errors if the road gives none
 
 
@@ -536,21 +534,12 @@ def _value(said: object, p: Mapping[str, Value], where: str) -> float:
         return float(said)
     if not isinstance(said, str):
         raise ParameterError(f"{where} = {said!r}: must be a number or an expression")
-
-    values: list[float] = []
-
-    def of(match: re.Match[str]) -> str:
-        name = match[0]
+    text, names = numbered(said)
+    for name in names:
         if name not in p or isinstance(p[name], str | bool):
             raise ParameterError(f"{where} = {said!r}: no parameter {name!r}{nearest(name, p)}")
-        values.append(number(p, name))
-        return f"({_PLACE}{len(values) - 1})"  # a parameter may be called like a word of Python
-
     try:
-        tree = ast.parse(_NAME.sub(of, said).replace("^", "**").strip(), mode="eval")
-        found = _worked_out(tree.body, values)
-    except ParameterError:
-        raise
+        found = _worked_out(ast.parse(text, mode="eval").body, [number(p, name) for name in names])
     except (SyntaxError, ValueError, ArithmeticError, TypeError, RecursionError, KeyError) as error:
         raise ParameterError(
             f"{where} = {said!r}: not an expression of numbers and parameters ({error})"
@@ -566,7 +555,7 @@ def _worked_out(node: ast.expr, values: Sequence[float]) -> float:
         case ast.Constant(value=int() | float() as value):
             return float(value)
         case ast.Name(id=name):
-            return values[int(name.removeprefix(_PLACE))]
+            return values[place_of(name)]
         case ast.BinOp(left, operation, right):
             found: tuple[float, ...] = (_worked_out(left, values), _worked_out(right, values))
         case ast.UnaryOp(operation, operand):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator, Mapping
+from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from .units import UNITS
@@ -13,7 +14,8 @@ from .variable import ParameterError, Variable
 if TYPE_CHECKING:
     from .system_file import Definition
 
-_NAME = re.compile(r"[A-Za-z_][\w.]*")
+_NAME = re.compile(r"(?<![\w.])[A-Za-z_][\w.]*")
+_PLACE = "_"  # before the number of a name in an expression
 _RATE, _DAMPING, _FORCE = ("N/m", "J"), ("N.s/m",), ("N", "J")  # J: a moment, N.m
 _OF_ELEMENT: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "spring": {"rate": _RATE, "yield_force": _FORCE, "hardening": _RATE},
@@ -73,25 +75,35 @@ def _quantities(definition: Definition) -> Iterator[tuple[str, object, tuple[str
         yield f"system.loads.{name}.sine.frequency", sine.get("frequency"), ("Hz",)
 
 
+def numbered(said: str) -> tuple[str, list[str]]:
+    """Return an expression as Python text with its names numbered, and the names.
+
+    A parameter may be called like a word of Python, and has dots.
+    """
+    places = count()
+    text = _NAME.sub(lambda _: f"({_PLACE}{next(places)})", said)
+    return text.replace("^", "**").strip(), _NAME.findall(said)
+
+
+def place_of(name: str) -> int:
+    """Return the number of a name in the text of `numbered`."""
+    return int(name.removeprefix(_PLACE))
+
+
 def _dimension(where: str, said: object, units: Mapping[str, Variable]) -> Dimension:
     """Return the dimension of an expression; None if it is a number or hides one."""
     if not isinstance(said, str):
         return None
-    names: list[str] = []
-
-    def numbered(match: re.Match[str]) -> str:
-        names.append(match[0])
-        return f"_{len(names) - 1}"
-
+    text, names = numbered(said)
     try:
-        tree = ast.parse(_NAME.sub(numbered, said).replace("^", "**").strip(), mode="eval")
+        tree = ast.parse(text, mode="eval")
     except SyntaxError:
         return None  # whoever works it out says what is wrong
 
     def of(node: ast.expr) -> Dimension:
         match node:
             case ast.Name(id=place):
-                known = units.get(names[int(place[1:])])
+                known = units.get(names[place_of(place)])
                 unit = known.unit if known is not None else ""
                 return _without_angle(UNITS[unit].exponents) if unit not in ("", "1") else None
             case ast.UnaryOp(operand=operand):
