@@ -264,9 +264,10 @@ class _Bench:
         varied = [name for name in first if any(given[name] != first[name] for given in sets)]
         if not varied or not all(_is_number(declared.get(name)) for name in varied):
             return set()
-        slots, kind = self._slots(first, varied) or (None, None)
-        if slots is None or kind is None or len(sets) * slots.width > _MOST_NUMBERS:
+        found = self._slots(first, varied)
+        if found is None or len(sets) * found[0].width > _MOST_NUMBERS:
             return set()
+        slots, kind = found
         columns = {
             name: np.array([_checked(declared[name], given[name]) for given in sets])
             for name in varied
@@ -292,12 +293,10 @@ class _Bench:
             return None
         same = tuple((name, value) for name, value in parameters.items() if name not in varied)
         key = (*varied, *same)
-        known = self._known.get(key)
-        if known is not None and any(kind is known[1] for kind in self._kinds):
-            return known
-        if key in self._known and known is None:
-            return None
-        self._known[key] = None
+        if key in self._known:
+            known = self._known[key]
+            if known is None or any(kind is known[1] for kind in self._kinds):
+                return known
         try:
             kind = self._kind(_solver(parameters), build(model, parameters))
             from .slots import Slots  # noqa: PLC0415  (a single run needs none)
@@ -305,7 +304,7 @@ class _Bench:
             slots = Slots(model, parameters, varied, kind.integrator, self._task.times[0])
             self._known[key] = slots, kind
         except Exception:
-            return None
+            self._known[key] = None
         return self._known[key]
 
     def _enter(self, run: int, given: Mapping[str, object]) -> _Kind:
