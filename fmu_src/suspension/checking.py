@@ -13,17 +13,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
-from math import inf, isfinite, sqrt
+from math import inf, isfinite
 from operator import mul
 
 from .characteristics import Characteristic
 from .elimination import Matrix, pivot_rows
 from .engine import Integrator
 from .reasons import why_stopped
+from .signals import GAUSS
 from .systems import Element, System
 
 _CLOSE = 1e-5  # relative difference that counts as agreement with a difference quotient
-_GAUSS = ((-sqrt(0.6), 5.0 / 9.0), (0.0, 8.0 / 9.0), (sqrt(0.6), 5.0 / 9.0))
 
 
 def raise_if_any(findings: Sequence[str]) -> None:
@@ -180,10 +180,9 @@ def _work(
         for f in (0, 0.25, 0.5, 0.75)
     ]
     for a, b in quarters:
-        work, panel = 0.0, (b - a) / 16
-        for k in range(16):
-            middle = a + (k + 0.5) * panel
-            work += sum(w * law.force(middle + 0.5 * panel * s) for s, w in _GAUSS) * 0.5 * panel
+        panel = (b - a) / 16
+        nodes = [(a + (k + node) * panel, weight) for k in range(16) for node, weight in GAUSS]
+        work = panel * sum(weight * law.force(x) for x, weight in nodes)
         found = law.potential(b) - law.potential(a)
         if not abs(found - work) <= _CLOSE * (abs(work) + 1e-3 * size * (b - a)):
             yield (
