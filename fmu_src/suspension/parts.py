@@ -149,10 +149,17 @@ def suspension_elements(
     axle : prefix of the names of its parameters (`front.`) and elements (`front_`), or empty
     road : name of the signal under them if they stand directly on the road
     """
-    made = (make(p, direction, axle, road) for make in _SUSPENSION)
-    found = tuple(element for element in made if element is not None)
+    found = _unloaded(p, direction, axle, road)
     sink = _sink(p, axle, found)
     return found if sink == 0.0 else tuple(_sunk(element, sink) for element in found)
+
+
+def _unloaded(
+    p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str = ""
+) -> tuple[Element, ...]:
+    """Return the elements of a suspension measured from its rest without payload."""
+    made = (make(p, direction, axle, road) for make in _SUSPENSION)
+    return tuple(element for element in made if element is not None)
 
 
 def _sink(p: Mapping[str, Value], axle: str, elements: Iterable[Element]) -> float:
@@ -195,8 +202,7 @@ def format_payload(p: Mapping[str, Value], axle: str = "") -> str:
     of, _ = _prefixes(axle)
     if not p.get(f"{of}payload"):
         return ""
-    made = (make(p, (1.0,), axle, "") for make in _SUSPENSION)
-    sink = _sink(p, axle, [element for element in made if element is not None])
+    sink = _sink(p, axle, _unloaded(p, (1.0,), axle))
     weight = number(p, f"{of}payload") * gravity(p)
     on_tyre = -_unloaded_tyre(p, of).argument(-weight) if f"{of}tyre.damping" in p else 0.0
     gaps = [
@@ -330,15 +336,11 @@ def tyre_element(
         f"{prefix}tyre",
         direction,
         spring=_tyre(p, of),
-        damper=_tyre_damper(p, of),
+        damper=characteristics.linear(number(p, f"{of}tyre.damping")),
         road=f"{prefix}road",
         limit=static_load if p["lift_off"] and static_load > 0.0 else inf,
         contact=str(p["contact"]),
     )
-
-
-def _tyre_damper(p: Mapping[str, Value], of: str) -> Characteristic:
-    return characteristics.linear(number(p, f"{of}tyre.damping"))
 
 
 def _tyre(p: Mapping[str, Value], of: str) -> Characteristic:
@@ -392,33 +394,18 @@ def road_from(p: Mapping[str, Value]) -> Signal:
         return _ROADS[shape](p)
 
 
-def _hump(make: Callable[..., Signal]) -> Callable[[Mapping[str, Value]], Signal]:
-    """Return the function that makes a road from height and length."""
-    return lambda p: make(
-        number(p, "road.height"),
-        number(p, "road.length"),
-        number(p, "speed"),
-        number(p, "road.start"),
-    )
+_HUMP = ("road.height", "road.length", "speed", "road.start")
+_PLANK = (*_HUMP, "road.ramp_length", "road.ramp_length")  # with equal ramps at both ends
+_SWEEP = (
+    "road.height", "road.first_frequency", "road.last_frequency", "road.duration", "road.start",
+)  # fmt: skip
 
 
-def _plank(make: Callable[..., Signal]) -> Callable[[Mapping[str, Value]], Signal]:
-    """Return the function that makes a road from height, length and equal ramps at both ends."""
-    return lambda p: make(
-        number(p, "road.height"), number(p, "road.length"), number(p, "speed"),
-        number(p, "road.start"), number(p, "road.ramp_length"), number(p, "road.ramp_length"),
-    )  # fmt: skip
-
-
-def _sweep(p: Mapping[str, Value]) -> Signal:
-    names = (
-        "road.height",
-        "road.first_frequency",
-        "road.last_frequency",
-        "road.duration",
-        "road.start",
-    )
-    return roads.sweep(*(number(p, name) for name in names))
+def _from_numbers(
+    make: Callable[..., Signal], names: tuple[str, ...]
+) -> Callable[[Mapping[str, Value]], Signal]:
+    """Return the function that makes a road from the parameters of given names."""
+    return lambda p: make(*(number(p, name) for name in names))
 
 
 def _random(p: Mapping[str, Value]) -> Signal:
@@ -501,14 +488,14 @@ def _sequence(p: Mapping[str, Value]) -> Signal:
 
 
 _ROADS: Mapping[str, Callable[[Mapping[str, Value]], Signal]] = {
-    "bump": _hump(roads.bump),
-    "obstacle": _hump(roads.obstacle),
-    "sine": _hump(roads.sine),
-    "sweep": _sweep,
-    "step": lambda p: roads.step(number(p, "road.height"), number(p, "road.start")),
-    "ramp": _hump(roads.ramp),
-    "plank": _plank(roads.plank),
-    "pothole": _plank(roads.pothole),
+    "bump": _from_numbers(roads.bump, _HUMP),
+    "obstacle": _from_numbers(roads.obstacle, _HUMP),
+    "sine": _from_numbers(roads.sine, _HUMP),
+    "sweep": _from_numbers(roads.sweep, _SWEEP),
+    "step": _from_numbers(roads.step, ("road.height", "road.start")),
+    "ramp": _from_numbers(roads.ramp, _HUMP),
+    "plank": _from_numbers(roads.plank, _PLANK),
+    "pothole": _from_numbers(roads.pothole, _PLANK),
     "random": _random,
     "table": _from_table(roads.table),
     "spline": _from_table(roads.spline, ends="level"),
