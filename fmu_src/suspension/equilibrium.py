@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import cache
 
 from .systems import System
-from .variable import Value, number
+from .variable import ParameterError, Value, number
 
 
 def static_equilibrium(
@@ -48,6 +48,10 @@ def start_state(
 
     They are the static equilibrium on the road just before, plus the initial values. External forces
     act from the start on and are not part of the equilibrium.
+
+    Raises
+    ------
+    ParameterError : no equilibrium was found on a road that is not at zero.
     """
     levels = {axle.road: system.signals[axle.road].before(time) for axle in system.axles}
     displacements, velocities = (
@@ -55,7 +59,10 @@ def start_state(
         for names in initial_names(system.coordinates)
     )
     if any(levels.values()):
-        rest = static_equilibrium(system, levels)
+        try:
+            rest = static_equilibrium(system, levels)
+        except ValueError as error:
+            raise ParameterError(f"the start: {error}") from None
         displacements = tuple(r + q for r, q in zip(rest, displacements, strict=True))
     return displacements, velocities
 

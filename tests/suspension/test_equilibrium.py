@@ -10,7 +10,9 @@ from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.equilibrium import static_equilibrium
 from phaseplane.suspension.models import build
 from phaseplane.suspension.roads import constant
+from phaseplane.suspension.session import Session
 from phaseplane.suspension.systems import Element, Load, System
+from phaseplane.suspension.variable import ParameterError
 from scipy.optimize import brentq
 
 
@@ -80,6 +82,9 @@ def test_beyond_yield() -> None:
 def test_what_nothing_holds() -> None:
     with pytest.raises(ValueError, match="no static equilibrium"):
         static_equilibrium(hanging(law.linear(0.0)), {"weight": -981.0})
+    falling = {"spring.rate": 0.0, "spring.cubic": -1.0, "road.shape": "sine", "road.start": -1.0}
+    with pytest.raises(ParameterError, match="the start: no static equilibrium"):
+        Session("OneDof", falling)
 
 
 def test_a_run_from_equilibrium_stays_there() -> None:
