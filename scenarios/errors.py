@@ -55,13 +55,8 @@ def shown(value: object, limit: int = 80) -> str:
     return text if len(text) <= limit else f"{text[: limit - 3]}..."
 
 
-def refuse_unknown_keys(given: Iterable[str], known: Collection[str], where: str = "") -> None:
+def refuse_unknown_keys(given: Iterable[str], known: Collection[str]) -> None:
     """Reject unknown keys of a table.
-
-    Parameters
-    ----------
-    given, known : its keys, and the allowed keys
-    where : its file or key, with which the message begins
 
     Raises
     ------
@@ -71,9 +66,8 @@ def refuse_unknown_keys(given: Iterable[str], known: Collection[str], where: str
         if key not in known:
             from phaseplane.suspension.units import nearest  # noqa: PLC0415  (for mistakes only)
 
-            begin = f"{where}: " if where else ""
             raise InputError(
-                f"{begin}unknown key {shown(key)}; allowed: {', '.join(known)}{nearest(key, known)}"
+                f"unknown key {shown(key)}; allowed: {', '.join(known)}{nearest(key, known)}"
             )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -69,12 +70,11 @@ class Fit:
 
     def alike(self) -> list[tuple[str, str, float]]:
         """Return the pairs of parameters that the signals hardly distinguish, with their correlation."""
-        keys = self.task.space.plan.keys
         return [
             (a, b, float(self.correlation[i, j]))
-            for i, a in enumerate(keys) for j, b in enumerate(keys)
-            if i < j and abs(self.correlation[i, j]) > _ALIKE
-        ]  # fmt: skip
+            for (i, a), (j, b) in combinations(enumerate(self.task.space.plan.keys), 2)
+            if abs(self.correlation[i, j]) > _ALIKE
+        ]
 
 
 def read_task(path: Path) -> Task:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 from phaseplane.suspension.session import Event, Session, SimulationError
 
-from ..draw.constructions import draw_construction
+from ..draw.constructions import draw_scene
 from ..draw.pictures import figure_of, pictures_of
 from ..errors import InputError, shown
 from ..results.folder import Place, Results, check_replaceable, replace_folder, write_results
@@ -25,8 +24,6 @@ from .picture import Picture
 from .table import Table
 
 if TYPE_CHECKING:
-    from phaseplane.constructions.primitives import Drawing
-
     from ..scene.schema import Scene
 
 _ORIGIN = "run()"  # in messages
@@ -103,7 +100,7 @@ class Run(Table):
         InputError : if the model has no construction, and the picture needs one.
         ValueError : if the run lacks what the picture shows.
         """
-        drawing = None if name == "time_histories" else self._drawing()
+        drawing = None if name == "time_histories" else draw_scene(self.scene)
         return Picture(figure_of(name, drawing, self.results, title=self.title, look=look))
 
     def write(self, folder: str | os.PathLike[str]) -> Path:
@@ -117,18 +114,11 @@ class Run(Table):
         check_replaceable(place)
         summary = {**self.summary, **_NOT_SHOWN_IN_PYTHON, "origin": place.origin}
         with replace_folder(place) as draft:
-            drawing = self._drawing() if self.scene.show.figures_construction else None
+            drawing = draw_scene(self.scene) if self.scene.show.figures_construction else None
             for name, draw in pictures_of(self.scene, self.results, drawing).items():
                 draw(draft / name)
             write_results(Results(self.columns, summary), draft)
         return place.folder
-
-    def _drawing(self) -> Drawing:
-        scene = self.scene
-        settings = asdict(scene.construction)
-        return draw_construction(
-            scene.fmu.model, scene.all_parameters, settings, scene.construction_time
-        )
 
     def report(self) -> str:
         """Return the report of the run as on the terminal."""

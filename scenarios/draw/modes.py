@@ -7,13 +7,12 @@ from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from phaseplane.suspension.models import build
 from phaseplane.suspension.variables import MODELS
 
 from phaseplane import figures
 
 from ..errors import InputError, check_picture
-from ..measures.linearised import linearised
+from ..measures.linearised import about_rest
 from ..scene.loading import load_scene
 
 if TYPE_CHECKING:
@@ -45,10 +44,8 @@ def modes(
     scene = load_scene(reference, overrides, expect=False)
     if scene.fmu.model not in MODELS:
         raise InputError(f"modes of {scene.name}: {scene.fmu.model} is not a model of this package")
-    parameters = scene.all_parameters
-    level = {"road.shape": "flat"} if "road.shape" in parameters else {}
     try:
-        system = linearised(build(scene.fmu.model, {**parameters, **level}))
+        system = about_rest(scene.fmu.model, scene.all_parameters)
         # with springs in series with dampers there are damped modes alone
         found = None if system.series and figure is None else modal_planes(system)
     except ValueError as error:

@@ -16,7 +16,6 @@ from phaseplane.picture.quantities import rate_of
 from .. import draw
 
 if TYPE_CHECKING:
-    import numpy as np
     import numpy.typing as npt
     from phaseplane.suspension.signals import Signal
     from phaseplane.suspension.systems import Axle, System

@@ -8,6 +8,7 @@ of the slopes on both sides is used. Dry friction is left out.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf, nextafter, pi
 from typing import TYPE_CHECKING
@@ -15,7 +16,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.equilibrium import static_equilibrium
+from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import System
+from phaseplane.suspension.variables import Value
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -111,6 +114,12 @@ class Linearised:
             dynamic = dynamic + 1j * w * k / (rate + 1j * w) * np.outer(b, b)
         excitation = self.road_stiffness[road] + 1j * w[..., 0] * self.road_damping[road]
         return np.linalg.solve(dynamic, excitation[..., None])[..., 0].astype(complex)
+
+
+def about_rest(model: str, parameters: Mapping[str, Value]) -> Linearised:
+    """Linearise a model on a level road, as `linearised`."""
+    level = {"road.shape": "flat"} if "road.shape" in parameters else {}
+    return linearised(build(model, {**parameters, **level}))
 
 
 def linearised(system: System) -> Linearised:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
-from phaseplane.suspension.models import build
 from phaseplane.suspension.variables import Variable
 
 from .. import measures
@@ -42,6 +41,5 @@ def _extreme(extreme: Callable[[Any], float], taken: Callable[[Run], Reading], r
 def _of_run(what: str, run: Run) -> Reading:
     if not run.model:
         return Reading(None)
-    level = {"road.shape": "flat"} if "road.shape" in run.parameters else {}
-    modes = measures.linearised.linearised(build(run.model, {**run.parameters, **level})).modes()
+    modes = measures.linearised.about_rest(run.model, run.parameters).modes()
     return Reading(tuple(getattr(mode, what) for mode in modes))

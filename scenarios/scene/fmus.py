@@ -81,13 +81,10 @@ class Fmu:
     @property
     def content(self) -> str:
         """A hash of the FMU's content; "" for an equation."""
-        if self.path is not None:
-            return sha256(self.path.read_bytes()).hexdigest()[:24]
         if self.model == EQUATION:
             return ""
-        if self.system is not None:
-            return sha256(self.system.read_bytes()).hexdigest()[:24]
-        return content_key(self.model)
+        file = self.path or self.system
+        return sha256(file.read_bytes()).hexdigest()[:24] if file else content_key(self.model)
 
     def parameters(self) -> dict[str, Variable]:
         """Return the parameters by name."""

@@ -332,15 +332,13 @@ def plan_of(path: Path, content: Mapping[str, Any], keys: Mapping[str, str] | No
     scene = _scene(path, said.scene)
     known = catalogue(scene.fmu.outputs())
     for name in said.measures:
+        where = f"{path}: {(keys or {}).get(name, 'measures')}"
         if name not in known:
-            raise InputError(
-                f"{path}: {(keys or {}).get(name, 'measures')}: no measure {shown(name)}"
-                f"{nearest(name, known)}"
-            )
+            raise InputError(f"{where}: no measure {shown(name)}{nearest(name, known)}")
         if known[name].single:
             raise InputError(
-                f"{path}: {(keys or {}).get(name, 'measures')}: {name} has several values; of each "
-                f"run one is needed: {' or '.join(known[name].single)}"
+                f"{where}: {name} has several values; of each run one is needed: "
+                f"{' or '.join(known[name].single)}"
             )
     declared = scene.fmu.parameters()
     columns = [_values(path, key, values, declared) for key, values in said.vary.items()]

@@ -118,7 +118,7 @@ def test_the_front_is_what_nothing_beats(pairs):
 
 def test_a_study_that_is_interrupted_repeats_no_run(folder):
     content = {"scene": "car.toml", "vary": {"speed": {"from": 5, "to": 20}}}
-    space = Space.read(folder / "study.toml", content, ["step_count"])
+    space = Space.read(folder / "study.toml", content, {"step_count": "measure"})
     made = []
 
     def make(plan):
