@@ -51,8 +51,7 @@ def curve(
     points = [start]
     went, mark, still = 0.0, 0.0, 0
     for count, step in enumerate(_steps(system, start, sense, _TOLERANCE), 1):
-        (x0, v0, _), (x1, v1, _) = step.first, step.last
-        way = hypot((x1 - x0) / window.width, (v1 - v0) / window.height)
+        way, (x1, v1, _) = _way(step, window), step.last
         parts = int(way / part) + 1
         inner = (step.at(step.start + (step.end - step.start) * i / parts) for i in range(1, parts))
         points += [*inner, (x1, v1)]
@@ -88,9 +87,8 @@ def turn(
     beyond = 1.0 if backwards else -1.0  # the sign of x' in the first half of the turn
     mirrored = -1.0 if backwards else 1.0
     for step in _steps(system, (start, 0.0), -1.0 if backwards else 1.0, max(tolerance, 1e-10)):
-        (x0, v0, _), (x1, v1, _) = step.first, step.last
-        way = hypot((x1 - x0) / window.width, (v1 - v0) / window.height)
-        still = still + 1 if way < _CRAWL else 0
+        (_, v0, _), (x1, v1, _) = step.first, step.last
+        still = still + 1 if _way(step, window) < _CRAWL else 0
         if not window.holds(x1, v1, 2.0) or _rests(step) or still >= _REST:
             break
         if into is not None:
@@ -144,6 +142,12 @@ def _steps(
         )
     except (MotionError, OverflowError):
         return
+
+
+def _way(step: Step, window: Window) -> float:
+    """Return the distance between the ends of a step, in windows."""
+    (x0, v0, _), (x1, v1, _) = step.first, step.last
+    return hypot((x1 - x0) / window.width, (v1 - v0) / window.height)
 
 
 def _rests(step: Step) -> bool:

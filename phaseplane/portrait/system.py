@@ -144,6 +144,10 @@ class Window:
         """From bottom to top."""
         return self.top - self.bottom
 
+    def size(self, x: Grid, v: Grid) -> Grid:
+        """Return the sizes of differences of x and x', in widths and heights of the window."""
+        return np.hypot(x / self.width, v / self.height)
+
     def grid(self, columns: int, rows: int) -> tuple[Grid, Grid]:
         """Return x and x' on a grid of shape (rows, columns)."""
         x, v = np.meshgrid(

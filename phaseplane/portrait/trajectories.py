@@ -89,7 +89,7 @@ class Motions:
         """Return speeds in windows per second."""
         x, v = self.x[which], self.v[which]
         force = self.system.forces(x, v, self.t[which])
-        return np.hypot(v / self.window.width, force / self.window.height)
+        return self.window.size(v, force)
 
     def step(self, longest: Grid | float = np.inf) -> tuple[Indices, Grid, Grid, Grid]:
         """Make one step of every active motion.
@@ -119,9 +119,7 @@ class Motions:
         moved, x0, v0 = going[good], before[0][good], before[1][good]
         self.x[moved], self.v[moved] = x[good], v[good]
         self.t[moved] += self.sense[moved] * h[good]
-        self._way[moved] += np.hypot(
-            (self.x[moved] - x0) / self.window.width, (self.v[moved] - v0) / self.window.height
-        )
+        self._way[moved] += self.window.size(self.x[moved] - x0, self.v[moved] - v0)
         self._tries[going] += 1
         due = going[self._tries[going] == _TRIES]
         if len(due) and not self.system.driven:  # a driven motion at rest may move again
@@ -156,10 +154,8 @@ class Motions:
                 before = (_OF_RATE[stage] @ flat[:stage]).reshape(y.shape) / h
                 r, s = r + before[0], s + before[1]
             k[stage] = of_r * r + of_s * s
-        last = k[5]
-        error = np.hypot(last[0] / self.window.width, last[1] / self.window.height)
-        end = ys + last
-        return end[0], end[1], error / self.tolerance
+        end = ys + k[5]
+        return end[0], end[1], self.window.size(*k[5]) / self.tolerance
 
     def _tangents(self, x: Grid, v: Grid, t: Grid) -> tuple[Grid, Grid, Grid, Grid | None]:
         """Return f and its derivatives with respect to x, x' and, for a driven system, t."""
@@ -229,16 +225,14 @@ def followed(
             longest = part / going.speed(every)
         moved, x0, v0, _ = going.step(longest)
         x1, v1 = going.x[moved], going.v[moved]
-        went[moved] += np.hypot((x1 - x0) / window.width, (v1 - v0) / window.height)
+        went[moved] += window.size(x1 - x0, v1 - v0)
         for k, state in zip(
             moved.tolist(), zip(x1.tolist(), v1.tolist(), strict=True), strict=True
         ):
             points[k].append(state)
         over = ~window.holds(x1, v1, margin) | (went[moved] > length)
         if len(saddles):
-            far = np.hypot(
-                np.abs(x1[:, None] - saddles).min(axis=1) / window.width, v1 / window.height
-            )
+            far = _distance(saddles, x1, v1, window)
             arrived = away[moved] & (far < 2.0 * part) & (far > _distance(saddles, x0, v0, window))
             away[moved] |= far > 4.0 * part
             over |= arrived
@@ -291,7 +285,7 @@ def traced(
 
 def length_of(curve: Grid, window: Window) -> float:
     """Return the length of a curve in windows."""
-    return float(np.hypot(*(np.diff(curve, axis=0) / [window.width, window.height]).T).sum())
+    return float(window.size(*np.diff(curve, axis=0).T).sum())
 
 
 def _unwound(curve: Grid, taken: Grid, window: Window) -> Grid:
@@ -318,4 +312,4 @@ def _crossings(curve: Grid) -> tuple[Indices, Grid]:
 
 def _distance(places: Grid, x: Grid, v: Grid, window: Window) -> Grid:
     """Return the distance from the nearest of the places on the axis, in windows."""
-    return np.hypot(np.abs(x[:, None] - places).min(axis=1) / window.width, v / window.height)
+    return window.size(np.abs(x[:, None] - places).min(axis=1), v)
