@@ -10,15 +10,16 @@ projection that finds D1 from A1* is drawn backwards, from D1 to A1*.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
 
 from phaseplane.constructions.construction import Window
+from phaseplane.constructions.control import Before, added, controlled, deflected, moved
 from phaseplane.constructions.coupling import Lines, lines_across
-from phaseplane.constructions.laws import Jumps, Strut
-from phaseplane.constructions.lienard import Epsilon, Lienard
+from phaseplane.constructions.laws import Epsilon, Jumps, Strut
+from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.primitives import Curve
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
@@ -131,9 +132,7 @@ class Axle:
 
     def epsilon_of(self, sense: int) -> Epsilon:
         """Return the branch of the auxiliary curves for y' > 0 (1) or < 0 (-1); without friction, 0."""
-        strut, omega = self.strut, self.angular_frequencies[0]
-        moved = sense * self.reach
-        return lambda y_bar, y: strut.force(omega * y_bar, y) / strut.rate - y + moved
+        return self.strut.epsilon(self.angular_frequencies[0], sense * self.reach)
 
     @property
     def reach(self) -> float:
@@ -310,9 +309,8 @@ class Axle:
         ----------
         stopped : whether y' is known to be zero, to rounding
         """
-        p, origin = states[0], self.suspension.plane.displacement.origin
-        rate = (p - origin).imag
-        if not stopped and abs(rate) > 1e-9 * abs(p - origin):
+        _, rate = self.suspension.values(self.suspension.snapped(states[0]))
+        if rate and not stopped:
             return 1 if rate > 0.0 else -1
         needed = self.rubbing(flies, states, time)
         if abs(needed) <= self.reach:
@@ -321,42 +319,30 @@ class Axle:
 
     # Readings.
 
-    def readings(self, flies: bool, points: Points, time: float) -> dict[str, float]:
-        """Return the motions of suspension and wheel, read off the sheet (AP57 eqs. 21 to 23), SI."""
-        n_p1, n_p2, n_q1, n_q2, _, _, _, n_f2, n_b2, *_ = self._letters
-        one, two = self.suspension, self.wheel
-        q1, q2 = points[n_q1], points[n_q2]
-        motion = (
-            two.displacement(q2),
-            two.velocity(points[n_p2], q2),
-            two.acceleration(q2, points[two.plane.foot]),
-        )
+    def readings(
+        self, flies: bool, points: Points, time: float, by_force: float, before: Before | None
+    ) -> dict[str, float]:
+        """Return the motions read off the sheet (AP57 eqs. 21 to 24), SI; the body's with its control.
+
+        Parameters
+        ----------
+        by_force : the body's acceleration from the forces of the struts, m/s^2
+        """
+        _, _, _, n_q2, _, _, _, n_f2, n_b2, *_ = self._letters
+        deflection, wheel = self.suspension.motion(points), self.wheel.motion(points)
         road = self.road.derivatives(time)[:3]
-        wheel = motion if self.linear_tyre else tuple(map(sum, zip(motion, road, strict=True)))
-        bracket = (q2 - points[n_b2 if self.linear_tyre else n_f2]).real
+        if not self.linear_tyre:
+            wheel = added(wheel, road)
+        bracket = (points[n_q2] - points[n_b2 if self.linear_tyre else n_f2]).real
         tyre = -self.place.sense * self.tyre.rate * bracket / self.place.scales[1]
         prefix = self.prefix
         return {
-            f"{prefix}suspension_deflection": one.displacement(q1),
-            f"{prefix}suspension_deflection_rate": one.velocity(points[n_p1], q1),
-            f"{prefix}suspension_deflection_acceleration": one.acceleration(
-                q1, points[one.plane.foot]
-            ),
-            f"{prefix}wheel_displacement": wheel[0],
-            f"{prefix}wheel_velocity": wheel[1],
-            f"{prefix}wheel_acceleration": wheel[2],
+            **deflected(prefix, deflection),
+            **moved(f"{prefix}wheel_", wheel),
             f"{prefix}road_elevation": road[0],
             f"{prefix}contact_force": 0.0 if flies else self.static_load - tyre,
+            **controlled(prefix, added(wheel, deflection), by_force, before),
         }
-
-    def body_motion(self, read: Mapping[str, float]) -> tuple[float, float, float]:
-        """Return the body's displacement, velocity, acceleration: x1 = x2 + y (AP57 eq. 24), SI."""
-        wheel, deflection = f"{self.prefix}wheel", f"{self.prefix}suspension_deflection"
-        return (
-            read[f"{wheel}_displacement"] + read[deflection],
-            read[f"{wheel}_velocity"] + read[f"{deflection}_rate"],
-            read[f"{wheel}_acceleration"] + read[f"{deflection}_acceleration"],
-        )
 
     def strut_force(self, points: Points) -> float:
         """Return the strut's force S = Phi + F = c1 AP / a, N."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 from phaseplane.constructions.control import Before
@@ -15,6 +15,9 @@ LIFT_OFF, TOUCHDOWN = "lift_off", "touchdown"
 JOLT = "jolt"
 """The event of a road that jumps: the state points jump with it."""
 
+# places in an interval and weights of the mean over it
+_GAUSS = ((0.11270166537925831, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.8872983346207417, 5.0 / 18.0))
+
 
 class Window(NamedTuple):
     """The interval for which a construction is made; with no duration, an instant."""
@@ -26,6 +29,10 @@ class Window(NamedTuple):
     def end(self) -> float:
         """The end of the interval, s."""
         return self.start + self.duration
+
+    def mean(self, of: Callable[[float], float]) -> float:
+        """Return the mean of a function of time over the interval, by the rule of Gauss."""
+        return sum(weight * of(self.start + part * self.duration) for part, weight in _GAUSS)
 
 
 class Construction(Protocol):

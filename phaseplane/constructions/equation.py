@@ -12,14 +12,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from phaseplane.constructions.construction import CONTACT, Window
-from phaseplane.constructions.control import Before
+from phaseplane.constructions.control import Before, moved
 from phaseplane.constructions.laws import check_finite, check_positive
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.one_plane import one_plane_scheme
 from phaseplane.constructions.primitives import Scheme
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import States
-from phaseplane.constructions.switched import GAUSS, SwitchedPlane, schemes_with_switches
+from phaseplane.constructions.switched import SwitchedPlane, schemes_with_switches
 from phaseplane.equations.switching import Mode, Switching, smooth
 
 Function = Callable[[float, float, float], float]
@@ -136,18 +136,11 @@ class EquationPlane(SwitchedPlane):
             return 0.0
         x, velocity = self.lienard.values(states[0])
         function = self.switching.function
-        times = ((window.start + part * window.duration, weight) for part, weight in GAUSS)
-        mean = sum(weight * function(velocity, x, t, mode) for t, weight in times)
+        mean = window.mean(lambda t: function(velocity, x, t, mode))
         return (function(velocity, x, 0.0, mode) - mean) / self.angular_frequency**2
 
     def readings(
         self, mode: str, states: States, time: float, before: Before | None
     ) -> dict[str, float]:
         """Return displacement, velocity, acceleration read off the sheet (as in AP57 eq. 11)."""
-        points = self.points(mode, states, Window(time))
-        q = points["Q"]
-        return {
-            "displacement": self.lienard.displacement(q),
-            "velocity": self.lienard.velocity(points["P"], q),
-            "acceleration": self.lienard.acceleration(q, points["D"]),
-        }
+        return moved("", self.lienard.motion(self.points(mode, states, Window(time))))

@@ -27,7 +27,7 @@ from phaseplane.constructions.construction import (
     Construction,
     Window,
 )
-from phaseplane.constructions.control import Before, controlled
+from phaseplane.constructions.control import Before
 from phaseplane.constructions.coupling import Lines, lines_across
 from phaseplane.constructions.four_planes_schemes import half_car_scheme
 from phaseplane.constructions.laws import (
@@ -306,12 +306,6 @@ class HalfCarPlanes(Construction):
         points = self.points(mode, states, Window(time))
         read: dict[str, float] = {}
         by_forces = self.masses.accelerations(*(axle.strut_force(points) for axle in self.axles))
-        for axle, name, flies, by_force in zip(
-            self.axles, AXLES, MODES[mode], by_forces, strict=True
-        ):
-            read |= axle.readings(flies, points, time)
-            body = axle.body_motion(read)
-            names = (f"{name}_body_{what}" for what in ("displacement", "velocity", "acceleration"))
-            read |= dict(zip(names, body, strict=True))
-            read |= controlled(f"{name}_body", body, by_force, before)
+        for axle, flies, by_force in zip(self.axles, MODES[mode], by_forces, strict=True):
+            read |= axle.readings(flies, points, time, by_force, before)
         return read

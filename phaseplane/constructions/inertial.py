@@ -18,7 +18,7 @@ from typing import ClassVar
 
 from phaseplane.constructions.body import AXLES, BodyMasses
 from phaseplane.constructions.construction import CONTACT, Construction, Window
-from phaseplane.constructions.control import Before, controlled
+from phaseplane.constructions.control import Before, added, controlled, deflected
 from phaseplane.constructions.coupling import Lines, lines_across
 from phaseplane.constructions.inertial_scheme import inertial_scheme
 from phaseplane.constructions.laws import (
@@ -241,29 +241,13 @@ class HalfCarRigidTyresPlanes(Construction):
             for n, strut, one in zip("12", self.struts, self.lienards, strict=True)
         ]
         read: dict[str, float] = {}
-        for axle, n, one, road, by_force in zip(
-            AXLES,
-            "12",
-            self.lienards,
-            (self.front_road, self.rear_road),
-            self.masses.accelerations(*forces),
-            strict=True,
-        ):
-            q = points[f"Q{n}"]
-            deflection = (
-                one.displacement(q),
-                one.velocity(points[f"P{n}"], q),
-                one.acceleration(q, points[f"H{n}"]),
-            )
-            xi = road.derivatives(time)
-            body = (xi[0] + deflection[0], xi[1] + deflection[1], xi[2] + deflection[2])
+        by_forces = self.masses.accelerations(*forces)
+        roads = (self.front_road, self.rear_road)
+        for axle, one, road, by_force in zip(AXLES, self.lienards, roads, by_forces, strict=True):
+            prefix, deflection, xi = f"{axle}_", one.motion(points), road.derivatives(time)[:3]
             read |= {
-                f"{axle}_suspension_deflection": deflection[0],
-                f"{axle}_suspension_deflection_rate": deflection[1],
-                f"{axle}_suspension_deflection_acceleration": deflection[2],
-                f"{axle}_body_displacement": body[0],
-                f"{axle}_body_velocity": body[1],
-                f"{axle}_body_acceleration": body[2],
-                f"{axle}_road_elevation": xi[0],
-            } | controlled(f"{axle}_body", body, by_force, before)
+                **deflected(prefix, deflection),
+                **controlled(prefix, added(xi, deflection), by_force, before),
+                f"{prefix}road_elevation": xi[0],
+            }
         return read

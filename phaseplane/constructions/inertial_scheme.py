@@ -3,24 +3,13 @@
 from __future__ import annotations
 
 from phaseplane.constructions.primitives import Scheme
-from phaseplane.constructions.schemes import marks, scheme, strokes, turns
+from phaseplane.constructions.schemes import marks, on_both_axes, scheme, strokes, turns
 
 
 def inertial_scheme() -> Scheme:
     """Return the scheme of AP57 figure 12, in the order of drawing."""
     return scheme(
-        (
-            "The state points P1, P2 and their feet Q1, Q2 on the y axes.",
-            marks("state", "P1 P2"),
-            marks("foot", "Q1 Q2"),
-            strokes("foot", "P1-Q1 P2-Q2"),
-        ),
-        (
-            "From P1, P2 parallel to the y axes to the auxiliary curves: A1, A2. Down to the axes: "
-            "A1*, A2*.",
-            marks("construction", "A1 A2 A1* A2*"),
-            strokes("construction", "P1-A1 A1-A1* P2-A2 A2-A2*"),
-        ),
+        *on_both_axes(),
         (
             "A1*A2* cuts line I in C1 and line II in C2. Q1 through C1 gives D2, Q2 through C2 gives "
             "D1.",

@@ -19,6 +19,9 @@ LEVEL_ROAD = constant()
 Damper = Characteristic | Callable[[float, float], float]
 """Damping force Phi(y', y) in N: a law of the rate, or any function of rate and deflection."""
 
+Epsilon = Callable[[float, float], float]
+"""epsilon(y-bar; y_i), m."""
+
 
 @dataclass(frozen=True)
 class Strut:
@@ -59,6 +62,11 @@ class Strut:
     def force(self, rate: float, deflection: float) -> float:
         """Return Phi + F, N."""
         return self.damping(rate, deflection) + self.spring.force(deflection)
+
+    def epsilon(self, omega: float, moved: float) -> Epsilon:
+        """Return (Phi(omega y-bar, y) + G(y)) / c + moved, a branch of the auxiliary curves."""
+        force, rate = self.force, self.rate
+        return lambda y_bar, y: force(omega * y_bar, y) / rate - y + moved
 
     def damping_rate(self, rate: float) -> float:
         """Return the asymptotic slope of Phi for large rates of this sign, N s/m."""

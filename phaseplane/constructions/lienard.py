@@ -10,17 +10,17 @@ from functools import partial
 from itertools import pairwise
 from math import ceil, copysign, floor
 
-from phaseplane.constructions.laws import Strut
+from phaseplane.constructions.control import Motion
+from phaseplane.constructions.laws import Epsilon, Strut
 from phaseplane.constructions.primitives import Curve, Plane
 from phaseplane.constructions.sheet import reach, round_step, state_point, trail
+from phaseplane.constructions.steps import Points
 from phaseplane.constructions.storage import Frame
 from phaseplane.equations.roots import root
 
-Epsilon = Callable[[float, float], float]
-"""epsilon(y-bar; y_i), m."""
-
 _BESIDE = 1e-9  # of the range of y-bar: distance of the points on both sides of a jump
 _DRAWN = 1e-3  # of the length of a curve: about the width of a line; what is closer looks the same
+_ON_AXIS = 1e-9  # of the distance from the origin
 _POINTS = 64  # intervals of an auxiliary curve, even so that y-bar = 0 is included
 
 
@@ -113,7 +113,7 @@ class Lienard:
                     yield from (at - beside, at + beside)
 
     def displacement(self, q: complex) -> float:
-        """Return y read off the sheet: OQ / a (AP57 eqs. 11, 21, 39)."""
+        """Return y at the foot of a point, m."""
         return self.plane.displacement.read(q)
 
     def displacement_between(self, start: complex, end: complex) -> float:
@@ -121,13 +121,23 @@ class Lienard:
         axis = self.plane.displacement
         return (end - start).real * axis.direction.real / axis.scale
 
-    def velocity(self, p: complex, q: complex) -> float:
-        """Return y' read off the sheet: Omega QP / a (AP57 eqs. 11, 22, 39)."""
-        return self.plane.angular_frequency * (p - q).imag / self.plane.displacement.scale
+    def motion(self, points: Points) -> Motion:
+        """Return y, y' and y'' read off the sheet: OQ / a, Omega QP / a and Omega^2 QD / a.
 
-    def acceleration(self, q: complex, foot: complex) -> float:
-        """Return y'' read off the sheet: Omega^2 QD / a (AP57 eqs. 11, 23, 39)."""
-        return self.plane.angular_frequency**2 * self.displacement_between(q, foot)
+        (AP57 eqs. 11, 21 to 23 and 39; D is the foot of the normal.)
+        """
+        plane, q = self.plane, points[f"Q{self.plane.number}"]
+        return (
+            self.displacement(q),
+            plane.angular_frequency * (points[plane.state] - q).imag / plane.displacement.scale,
+            plane.angular_frequency**2 * self.displacement_between(q, points[plane.foot]),
+        )
+
+    def snapped(self, p: complex) -> complex:
+        """Return P, on the y axis if it is there to rounding."""
+        origin = self.plane.displacement.origin
+        near = abs((p - origin).imag) <= _ON_AXIS * abs(p - origin)
+        return complex(p.real, origin.imag) if near else p
 
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
         """Return the auxiliary curves over the range of the motion.
@@ -143,11 +153,10 @@ class Lienard:
         largest = 1.1 * max(-low, high) or 0.01
         grid = {largest * (2 * i / _POINTS - 1) for i in range(_POINTS + 1)}
         heights = sorted(grid | {c for c in self.corners if abs(c) < largest})
-        up = plane.scaled_velocity.direction * plane.scaled_velocity.scale
 
         def curve(y: float) -> tuple[complex, ...]:
             places = sorted({*heights, *self._broken(heights, y)}) if self.guards else heights
-            points = (plane.displacement.at(-self.epsilon(v, y)) + up * v for v in places)
+            points = (plane.at(-self.epsilon(v, y), v) for v in places)
             return tuple(z for z in points if isfinite(z))
 
         values = self.levels or _round_values(*reach(plane.displacement, points))

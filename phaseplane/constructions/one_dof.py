@@ -14,7 +14,7 @@ from math import sqrt
 from typing import ClassVar
 
 from phaseplane.constructions.construction import CONTACT, Window
-from phaseplane.constructions.control import Before, controlled
+from phaseplane.constructions.control import Before, added, controlled, deflected
 from phaseplane.constructions.laws import (
     LEVEL_ROAD,
     Damper,
@@ -101,12 +101,10 @@ class OneDofPlane(SwitchedPlane):
 
     def epsilon_in(self, mode: Mode) -> Callable[[float, float], float]:
         """Return the branch of the auxiliary curves that belongs to a mode without sliding."""
-        plain = self.lienard.epsilon
         if not mode:
-            return plain
-        moved, strut = mode[0] * self.friction / self.strut.rate, self.strut
-        omega = self.angular_frequency
-        return lambda y_bar, y: strut.force(omega * y_bar, y) / strut.rate - y + moved
+            return self.lienard.epsilon
+        moved = mode[0] * self.friction / self.strut.rate
+        return self.strut.epsilon(self.angular_frequency, moved)
 
     @cached_property
     def strut(self) -> Strut:
@@ -164,20 +162,10 @@ class OneDofPlane(SwitchedPlane):
         The control is x'' = -(Phi + F) / M = (c / M) PA / a, integrated twice (AP57 eq. 25).
         """
         points = self.points(mode, states, Window(time))
-        p, q = points["P"], points["Q"]
-        elevation, velocity, acceleration, _ = self.road.derivatives(time)
-        deflection = self.lienard.displacement(q)
-        rate = self.lienard.velocity(p, q)
-        second = self.lienard.acceleration(q, points["D"])
-        body = (elevation + deflection, velocity + rate, acceleration + second)
-        by_force = self.angular_frequency**2 * (points["A"] - p).real / self.scale
+        deflection, road = self.lienard.motion(points), self.road.derivatives(time)[:3]
+        by_force = self.angular_frequency**2 * (points["A"] - points["P"]).real / self.scale
         return {
-            "suspension_deflection": deflection,
-            "suspension_deflection_rate": rate,
-            "suspension_deflection_acceleration": second,
-            **dict(
-                zip(("body_displacement", "body_velocity", "body_acceleration"), body, strict=True)
-            ),
-            **controlled("body", body, by_force, before),
-            "road_elevation": elevation,
+            **deflected("", deflection),
+            **controlled("", added(road, deflection), by_force, before),
+            "road_elevation": road[0],
         }

@@ -15,7 +15,7 @@ from functools import cached_property
 from phaseplane.constructions.construction import Construction
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.primitives import Curve, Plane, Scheme
-from phaseplane.constructions.schemes import marks, scheme, strokes, turns
+from phaseplane.constructions.schemes import feet, marks, raised, scheme, strokes, turns
 from phaseplane.constructions.storage import Frame
 
 
@@ -28,16 +28,10 @@ def one_plane_scheme(excitation: str, letter: str = "y") -> Scheme:
     letter : of the axis of displacement
     """
     return scheme(
-        (
-            f"The state point P and its foot Q on the {letter} axis.",
-            marks("state", "P"),
-            marks("foot", "Q"),
-            strokes("foot", "P-Q"),
-        ),
-        (
+        feet(f"The state point P and its foot Q on the {letter} axis.", ""),
+        raised(
             f"From P parallel to the {letter} axis to the auxiliary curve: A. Down to the axis: A*.",
-            marks("construction", "A A*"),
-            strokes("construction", "P-A A-A*"),
+            "",
         ),
         (excitation, marks("normal", "D"), strokes("excitation", "A*-D")),
         ("DP is the normal of the integral curve.", strokes("normal", "D-P")),

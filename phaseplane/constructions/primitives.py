@@ -100,6 +100,11 @@ class Plane:
         """The number that all letters of this plane end with; empty if there is only one plane."""
         return self.state[1:]
 
+    def at(self, y: float, y_bar: float) -> complex:
+        """Return the state point P of y and y-bar."""
+        up = self.scaled_velocity
+        return self.displacement.at(y) + up.direction * up.scale * y_bar
+
 
 @dataclass(frozen=True, slots=True)
 class Scheme:

@@ -9,14 +9,14 @@ on the switch. Rest with dry friction is such a motion, with D = Q.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 
 from phaseplane.constructions.construction import CONTACT, Window
 from phaseplane.constructions.one_plane import OnePlane
 from phaseplane.constructions.primitives import Scheme
 from phaseplane.constructions.rules import SUCCESSOR
-from phaseplane.constructions.schemes import Part, marks, scheme, strokes, turns
+from phaseplane.constructions.schemes import Stage, feet, marks, raised, scheme, strokes, turns
 from phaseplane.constructions.steps import Points, States
 from phaseplane.equations.switching import Mode, Switching
 
@@ -24,8 +24,6 @@ SLIDING, REST = "sliding", "rest"
 
 _SIGNS = {-1: "-", 0: "0", 1: "+"}
 _NUMBERS = {text: sign for sign, text in _SIGNS.items()}
-GAUSS = ((0.11270166537925831, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.8872983346207417, 5.0 / 18.0))
-"""Places in a step and weights of the mean over it, by Gauss."""
 
 
 def on_switch_schemes() -> dict[str, Scheme]:
@@ -51,20 +49,14 @@ def on_switch_schemes() -> dict[str, Scheme]:
     }
 
 
-def _on_switch(*rest: tuple[str, *tuple[Iterator[Part], ...]]) -> Scheme:
+def _on_switch(*rest: Stage) -> Scheme:
     """Return the drawing of a step on a switch, from the stage that finds D."""
     return scheme(
-        (
-            "The state point P, on the switch, and its foot Q on the axis.",
-            marks("state", "P"),
-            marks("foot", "Q"),
-            strokes("foot", "P-Q"),
-        ),
-        (
+        feet("The state point P, on the switch, and its foot Q on the axis.", ""),
+        raised(
             "Both branches of the auxiliary curve lead back to the switch: A on the jump between "
             "them. Down to the axis: A*.",
-            marks("construction", "A A*"),
-            strokes("construction", "P-A A-A*"),
+            "",
         ),
         *rest,
     )
@@ -99,8 +91,7 @@ class SwitchedPlane(OnePlane):
             moved = plane.plane.displacement.scale * self.shift_in(signs, states, window)
             return {"P": p, "Q": q, "A": a, "A*": foot, "D": foot + moved}
         x, v = plane.values(p)
-        times = ((window.start + part * window.duration, weight) for part, weight in GAUSS)
-        mean = sum(w * self.switching.acceleration(signs, v, x, t) for t, w in times)
+        mean = window.mean(lambda t: self.switching.acceleration(signs, v, x, t))
         axis = plane.plane.displacement
         q = complex(p.real, axis.origin.imag)
         way = axis.direction * axis.scale * mean / plane.plane.angular_frequency**2
@@ -130,9 +121,7 @@ class SwitchedPlane(OnePlane):
         """Return the state point, on the axis if it is there to rounding."""
         if before is None or not self.switching.guards:
             return states
-        p, axis = states[0], self.lienard.plane.displacement
-        near = abs(p.imag - axis.origin.imag) <= 1e-9 * abs(p - axis.origin)
-        return (complex(p.real, axis.origin.imag), *states[1:]) if near else states
+        return (self.lienard.snapped(states[0]), *states[1:])
 
     def scheme_of(self, mode: str) -> str:
         """Return the scheme of a mode: off the switches, along one, or at rest."""

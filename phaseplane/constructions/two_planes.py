@@ -24,7 +24,7 @@ from phaseplane.constructions.construction import (
     Construction,
     Window,
 )
-from phaseplane.constructions.control import Before, controlled
+from phaseplane.constructions.control import Before
 from phaseplane.constructions.laws import (
     LEVEL_ROAD,
     Damper,
@@ -278,10 +278,7 @@ class QuarterCarPlanes(Construction):
 
     def remembered(self, states: States, before: States | None) -> States:
         """Return the state points, P1 on its axis where y' is zero to rounding."""
-        p, origin = states[0], self.planes[0].displacement.origin
-        if self.friction and abs((p - origin).imag) <= 1e-9 * abs(p - origin):
-            return (complex(p.real, origin.imag), *states[1:])
-        return states
+        return (self.axle.suspension.snapped(states[0]), *states[1:]) if self.friction else states
 
     # Jumps of the road.
 
@@ -301,8 +298,5 @@ class QuarterCarPlanes(Construction):
     ) -> dict[str, float]:
         """Return all motions read off the sheet (AP57 eqs. 21 to 24), SI, with the check by eq. 25."""
         points = self.points(mode, states, Window(time))
-        read = self.axle.readings(_flies(mode), points, time)
-        body = self.axle.body_motion(read)
-        read["body_displacement"], read["body_velocity"], read["body_acceleration"] = body
         by_force = -self.axle.strut_force(points) / self.sprung_mass
-        return read | controlled("body", body, by_force, before)
+        return self.axle.readings(_flies(mode), points, time, by_force, before)

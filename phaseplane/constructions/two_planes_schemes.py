@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from phaseplane.constructions.primitives import Scheme
-from phaseplane.constructions.schemes import marks, scheme, strokes, turns
+from phaseplane.constructions.schemes import marks, on_both_axes, scheme, strokes, turns
 
 _NORMALS = "are the normals of the integral curves."
 
@@ -15,24 +15,13 @@ def axle_scheme(*, flies: bool, linear_tyre: bool = True, sticks: bool = False) 
     ----------
     sticks : whether dry friction holds the strut: D1 = Q1, and A1* is found from it
     """
-    states = (
-        "The state points P1, P2 and their feet Q1, Q2 on the y axes.",
-        marks("state", "P1 P2"),
-        marks("foot", "Q1 Q2"),
-        strokes("foot", "P1-Q1 P2-Q2"),
-    )
+    states, raised = on_both_axes()
     held = (
         "Dry friction holds the strut: D1 = Q1. From P2 parallel to the y2 axis to the auxiliary line: "
         "A2. Down to the axis: A2*.",
         marks("normal", "D1"),
         marks("construction", "A2 A2*"),
         strokes("construction", "P2-A2 A2-A2*"),
-    )
-    raised = (
-        "From P1, P2 parallel to the y axes to the auxiliary curves: A1, A2. Down to the axes: A1*, "
-        "A2*.",
-        marks("construction", "A1 A2 A1* A2*"),
-        strokes("construction", "P1-A1 A1-A1* P2-A2 A2-A2*"),
     )
     road = (
         "From A2* along the y2 axis by the road's mean h2/c2 over the step: B2."

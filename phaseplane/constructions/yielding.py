@@ -16,7 +16,7 @@ from math import sqrt
 from typing import ClassVar
 
 from phaseplane.constructions.construction import Window
-from phaseplane.constructions.control import Before
+from phaseplane.constructions.control import Before, moved
 from phaseplane.constructions.laws import check_finite, check_number, check_positive
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.one_plane import OnePlane, one_plane_scheme
@@ -204,16 +204,11 @@ class ElastoplasticPlane(OnePlane):
         The spring force is k AP / a minus the damper force; the permanent set is where it is zero.
         """
         points = self.points(mode, states, Window(time))
-        p, q = points["P"], points["Q"]
-        lienard = self.lienard
-        velocity = lienard.velocity(p, q)
-        pull = self.spring_rate * lienard.displacement_between(points["A"], p)
+        motion = displacement, velocity, _ = self.lienard.motion(points)
+        pull = self.spring_rate * self.lienard.displacement_between(points["A"], points["P"])
         force = pull - self.damping * velocity
-        displacement = lienard.displacement(q)
         return {
-            "displacement": displacement,
-            "velocity": velocity,
-            "acceleration": lienard.acceleration(q, points["D"]),
+            **moved("", motion),
             "spring_force": force,
             "permanent_set": displacement - force / self.spring_rate,
             "load_force": self.load.value(time),
