@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from io import StringIO
 from math import hypot
@@ -79,6 +79,21 @@ def place(plane: Plane, frame: Frame, mark: Mark) -> str:
 def display(axis: Axis) -> tuple[float, str]:
     """Return the factor and the unit of values on an axis: lengths in cm."""
     return (100.0, "cm") if axis.unit == "m" else (1.0, axis.unit)
+
+
+def displayed(planes: Iterable[Plane], states: Iterable[complex]) -> list[float]:
+    """Return y and y-bar of each plane's state point as they are displayed, one after another."""
+    return [
+        display(plane.displacement)[0] * axis.read(p) + 0.0
+        for plane, p in zip(planes, states, strict=False)
+        for axis in (plane.displacement, plane.scaled_velocity)
+    ]
+
+
+def point_of(plane: Plane, y: float, y_bar: float = 0.0) -> complex:
+    """Return the point of displayed values on the sheet."""
+    factor, _ = display(plane.displacement)
+    return plane.at(y / factor, y_bar / factor)
 
 
 def _read(axis: Axis, point: complex) -> str:

@@ -10,7 +10,7 @@ from math import isfinite
 
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.steps import States
-from phaseplane.exercises.protocol import display
+from phaseplane.exercises.protocol import display, displayed, point_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,11 +52,8 @@ def blank_readings(drawing: Drawing, steps: int) -> str:
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(columns(drawing.planes))
     first = drawing.frames[0]
-    start: list[str] = []
-    for plane in drawing.planes:
-        point, (factor, _) = first.points[plane.state], display(plane.displacement)
-        axes = (plane.displacement, plane.scaled_velocity)
-        start += [f"{factor * axis.read(point) + 0.0:.6g}" for axis in axes]
+    states = [first.points[plane.state] for plane in drawing.planes]
+    start = [f"{value:.6g}" for value in displayed(drawing.planes, states)]
     blank = [""] * len(drawing.planes)
     writer.writerow(["0", *start, *blank])
     for number in range(1, steps + 1):
@@ -105,19 +102,12 @@ def read_readings(text: str, planes: Sequence[Plane]) -> list[Reading]:
         numbers = [
             _number(value, line, name) for name, value in zip(needed[1:], values, strict=True)
         ]
-        states = tuple(
-            plane.displacement.at(y / display(plane.displacement)[0])
-            + plane.scaled_velocity.direction * plane.scaled_velocity.scale
-            * y_bar / display(plane.displacement)[0]
-            for plane, y, y_bar in zip(planes, numbers[::2], numbers[1::2], strict=True)
-        )  # fmt: skip
+        states = tuple(map(point_of, planes, numbers[::2], numbers[1::2]))
         feet_read = [cells.get(plane.foot, "") for plane in planes]
         feet = None
         if all(feet_read):
             feet = tuple(
-                plane.displacement.at(
-                    _number(value, line, plane.foot) / display(plane.displacement)[0]
-                )
+                point_of(plane, _number(value, line, plane.foot))
                 for plane, value in zip(planes, feet_read, strict=True)
             )
         found.append(Reading(len(found), states, feet))

@@ -111,12 +111,8 @@ def _start(planes: Construction, begin: Begin | None) -> constructions.Start | N
     """Return a later start on a sheet, which is that of the motion if none is given."""
     if begin is None:
         return None
-    found = (
-        plane.displacement.at(y)
-        + plane.scaled_velocity.direction * plane.scaled_velocity.scale * y_bar
-        for plane, (y, y_bar) in zip(planes.planes, begin.states, strict=True)
-    )
-    states = planes.remembered(tuple(found), None)
+    pairs = zip(planes.planes, begin.states, strict=True)
+    states = planes.remembered(tuple(plane.at(*state) for plane, state in pairs), None)
     return constructions.Start(begin.time, planes.mode_at(states, begin.time), states)
 
 

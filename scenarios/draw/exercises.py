@@ -15,7 +15,7 @@ from phaseplane import constructions, exercises, figures
 from phaseplane.constructions.construction import CONTACT
 from phaseplane.exercises.letters import lettered
 from phaseplane.exercises.marking import RIGHT
-from phaseplane.exercises.protocol import display
+from phaseplane.exercises.protocol import display, displayed, point_of
 
 from ..errors import DrawingError, InputError
 from ..scene.equation import EQUATION, formula_of
@@ -250,10 +250,8 @@ def marked(made: Exercise, text: str, tolerance: float) -> dict[str, Any]:
                 "verdict": one.verdict,
                 "distance_mm": one.distance,
                 "said": one.said,
-                "expected": [value for pair in _values(made, one.expected) for value in pair],
-                "read": [
-                    value for pair in _values(made, read[one.number].states) for value in pair
-                ],
+                "expected": displayed(made.drawing.planes, one.expected),
+                "read": displayed(made.drawing.planes, read[one.number].states),
             }
             for one in found.marks
         ],
@@ -290,25 +288,9 @@ def write_marked_sheet(made: Exercise, summary: Mapping[str, Any], path: Path) -
     read = []
     for one in summary["marks"]:
         values = iter(one["read"])
-        points = [_paper(plane, next(values), next(values)) for plane in made.drawing.planes]
+        points = [point_of(plane, next(values), next(values)) for plane in made.drawing.planes]
         read.append((points, one["verdict"] == RIGHT))
     figures.save(_sheet(made, solved=True, read=read), path)
-
-
-def _paper(plane: Plane, y: float, y_bar: float) -> complex:
-    factor, _ = display(plane.displacement)
-    up = plane.scaled_velocity.direction * plane.scaled_velocity.scale
-    return plane.displacement.at(y / factor) + up * y_bar / factor
-
-
-def _values(made: Exercise, states: Sequence[complex]) -> list[tuple[float, float]]:
-    found = []
-    for plane, p in zip(made.drawing.planes, states, strict=False):
-        factor, _ = display(plane.displacement)
-        axes = plane.displacement, plane.scaled_velocity
-        y, y_bar = (factor * axis.read(p) + 0.0 for axis in axes)
-        found.append((y, y_bar))
-    return found
 
 
 def _sheet(made: Exercise, *, solved: bool, read: Sequence[tuple[list[complex], bool]] = ()) -> Any:
@@ -317,8 +299,8 @@ def _sheet(made: Exercise, *, solved: bool, read: Sequence[tuple[list[complex], 
     rows = []
     for frame in instants:
         known = solved or frame.step == 0
-        values = _values(made, [frame.points[plane.state] for plane in planes])
-        cells = [f"{v:.3g}" if known else "" for pair in values for v in pair]
+        values = displayed(planes, [frame.points[plane.state] for plane in planes])
+        cells = [f"{value:.3g}" if known else "" for value in values]
         feet = [
             f"{display(p.displacement)[0] * p.displacement.read(frame.points[p.foot]) + 0.0:.3g}"
             if solved

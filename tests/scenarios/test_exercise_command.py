@@ -13,6 +13,8 @@ from command_line import phaseplane
 from phaseplane.scenarios.draw import exercises
 from phaseplane.scenarios.scene.loading import load_scene
 
+from phaseplane.exercises.protocol import displayed
+
 SETTINGS = ["--steps", "8", "--set", "construction.step=0.3 s"]
 FILES = {
     "sheet.pdf", "marking.pdf", "readings.csv", "sheet.html", "protocol.html", "protocol.txt",
@@ -141,8 +143,8 @@ def faultless(made: exercises.Exercise) -> list[str]:
     planes = made.drawing.planes
     lines = [",".join(exercises.exercises.columns(planes)[: 1 + 2 * len(planes)])]
     for frame in made.drawing.instants:
-        pairs = exercises._values(made, [frame.points[plane.state] for plane in planes])
-        lines.append(",".join([str(frame.step), *(f"{v:.9g}" for pair in pairs for v in pair)]))
+        values = displayed(planes, [frame.points[plane.state] for plane in planes])
+        lines.append(",".join([str(frame.step), *(f"{value:.9g}" for value in values)]))
     return lines
 
 
