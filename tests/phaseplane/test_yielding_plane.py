@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import linear
-from phaseplane.suspension.engine import Integrator
-from phaseplane.suspension.models import Element, Load, System
+from phaseplane.suspension.models import Element
+from stepped import displaced, mass_on, started
 
 from phaseplane.constructions import RULES, ElastoplasticPlane, construct_motion
 from phaseplane.constructions.sheet import events_of
@@ -58,16 +58,8 @@ def integrated(load, times, **spring) -> list[float]:
     element = Element(
         "frame", (1.0,), spring=linear(5000.0), damper=linear(200.0), yield_force=6.0, **spring
     )
-    system = System(
-        ("u",), ((100.0,),), (element,), {"force": load}, (Load((1.0,), "force"),), (1e-3,)
-    )
-    integrator = Integrator(system, tolerance=1e-11)
-    found = []
-    for time in times:
-        integrator.advance(time)
-        integrator.sample(time)
-        found.append(integrator.sample_q[0])
-    return found
+    integrator = started(mass_on(element, mass=100.0, force=load, scale=1e-3))
+    return displaced(integrator, times)[:, 0].tolist()
 
 
 @pytest.mark.parametrize("rule", RULES.values(), ids=RULES)

@@ -17,6 +17,7 @@ from phaseplane.suspension import characteristics, roads
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.systems import Element, Load, System
+from stepped import displaced
 from vehicle_reference import solved
 
 
@@ -62,10 +63,7 @@ def test_stick_and_slip_of_a_block_that_is_pulled_ever_harder() -> None:
     system = single(block, signals={"pull": pull}, loads=(Load((1.0,), "pull"),))
     found = truth(Problem("pulled", "", "non-smooth", system, 4.0, 80))[:, 0]
     integrator = Integrator(system, tolerance=1e-11)
-    for t, expected in zip(np.linspace(0.0, 4.0, 81), found, strict=True):
-        assert integrator.advance(t) == 0
-        integrator.sample(t)
-        assert integrator.sample_q[0] == pytest.approx(expected, abs=1e-9)
+    assert displaced(integrator, np.linspace(0.0, 4.0, 81))[:, 0] == pytest.approx(found, abs=1e-9)
     slips = [(time, after) for time, *_, after in integrator.take_log() if time < 4.0]
     assert slips[0] == (pytest.approx(0.75, abs=1e-9), 1)  # 4 N/s
     assert len(slips) > 4
@@ -92,13 +90,9 @@ def test_bouncing_follows_the_closed_form() -> None:
 def test_the_integrator_and_the_truth_agree_though_they_share_nothing(name: str) -> None:
     problem = PROBLEMS[name]()
     integrator = Integrator(problem.system, tolerance=1e-11)
-    rows = []
-    for t in problem.times[:201]:
-        assert integrator.advance(t) == 0
-        integrator.sample(t)
-        rows.append(list(integrator.sample_q))
+    found = displaced(integrator, problem.times[:201])
     short = Problem(name, "", problem.kind, problem.system, problem.times[200], 200)
-    assert largest_error(np.array(rows), truth(short)) < 3e-11
+    assert largest_error(found, truth(short)) < 3e-11
 
 
 def everything() -> System:
@@ -238,10 +232,5 @@ def test_every_scene_is_the_same_motion_to_both(name: str) -> None:
     longest = 0.06 if name == "light_wheel" else 1.0
     kept = min(problem.intervals, int(longest * problem.intervals / problem.duration) + 1)
     problem = replace(problem, duration=problem.times[kept], intervals=kept)
-    integrator = problem.integrator(tolerance=1e-9)
-    rows = []
-    for t in problem.times.tolist():
-        assert integrator.advance(t) == 0
-        integrator.sample(t)
-        rows.append(list(integrator.sample_q))
-    assert largest_error(np.array(rows), truth(problem)) < 3e-9
+    found = displaced(problem.integrator(tolerance=1e-9), problem.times)
+    assert largest_error(found, truth(problem)) < 3e-9

@@ -17,6 +17,7 @@ from phaseplane.suspension.models import Element, Load, System, build
 from phaseplane.suspension.session import Session
 from scipy.optimize import brentq
 from scipy.special import ellipj, ellipk
+from stepped import displaced, started
 
 TIGHT = 1e-11
 
@@ -46,14 +47,8 @@ def positions(
     system: System, times: np.ndarray, start: tuple[float, float] = (0.0, 0.0)
 ) -> tuple[np.ndarray, Integrator]:
     """Displacements of the first coordinate at some instants, from x and x' at 0."""
-    integrator = Integrator(system, tolerance=TIGHT)
-    integrator.set_state([start[0]], [start[1]])
-    found = []
-    for t in times:
-        assert integrator.advance(t) == 0
-        integrator.sample(t)
-        found.append(integrator.sample_q[0])
-    return np.array(found), integrator
+    integrator = started(system, *start, tolerance=TIGHT)
+    return displaced(integrator, times)[:, 0], integrator
 
 
 def swing(natural: float, ratio: float, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -12,15 +12,15 @@ from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import Element, System
 from scipy.integrate import solve_ivp
+from stepped import displaced
 
 MASS, RATE, CUBIC, DAMPING = 2.0, 800.0, 3e5, 6.0
 
 
 def steps(parameters: dict[str, object], tolerance: float) -> tuple[int, np.ndarray]:
     integrator = Integrator(build("QuarterCar", parameters), tolerance=tolerance)
-    assert integrator.advance(2.0) == 0
-    integrator.sample(2.0)
-    return integrator.step_count, np.array(integrator.sample_q)
+    (found,) = displaced(integrator, [2.0])
+    return integrator.step_count, found
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
@@ -77,12 +77,7 @@ def _compiled(
 ) -> np.ndarray:
     integrator = Integrator(system, **options)
     integrator.set_state(start, [0.0] * len(start))
-    rows = []
-    for t in times:
-        assert integrator.advance(t) == 0
-        integrator.sample(t)
-        rows.append(list(integrator.sample_q))
-    return np.array(rows)
+    return displaced(integrator, times)
 
 
 def test_a_row_that_sticks_and_is_curved_moves_with_its_road() -> None:

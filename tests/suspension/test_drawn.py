@@ -16,6 +16,7 @@ import pytest
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import System, build
 from phaseplane.suspension.session import Session
+from stepped import displaced
 from switched import Switch
 from vehicle_reference import BRANCHES
 
@@ -32,12 +33,7 @@ def system_of(model: str, parameters: dict[str, Any]) -> System:
 def motion(model: str, parameters: dict[str, Any], **options: Any) -> tuple[np.ndarray, Integrator]:
     """Displacements at the stored instants, (coordinates, instants)."""
     integrator = Integrator(system_of(model, parameters), **options)
-    rows = []
-    for t in make_drawn.instants(model):
-        assert integrator.advance(float(t)) == 0
-        integrator.sample(float(t))
-        rows.append(list(integrator.sample_q))
-    return np.array(rows).T, integrator
+    return displaced(integrator, make_drawn.instants(model)).T, integrator
 
 
 def error(run: dict[str, Any], found: np.ndarray) -> float:

@@ -12,6 +12,7 @@ from phaseplane.suspension import characteristics, roads
 from phaseplane.suspension.engine import KINDS, Integrator
 from phaseplane.suspension.models import Element, Load, System
 from phaseplane.suspension.session import Session
+from stepped import at, mass_on
 
 MASS, RATE, FRICTION = 2.0, 800.0, 1.0
 OMEGA = sqrt(RATE / MASS)
@@ -19,20 +20,8 @@ OMEGA = sqrt(RATE / MASS)
 
 def slider(friction: float = FRICTION, force: roads.Signal | None = None) -> System:
     """A mass on a spring that rubs."""
-    return System(
-        ("x",),
-        ((MASS,),),
-        (Element("leaf", (1.0,), characteristics.linear(RATE), friction=friction),),
-        {"force": force or roads.constant()},
-        (Load((1.0,), "force"),),
-        (1e-2,),
-    )
-
-
-def position(integrator: Integrator, t: float) -> float:
-    assert integrator.advance(t) == 0
-    integrator.sample(t)
-    return float(integrator.sample_q[0])
+    leaf = Element("leaf", (1.0,), characteristics.linear(RATE), friction=friction)
+    return mass_on(leaf, mass=MASS, force=force or 0.0, scale=1e-2)
 
 
 @pytest.mark.parametrize("options", [{"tolerance": 1e-9}, {"method": "equilibrium", "step": 1e-4}])
@@ -45,10 +34,10 @@ def test_coulomb_decay(options: dict[str, object]) -> None:
     swings = 9  # until the spring pulls with less than the friction
     for k in range(swings + 1):
         expected = (-1) ** k * (start - k * loss)
-        assert position(integrator, k * pi / OMEGA) == pytest.approx(expected, abs=1e-8)
+        assert at(integrator, k * pi / OMEGA)[0] == pytest.approx(expected, abs=1e-8)
     last = (-1) ** swings * (start - swings * loss)
     assert abs(last) < FRICTION / RATE
-    assert position(integrator, 100.0) == pytest.approx(last, abs=1e-8)
+    assert at(integrator, 100.0)[0] == pytest.approx(last, abs=1e-8)
     lost = 0.5 * RATE * (start**2 - last**2)
     assert lost == pytest.approx(
         FRICTION * sum(2 * start - (2 * k + 1) * loss for k in range(swings))
@@ -62,18 +51,18 @@ def test_a_force_below_the_friction_moves_nothing_at_all() -> None:
     )
     integrator = Integrator(slider(force=force))
     for t in (0.1, 1.0, 10.0):
-        assert abs(position(integrator, t)) < 1e-15  # rounding, where the spring gives 1 mm
+        assert abs(at(integrator, t)[0]) < 1e-15  # rounding, where the spring gives 1 mm
     assert integrator.log == []
 
 
 def test_it_breaks_loose_when_the_force_reaches_the_friction() -> None:
     ramp = roads.table([(0.0, 0.0), (1.0, 2.0)])
     integrator = Integrator(slider(force=ramp), tolerance=1e-10)
-    assert abs(position(integrator, 0.5)) < 1e-15
+    assert abs(at(integrator, 0.5)[0]) < 1e-15
     late = 0.6 - FRICTION / 2.0
     # m x'' + k x = 2 (t - 0.5)
     exact = 2.0 / RATE * (late - np.sin(OMEGA * late) / OMEGA)
-    assert position(integrator, 0.6) == pytest.approx(exact, abs=1e-11)
+    assert at(integrator, 0.6)[0] == pytest.approx(exact, abs=1e-11)
     t, _, kind, before, after = integrator.log[0]
     assert (KINDS[kind], before, after) == ("friction", 0, 1)
     assert t == pytest.approx(0.5, abs=1e-12)
@@ -95,7 +84,7 @@ def test_two_that_stick_at_once_move_as_one_body() -> None:
     speed = 0.01 * 2 * pi
     integrator.set_state([0.0, 0.0], [speed, speed])
     for t in (0.1, 0.37, 1.2):
-        assert position(integrator, t) == pytest.approx(0.01 * np.sin(2 * pi * t), abs=1e-9)
+        assert at(integrator, t)[0] == pytest.approx(0.01 * np.sin(2 * pi * t), abs=1e-9)
         assert integrator.sample_q[1] == pytest.approx(integrator.sample_q[0], abs=1e-14)
     assert abs(integrator.residual_end) < 1e-8
 
@@ -103,7 +92,7 @@ def test_two_that_stick_at_once_move_as_one_body() -> None:
 def test_no_friction_is_no_friction() -> None:
     integrator = Integrator(slider(friction=0.0), tolerance=1e-10)
     integrator.set_state([0.01], [0.0])
-    assert position(integrator, 1.0) == pytest.approx(0.01 * cos(OMEGA), abs=1e-11)
+    assert at(integrator, 1.0)[0] == pytest.approx(0.01 * cos(OMEGA), abs=1e-11)
     assert integrator.log == []
 
 
@@ -120,7 +109,7 @@ def test_any_mass_ratio_sticks_and_slips_alike(mass: float) -> None:
     for one in (integrator, plain):
         one.set_state([0.0213], [0.0])
     for t in (0.1, 0.5, 3.0):
-        assert position(integrator, t) == pytest.approx(position(plain, t), rel=1e-9)
+        assert at(integrator, t)[0] == pytest.approx(at(plain, t)[0], rel=1e-9)
 
 
 @settings(max_examples=40, derandomize=True)

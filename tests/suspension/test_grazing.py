@@ -14,8 +14,9 @@ from kernels import motion
 from phaseplane.suspension import characteristics as law
 from phaseplane.suspension import roads
 from phaseplane.suspension.signals import Segment, Signal
-from phaseplane.suspension.systems import Element, Load, System
+from phaseplane.suspension.systems import Element, System
 from scipy.optimize import brentq
+from stepped import mass_on
 
 GRAVITY = 9.80665
 
@@ -39,13 +40,6 @@ class Graze(NamedTuple):
     error: float
 
 
-def single(element: Element, load: float | Signal = 0.0, scale: float = 0.05) -> System:
-    force = load if isinstance(load, Signal) else roads.constant(load)
-    return System(
-        ("x",), ((1.0,),), (element,), {"force": force}, (Load((1.0,), "force"),), (scale,)
-    )
-
-
 def thrown(excess: float) -> Graze:
     """A throw that ends just above or below a stop, by `excess` of its height.
 
@@ -67,7 +61,7 @@ def thrown(excess: float) -> Graze:
         return up * t - 0.5 * GRAVITY * t * t
 
     stop = Element("stop", (1.0,), law.rebound_stop(corner, rate))
-    return Graze(single(stop, -GRAVITY), (0.0, up), place, enters, leaves, 1e-12 * height)
+    return Graze(mass_on(stop, force=-GRAVITY), (0.0, up), place, enters, leaves, 1e-12 * height)
 
 
 def hurried(excess: float) -> Graze:
@@ -108,7 +102,7 @@ def hurried(excess: float) -> Graze:
     damper = Element("damper", (1.0,), damper=law.polyline([(corner, 0.0)], 0.0, c))
     load = Signal((Segment(-inf, turns, (0.0, -a, 0.0, 0.0)),), a)
     start = (0.0, top - 0.5 * a * turns**2)
-    return Graze(single(damper, load), start, place, turns - early, turns + late, 1e-13)
+    return Graze(mass_on(damper, force=load), start, place, turns - early, turns + late, 1e-13)
 
 
 def loosened(excess: float) -> Graze:
@@ -129,7 +123,9 @@ def loosened(excess: float) -> Graze:
     load = Signal((Segment(-inf, turns, (friction * (1.0 + excess), 0.0, -c, 0.0)),), friction)
     slide = Element("slide", (1.0,), friction=friction)
     error = (1e-6 + 1e-15 / abs(excess)) * 2.25 * c * early**4  # of all the way, and rounding
-    return Graze(single(slide, load), (0.0, 0.0), place, turns - early, turns + 2.0 * early, error)
+    return Graze(
+        mass_on(slide, force=load), (0.0, 0.0), place, turns - early, turns + 2.0 * early, error
+    )
 
 
 def lifted(excess: float) -> Graze:
@@ -152,7 +148,7 @@ def lifted(excess: float) -> Graze:
 
     tyre = Element("tyre", (1.0,), law.linear(rate), limit=load)
     return Graze(
-        single(tyre, scale=edge), (0.0, reach * omega), place, enters, leaves, 1e-10 * reach
+        mass_on(tyre, scale=edge), (0.0, reach * omega), place, enters, leaves, 1e-10 * reach
     )
 
 
@@ -210,8 +206,9 @@ def test_friction_that_breaks_loose_at_the_very_end_of_a_ramp(
     ramp = friction * (1.0 + excess) / slope
     breaks = friction / slope
     late = max(ramp - breaks, 0.0)
-    system = single(
-        Element("slide", (1.0,), friction=friction), roads.table([(0.0, 0.0), (ramp, slope * ramp)])
+    system = mass_on(
+        Element("slide", (1.0,), friction=friction),
+        force=roads.table([(0.0, 0.0), (ramp, slope * ramp)]),
     )
     times = [0.5 * breaks, ramp, ramp + 0.1, ramp + 1.0]
     found = motion(system, times, **options)

@@ -15,6 +15,7 @@ from phaseplane.suspension.engine import FAILURES, Integrator, RunQueue
 from phaseplane.suspension.signals import Segment, Signal
 from phaseplane.suspension.systems import Element, Load, System
 from scipy.special import beta
+from stepped import at, displaced, started
 
 LINEAR = characteristics.linear
 
@@ -29,18 +30,6 @@ def spring(law: Characteristic) -> System:
 
 def damper(law: Characteristic) -> System:
     return oscillator(Element("damper", (1.0,), damper=law))
-
-
-def started(system: System, x: float, v: float, **options: object) -> Integrator:
-    integrator = Integrator(system, **{"tolerance": 1e-11, **options})
-    integrator.set_state([x], [v])
-    return integrator
-
-
-def at(integrator: Integrator, t: float) -> tuple[float, float]:
-    assert integrator.advance(t) == 0
-    integrator.sample(t)
-    return integrator.sample_q[0], integrator.sample_v[0]
 
 
 # -- functions of one's own -------------------------------------------------------------------------
@@ -242,14 +231,10 @@ def test_friction_that_breaks_away_as_published() -> None:
         {"force": force}, (Load((0.0, 1.0), "force"),), (0.1, 0.1),
     )  # fmt: skip
     integrator = Integrator(system, tolerance=1e-11)
-    found = {}
-    for t in (0.02, 0.15, 0.34):
-        assert integrator.advance(t) == 0
-        integrator.sample(t)
-        found[t] = list(integrator.sample_q)
-    assert found[0.02] == pytest.approx([0.0, 0.11221], abs=1e-5)
-    assert found[0.15] == pytest.approx([1.35332, 1.80751], rel=2e-5)
-    assert found[0.34][1] == pytest.approx(3.96813, rel=2e-5)
+    first, second, third = displaced(integrator, (0.02, 0.15, 0.34))
+    assert first == pytest.approx([0.0, 0.11221], abs=1e-5)
+    assert second == pytest.approx([1.35332, 1.80751], rel=2e-5)
+    assert third[1] == pytest.approx(3.96813, rel=2e-5)
     log = [(time, after) for time, element, _, _, after in integrator.take_log() if element == 0]
     assert [after for _, after in log] == [1, 0]
     assert [time for time, _ in log] == pytest.approx([0.03512, 0.31492], abs=1e-5)
@@ -259,7 +244,7 @@ def test_friction_that_breaks_away_as_published() -> None:
     late, speed = 0.15 - breaks, 0.3 * sqrt(2000.0)
     centre = 0.15 + 0.5 * speed * late + 50.0 * late**2
     length = 0.25 + 0.05 * cos(omega * late) + speed / omega * sin(omega * late)
-    assert found[0.15] == pytest.approx([centre - 0.5 * length, centre + 0.5 * length], abs=1e-9)
+    assert second == pytest.approx([centre - 0.5 * length, centre + 0.5 * length], abs=1e-9)
 
 
 def test_a_breakaway_force_needs_friction_below_it() -> None:

@@ -18,8 +18,9 @@ from phaseplane.suspension import roads
 from phaseplane.suspension.engine import Integrator, Network
 from phaseplane.suspension.models import build
 from phaseplane.suspension.signals import Segment, Signal
-from phaseplane.suspension.systems import Element, Load, System
+from phaseplane.suspension.systems import Element, System
 from phaseplane.suspension.variables import checked_parameters
+from stepped import mass_on
 
 GRAVITY = 9.80665
 Options = dict[str, object]
@@ -29,12 +30,6 @@ SETTINGS: list[tuple[Options, float]] = [  # with the error allowed, relative to
     ({"step": 0.05, "order": 8}, 1e-5),  # as long as a bump
     ({"method": "exact", "tolerance": 1e-10}, 1e-10),
 ]
-
-
-def single(*elements: Element, load: float | Signal = 0.0, scale: float = 0.05) -> System:
-    """One kilogram on some elements under a load."""
-    force = load if isinstance(load, Signal) else roads.constant(load)
-    return System(("x",), ((1.0,),), elements, {"force": force}, (Load((1.0,), "force"),), (scale,))
 
 
 # -- a closed form: one kilogram on a spring of straight pieces ------------------------------------
@@ -119,7 +114,7 @@ def follows(
     """Hold a motion against the closed form, switch by switch; the instants of the switches."""
     place, expected = swings(stops, load, x, v, until)
     times = np.linspace(0.0, until, 41)[1:]
-    found = motion(single(*stops_of(stops), load=load), times, [x], [v], **options)
+    found = motion(mass_on(*stops_of(stops), force=load), times, [x], [v], **options)
     peak = max(abs(place(t)) for t in times)
     assert found.displacements[:, 0] == pytest.approx([place(t) for t in times], abs=allowed * peak)
     switches = [t for t in found.instants() if 0.0 < t < until]
@@ -162,7 +157,7 @@ def test_a_hop_shorter_than_a_step(options: Options, allowed: float) -> None:
     hop = 2.0 * speed / load
     tyre = Element("tyre", (1.0,), law.linear(rate), limit=load)
     times = np.array([0.5 * begins, begins + 0.5 * hop, begins + 2.0 * hop, 0.15])
-    found = motion(single(tyre, scale=0.01), times, [0.0], [reach * omega], **options)
+    found = motion(mass_on(tyre, scale=0.01), times, [0.0], [reach * omega], **options)
     middle = load / rate + 0.5 * speed * speed / load
     expected = [
         reach * sin(omega * times[0]),
@@ -190,7 +185,7 @@ def test_two_elements_with_one_corner_are_one_of_both_rates(
     times = np.linspace(0.0, until, 26)[1:]
     there, back = (law.polyline([(gap, 0.0)], 0.0, 250.0), law.bump_stop(gap, 150.0))
     for direction, other in ((1.0, law.polyline([(gap, 0.0)], 0.0, 150.0)), (-1.0, back)):
-        system = single(Element("one", (1.0,), there), Element("other", (direction,), other))
+        system = mass_on(Element("one", (1.0,), there), Element("other", (direction,), other))
         found = motion(system, times, [0.0], [speed], **options)
         expected = [place(t) for t in times]
         assert found.displacements[:, 0] == pytest.approx(expected, abs=allowed * 0.1)
@@ -208,7 +203,7 @@ def test_a_corner_met_when_the_load_jumps(options: Options, allowed: float) -> N
         load = Signal((Segment(-inf), Segment(met, 0.0, (push, 0.0, 0.0, 0.0))), 8.0)
         place, _ = swings([(gap, rate)], push, gap, speed, 0.1)
         times = np.array([0.5, 1.0, 1.3, 1.9]) * met
-        system = single(Element("stop", (1.0,), law.rebound_stop(gap, rate)), load=load)
+        system = mass_on(Element("stop", (1.0,), law.rebound_stop(gap, rate)), force=load)
         found = motion(system, times, [0.0], [speed], **options)
         expected = [0.5 * gap, gap, *(place(t - met) for t in times[2:])]
         assert found.displacements[:, 0] == pytest.approx(expected, abs=2.0 * allowed * gap)
@@ -216,7 +211,7 @@ def test_a_corner_met_when_the_load_jumps(options: Options, allowed: float) -> N
 
 def test_a_corner_met_when_the_load_jumps_is_logged() -> None:
     load = Signal((Segment(-inf), Segment(0.1, 0.0, (8.0, 0.0, 0.0, 0.0))), 8.0)
-    system = single(Element("stop", (1.0,), law.rebound_stop(0.05, 400.0)), load=load)
+    system = mass_on(Element("stop", (1.0,), law.rebound_stop(0.05, 400.0)), force=load)
     found = motion(system, [0.15], [0.0], [0.5])
     assert found.instants()[:1] == pytest.approx([0.1])
 
@@ -300,7 +295,7 @@ def test_a_start_on_a_corner_of_the_spring(
     rates = (inner, inner + outer) if side > 0 else (inner + outer, inner)
     element = Element("spring", (1.0,), law.polyline([corner], *rates))
     times = np.linspace(0.0, 0.3, 16)
-    found = motion(single(element, load=side * load), times, [side * gap], [side * v], **options)
+    found = motion(mass_on(element, force=side * load), times, [side * gap], [side * v], **options)
     wanted = [side * place(t) for t in times]
     assert found.displacements[:, 0] == pytest.approx(wanted, abs=3.0 * allowed * 0.1)
     assert len([t for t in found.instants() if t == 0.0]) < 2
@@ -315,7 +310,7 @@ def test_a_start_on_a_corner_of_the_spring(
 def test_at_rest_on_a_corner_it_stays(options: Options) -> None:
     gap, inner = 0.02, 250.0
     element = Element("spring", (1.0,), law.polyline([(gap, inner * gap)], inner, 400.0))
-    found = motion(single(element, load=inner * gap), [0.1, 0.5], [gap], [0.0], **options)
+    found = motion(mass_on(element, force=inner * gap), [0.1, 0.5], [gap], [0.0], **options)
     assert found.displacements[:, 0] == pytest.approx([gap, gap], abs=1e-16)
     assert found.switches == []
 
@@ -326,7 +321,7 @@ def test_a_start_on_a_corner_of_the_damper(push: float, options: Options, allowe
     """v = v_c + p/c (1 - exp(-c t)), c the slope beyond the corner or before it, as p decides."""
     corner, inner, outer = 0.4, 5.0, 20.0
     damper = law.polyline([(corner, inner * corner)], inner, outer)
-    system = single(Element("damper", (1.0,), damper=damper), load=inner * corner + push)
+    system = mass_on(Element("damper", (1.0,), damper=damper), force=inner * corner + push)
     times = np.linspace(0.0, 0.5, 11)
     found = motion(system, times, [0.0], [corner], **options)
     c = outer if push > 0.0 else inner
@@ -347,7 +342,7 @@ def test_a_start_where_the_tyre_leaves_the_road(v: float, options: Options, allo
     tyre = Element("tyre", (1.0,), law.linear(rate), limit=load)
     flight = 2.0 * max(v, 0.0) / load
     times = np.linspace(0.0, 0.1, 11)
-    found = motion(single(tyre, scale=0.01), times, [edge], [v], **options)
+    found = motion(mass_on(tyre, scale=0.01), times, [edge], [v], **options)
 
     def place(t: float) -> float:
         if t < flight:
@@ -370,7 +365,7 @@ def test_a_start_at_rest_under_the_whole_friction(
 ) -> None:
     """What pulls with no more than the friction moves nothing; what pulls with more does at once."""
     excess = max(abs(push) - 2.0, 0.0)
-    system = single(Element("slide", (1.0,), friction=2.0), load=push)
+    system = mass_on(Element("slide", (1.0,), friction=2.0), force=push)
     found = motion(system, [0.1, 1.0], **options)
     expected = [0.5 * excess * t * t * (1.0 if push > 0 else -1.0) for t in (0.1, 1.0)]
     assert found.displacements[:, 0] == pytest.approx(expected, abs=max(allowed * excess, 1e-15))
