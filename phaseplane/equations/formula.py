@@ -33,32 +33,33 @@ def _sign(u: float) -> float:
     return math.copysign(1.0, u) if u else 0.0
 
 
-def _relay(u: float, width: float = 0.0) -> float:
-    return 0.5 * (_sign(u - width) + _sign(u + width))
+def _wide(
+    sign: Callable[..., Any], least: Callable[..., Any], most: Callable[..., Any]
+) -> dict[str, Callable[..., Any]]:
+    """Return the pieces whose second value is a width or a limit, of numbers or of arrays."""
 
+    def saturation(u: Any, limit: Any) -> Any:
+        """Return exactly u between both limits, so that a dead zone is zero there."""
+        size = abs(limit)
+        return sign(limit) * least(most(u, -size), size)
 
-def _saturation(u: float, limit: float) -> float:
-    """Return exactly u between both limits, so that a dead zone is zero there."""
-    size = abs(limit)
-    return _sign(limit) * min(max(u, -size), size)
+    return {
+        "backlash": lambda u, gap: u - saturation(u, 0.5 * gap),
+        "dead_zone": lambda u, width: u - saturation(u, width),
+        "relay": lambda u, width=0.0: 0.5 * (sign(u - width) + sign(u + width)),
+        "saturation": saturation,
+    }
 
 
 _SMOOTH = (
     "acos", "asin", "atan", "atan2", "cos", "cosh", "exp", "hypot", "log", "sin", "sinh", "sqrt",
     "tan", "tanh",
 )  # fmt: skip
-_PIECES: dict[str, tuple[Callable[..., float], int, int]] = {  # with least and most arguments
-    "abs": (abs, 1, 1),
-    "backlash": (lambda u, gap: u - _saturation(u, 0.5 * gap), 2, 2),
-    "copysign": (math.copysign, 2, 2),
-    "dead_zone": (lambda u, width: u - _saturation(u, width), 2, 2),
-    "max": (max, 2, 99),
-    "min": (min, 2, 99),
-    "relay": (_relay, 1, 2),
-    "saturation": (_saturation, 2, 2),
-    "sign": (_sign, 1, 1),
-}
-_WIDE = ("backlash", "dead_zone", "relay", "saturation")  # whose second value is a width or a limit
+_PIECES = {  # least and most arguments
+    "abs": (1, 1), "backlash": (2, 2), "copysign": (2, 2), "dead_zone": (2, 2), "max": (2, 99),
+    "min": (2, 99), "relay": (1, 2), "saturation": (2, 2), "sign": (1, 1),
+}  # fmt: skip
+_WIDE = _wide(_sign, min, max)
 FUNCTIONS = tuple(sorted((*_SMOOTH, *_PIECES)))
 """The functions of a formula."""
 
@@ -75,7 +76,12 @@ _MOST_PERIODS = 100  # of the slowest term of the forcing, until all terms have 
 _NUMBERS: dict[str, Any] = {
     "__builtins__": {},
     **{name: getattr(math, name) for name in _SMOOTH},
-    **{name: piece for name, (piece, _, _) in _PIECES.items()},
+    "abs": abs,
+    "copysign": math.copysign,
+    "max": max,
+    "min": min,
+    "sign": _sign,
+    **_WIDE,
     **_CONSTANTS,
 }
 
@@ -163,18 +169,12 @@ class Formula:
     def switching(self) -> Switching:
         """f with its switches, see `Switching`."""
         pieces = _Pieces()
-        smooth = ast.fix_missing_locations(ast.Expression(pieces.visit(_copied(self._tree)))).body
-        arguments = (*VARIABLES, "s")
-        return Switching(
-            _guarded(self._made(smooth, arguments, _NUMBERS)),
-            tuple(
-                _guarded(self._made(ast.fix_missing_locations(ast.Expression(g)).body,
-                                    arguments, _NUMBERS))
-                for g in pieces.guards
-            ),
-            self.autonomous,
-            pieces.jumps,
-        )  # fmt: skip
+        smooth = pieces.visit(_copied(self._tree))
+        function, *guards = (
+            _guarded(self._made(part, (*VARIABLES, "s"), _NUMBERS))
+            for part in (smooth, *pieces.guards)
+        )
+        return Switching(function, tuple(guards), self.autonomous, pieces.jumps)
 
     def spelled(self, v: str, x: str, signs: Sequence[float]) -> str:
         """Return f at t = 0 in the syntax of GeoGebra, with the signs of the guards put in.
@@ -244,27 +244,15 @@ def _arrays() -> dict[str, Any]:
     import numpy as np  # noqa: PLC0415  (formulas of numbers do without it)
 
     inverse = {name: f"arc{name[1:]}" for name in ("acos", "asin", "atan", "atan2")}
-    ours = {"max", "min", "relay", "saturation", "dead_zone", "backlash"}
-    found: dict[str, Any] = {
-        name: getattr(np, inverse.get(name, name)) for name in FUNCTIONS if name not in ours
-    }
-
-    def saturation(u: Any, limit: Any) -> Any:
-        size = np.abs(limit)
-        return np.sign(limit) * np.clip(u, -size, size)
-
-    def relay(u: Any, width: Any = 0.0) -> Any:
-        return 0.5 * (np.sign(u - width) + np.sign(u + width))
-
-    found |= {
+    plain = (*_SMOOTH, "abs", "copysign", "sign")
+    return {
+        "__builtins__": {},
+        **{name: getattr(np, inverse.get(name, name)) for name in plain},
         "max": lambda *of: functools.reduce(np.maximum, of),
         "min": lambda *of: functools.reduce(np.minimum, of),
-        "relay": relay,
-        "saturation": saturation,
-        "dead_zone": lambda u, width: u - saturation(u, width),
-        "backlash": lambda u, gap: u - saturation(u, 0.5 * gap),
+        **_wide(np.sign, np.minimum, np.maximum),
+        **_CONSTANTS,
     }
-    return {"__builtins__": {}, **found, **_CONSTANTS}
 
 
 # Reading.
@@ -339,7 +327,7 @@ def _checked(node: ast.expr, text: str, names: tuple[str, ...], section: str) ->
 
 def _check_count(name: str, count: int, text: str) -> None:
     if name in _PIECES:
-        least, most = _PIECES[name][1:]
+        least, most = _PIECES[name]
     else:
         least = most = 2 if name in ("atan2", "hypot") else 1
     if not least <= count <= most:

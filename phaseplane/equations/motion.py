@@ -104,6 +104,12 @@ def motion(
     going_on : called after every step with the time reached, s; whether to go on
     """
     found = Motion([], [], [], [], [])
+
+    def add(mode: Mode, t: float, x: float, v: float) -> None:
+        values = (t, x, v, _acceleration(system, mode, t, x, v))
+        for column, value in zip(found[:4], values, strict=True):
+            column.append(value)
+
     end = times[-1]
     due = 0
     mode: Mode | None = None
@@ -113,23 +119,14 @@ def motion(
                 found.switches.append(step.start)
             mode = step.mode
             while due < len(times) and times[due] <= step.end:
-                x, v = step.at(times[due])
-                found.times.append(times[due])
-                found.displacements.append(x)
-                found.velocities.append(v)
-                found.accelerations.append(_acceleration(system, mode, times[due], x, v))
+                add(mode, times[due], *step.at(times[due]))
                 due += 1
             if not going_on(step.end):
                 break
     except MotionError as error:
         if not found.times:
             x, v = start
-            found.times.append(times[0])
-            found.displacements.append(x)
-            found.velocities.append(v)
-            found.accelerations.append(
-                _acceleration(system, system.settled(v, x, times[0]), times[0], x, v)
-            )
+            add(system.settled(v, x, times[0]), times[0], x, v)
         return found._replace(complaint=str(error))
     return found
 
