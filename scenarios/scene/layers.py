@@ -78,14 +78,20 @@ def _value_of(text: str) -> Any:
     return parsed["value"] if list(parsed) == ["value"] else text
 
 
+class Given(NamedTuple):
+    """The value of a key, where it was given, the folder of its paths, and the number of its layer."""
+
+    value: Any
+    origin: str
+    folder: Path
+    rank: int
+
+
 @dataclass
 class Layers:
-    """The merged content of a scene, with the origin, folder and layer number of each key."""
+    """The merged content of a scene, by dotted keys."""
 
-    content: dict[str, Any] = field(default_factory=dict)
-    origins: dict[str, str] = field(default_factory=dict)
-    folders: dict[str, Path] = field(default_factory=dict)
-    ranks: dict[str, int] = field(default_factory=dict)
+    given: dict[str, Given] = field(default_factory=dict)
     unchecked: tuple[str, ...] = ()
     top: int = 0
 
@@ -98,47 +104,47 @@ class Layers:
 
     def expect_nothing(self) -> None:
         """Drop all expectations so far, and list them as unchecked."""
-        outdated = [key for key in self.content if key.split(".")[0] == "expect"]
+        outdated = [key for key in self.given if key.split(".")[0] == "expect"]
         measures = (
             re.sub(r"^expect\.|\.(min|max|file|tolerance|columns|common)$", "", key)
             for key in outdated
         )
         self.unchecked = tuple(dict.fromkeys((*self.unchecked, *measures)))
-        self._drop(outdated)
+        for key in outdated:
+            del self.given[key]
 
     def put(self, layer: Mapping[str, Any], origin: str, folder: Path) -> None:
         """Add a layer on top; its paths are relative to `folder`."""
-        tables = {table for key in self.content for table in _parents(key)}
+        tables = {table for key in self.given for table in _parents(key)}
         for key, value in layer.items():
-            inner = [k for k in self.content if k.startswith(f"{key}.")] if key in tables else []
-            self._drop([key, *_parents(key), *inner])
-            self.content[key] = value
-            self.origins[key], self.folders[key], self.ranks[key] = origin, folder, self.top
+            inner = [k for k in self.given if k.startswith(f"{key}.")] if key in tables else []
+            for replaced in (key, *_parents(key), *inner):
+                self.given.pop(replaced, None)
+            self.given[key] = Given(value, origin, folder, self.top)
 
-    def _drop(self, keys: Iterable[str]) -> None:
-        for key in keys:
-            self.content.pop(key, None)
-            self.origins.pop(key, None)
-            self.ranks.pop(key, None)
+    def _within(self, key: str) -> list[Given]:
+        """Return what is given by a key, or by the keys of that table."""
+        inner = f"{key}."
+        return [given for k, given in self.given.items() if k == key or k.startswith(inner)]
 
     def origin(self, key: str, default: str) -> str:
         """Return where a key, or the last key of that table, was given."""
-        if key in self.origins:
-            return self.origins[key]
-        return next(
-            (self.origins[k] for k in reversed(self.content) if k.startswith(f"{key}.")), default
-        )
+        found = self._within(key)
+        return found[-1].origin if found else default
 
     def rank(self, key: str) -> int:
         """Return the highest layer that gives a key, or any key of that table; 0 if none does."""
-        inner = f"{key}."
-        given = (rank for k, rank in self.ranks.items() if k == key or k.startswith(inner))
-        return max(given, default=0)
+        return max((given.rank for given in self._within(key)), default=0)
+
+    @property
+    def folders(self) -> dict[str, Path]:
+        """The folder of the paths of each key."""
+        return {key: given.folder for key, given in self.given.items()}
 
     def tables(self) -> dict[str, Any]:
         """Return the content with one table for each section."""
         tables: dict[str, Any] = {}
-        for key, value in self.content.items():
+        for key, (value, *_) in self.given.items():
             section, _, rest = key.partition(".")
             if section in SECTIONS and rest:
                 tables.setdefault(section, {})[rest] = value
@@ -165,8 +171,8 @@ class Layers:
 def case_titles() -> dict[str, str]:
     """Return the names and titles of the scenes in the package."""
     names = case_names()
-    contents = (read_layers(CASES / f"{n}.toml").content for n in names)
-    return {n: str(content.get("title", "")) for n, content in zip(names, contents, strict=True)}
+    contents = (read_layers(CASES / f"{name}.toml").tables() for name in names)
+    return dict(zip(names, (str(content.get("title", "")) for content in contents), strict=True))
 
 
 def find_scene(reference: str, folder: Path | None = None) -> Path:

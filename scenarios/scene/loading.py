@@ -123,7 +123,7 @@ def _format_refusal(refused: RefusedError, layers: Layers, reference: str) -> st
     briefly = where.startswith("--") and where != SET  # whose user need not know the key
     said = f"{where}{refused.briefly}" if briefly else f"{where}: {refused}"
     said = said.removeprefix(f"{where}: ") if said.startswith(f"{where}: {where}: ") else said
-    changed = any(origin.startswith("--") for origin in layers.origins.values())
+    changed = any(given.origin.startswith("--") for given in layers.given.values())
     if refused.key.startswith("expect.") and changed and not where.startswith("--"):
         said += "; --no-expect skips the expectations of the scene"
     return said
