@@ -13,7 +13,7 @@ from ..measures.solution import Column, GoingOn, Solution
 from ..scene.controller import Controller
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from phaseplane.suspension.variables import Value
 
@@ -85,9 +85,9 @@ def _instants(time: Column, period: float) -> Iterator[tuple[float, bool | None]
         ticks += both
 
 
-def _advance(session: Session, until: float, evaluate: object) -> None:
+def _advance(session: Session, until: float, evaluate: Callable[[], None] | None) -> None:
     """Step to a time; with an event-triggered controller, from event to event."""
-    if not callable(evaluate):
+    if evaluate is None:
         session.advance(until)
         return
     for _ in range(_MOST_AWAKENINGS):

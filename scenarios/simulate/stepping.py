@@ -7,22 +7,7 @@ events, which are handled before they go on. Models for model exchange are integ
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from ctypes import (
-    byref,
-    c_bool,
-    c_double,
-    c_float,
-    c_int8,
-    c_int16,
-    c_int32,
-    c_int64,
-    c_size_t,
-    c_uint8,
-    c_uint16,
-    c_uint32,
-    c_uint64,
-    c_void_p,
-)
+from ctypes import byref, c_size_t, c_uint32, c_void_p
 from dataclasses import dataclass
 from functools import partial
 from math import ceil, isclose
@@ -47,6 +32,7 @@ from fmpy.simulation import (
     settable_in_initialization_mode,
     settable_in_instantiated,
 )
+from numpy.ctypeslib import as_ctypes_type
 
 from ..errors import RunError
 
@@ -64,13 +50,11 @@ _TYPES: Mapping[str, tuple[str, Any, Any]] = {
     "Boolean": ("fmi2GetBoolean", fmi2Boolean, np.bool_),
 }
 _TYPES_3: Mapping[str, tuple[str, Any, Any]] = {
-    name: (f"fmi3Get{name}", c_type, column)
-    for name, c_type, column in (
-        ("Float64", c_double, np.float64), ("Float32", c_float, np.float32),
-        ("Int64", c_int64, np.int64), ("UInt64", c_uint64, np.uint64),
-        ("Int32", c_int32, np.int32), ("UInt32", c_uint32, np.uint32),
-        ("Int16", c_int16, np.int16), ("UInt16", c_uint16, np.uint16),
-        ("Int8", c_int8, np.int8), ("UInt8", c_uint8, np.uint8), ("Boolean", c_bool, np.bool_),
+    name: (f"fmi3Get{name}", as_ctypes_type(column), column)
+    for name, column in (
+        ("Float64", np.float64), ("Float32", np.float32), ("Int64", np.int64), ("UInt64", np.uint64),
+        ("Int32", np.int32), ("UInt32", np.uint32), ("Int16", np.int16), ("UInt16", np.uint16),
+        ("Int8", np.int8), ("UInt8", np.uint8), ("Boolean", np.bool_),
     )
 }  # fmt: skip
 _MOST_RETURNS = 1000  # early returns at one instant
