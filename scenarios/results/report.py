@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -69,8 +69,7 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[Line]:
         yield "road", road
     if solver:
         yield "solver", solver
-    for i, remark in enumerate(summary.get("remarks", ())):
-        yield "" if i else "note", remark
+    yield from _under("note", summary.get("remarks", ()))
     yield (
         "duration",
         f"{summary['duration']:g} s, {counted(summary['rows'], 'row')}, one every "
@@ -81,13 +80,18 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[Line]:
     yield "run", f"{_steps(measures)}{summary['run_time']:.3f} s {_by(summary)}"
     yield from _drawn(summary["drawn"])
     yield from _expected(summary)
-    for i, failure in enumerate(failures(summary)):
-        yield "" if i else "FAILED", failure
+    yield from _under("FAILED", failures(summary))
     yield ""
-    for i, name in enumerate(summary.get("files", ())):  # a single table has none
-        yield "" if i else "files", _path(folder / name)
+    files = summary.get("files", ())  # a single table has none
+    yield from _under("files", (_path(folder / name) for name in files))
     if summary.get("saved"):
         yield "recording", summary["saved"]
+
+
+def _under(name: str, texts: Iterable[str]) -> Iterator[Line]:
+    """Yield texts below each other, the first next to their name."""
+    for i, text in enumerate(texts):
+        yield "" if i else name, text
 
 
 def _measured(measures: Mapping[str, Any]) -> Iterator[Line]:
@@ -170,10 +174,9 @@ def _drawn(drawn: Mapping[str, Any] | None) -> Iterator[Line]:
     if drawn is None:
         return
     yield "construction", f"{counted(drawn['steps'], 'step')} in {drawn['seconds']:.3f} s"
-    for i, words in enumerate(_lengths(drawn, "control")):
-        yield "" if i else "control", f"differs by at most {words} (AP57 eqs. 24, 25)"
-    for i, words in enumerate(_lengths(drawn, "drift")):
-        yield "" if i else "drift", f"from the run by at most {words}"
+    control = (f"differs by at most {x} (AP57 eqs. 24, 25)" for x in _lengths(drawn, "control"))
+    yield from _under("control", control)
+    yield from _under("drift", (f"from the run by at most {x}" for x in _lengths(drawn, "drift")))
 
 
 def format_drift(drawn: Mapping[str, Any]) -> str:

@@ -19,7 +19,7 @@ from concurrent.futures import (
     as_completed,
 )
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from math import ceil, isfinite
 from multiprocessing import Pipe, get_context, parent_process
@@ -190,7 +190,7 @@ def _in_process(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
     found = solved(model, sets, time, measures)
     for run, values, own in zip(runs, varied, found, strict=True):
         if own.failure:
-            yield Row(run, (None,) * len(measures), one_line(own.failure))
+            yield _failed(plan, run, own.failure)
             continue
         rows = dict(own.ends())
         if at_rows:
@@ -206,13 +206,13 @@ def _in_process_alone(plan: Plan, run: int) -> Iterator[Row]:
     try:
         scene = plan.scene_of(plan.points[run])
     except InputError as error:
-        yield Row(run, (None,) * len(plan.measures), one_line(error))
+        yield _failed(plan, run, error)
         return
     if scene.fmu.path is not None or scene.fmu.model == EQUATION or scene.controller is not None:
         yield from _scene_by_scene(plan, [run])
         return
-    alone = Plan(**{**vars(plan), "scene": scene, "keys": (), "points": ((),)})
-    yield from (Row(run, row.values, row.reason) for row in _in_process(alone, [0]))
+    alone = replace(plan, scene=scene, keys=(), points=((),))
+    yield from (replace(row, run=run) for row in _in_process(alone, [0]))
 
 
 def _scene_by_scene(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
@@ -231,7 +231,7 @@ def _scene_by_scene(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
                         )
                     summary = runner.run_with(fmus[scene.fmu], scene).summary
             except (InputError, RunError) as error:
-                yield Row(run, (None,) * len(plan.measures), one_line(error))
+                yield _failed(plan, run, error)
                 continue
             reason = summary["stopped"]["reason"] if summary["stopped"] else ""
             values = tuple(summary["measures"][name]["value"] for name in plan.measures)
@@ -253,6 +253,10 @@ def _row(plan: Plan, known: Mapping[str, Measure], run: int, made: Run, rows: Ru
     broken = [name for name, x in zip(plan.measures, values, strict=True)
               if isinstance(x, float) and not isfinite(x)]  # fmt: skip
     return Row(run, values, f"{broken[0]} is not a number" if broken else "")
+
+
+def _failed(plan: Plan, run: int, why: object) -> Row:
+    return Row(run, (None,) * len(plan.measures), one_line(why))
 
 
 def _plain(values: tuple[Any, ...]) -> tuple[float | int | None, ...]:
