@@ -17,8 +17,10 @@ from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
 from phaseplane.picture.text import typeset
 
+_TYPE = 1.5  # em
 _COILS = 5
 _AXLE = 0.035  # half width of an axle
+_FORWARD = 0.45  # distance of the centre of gravity from the front axle over the wheelbase
 _STRUT, _TYRE, _ROAD = 0.075, 0.055, 0.0  # heights of strut and tyre, and level of the road
 
 
@@ -112,10 +114,12 @@ def _obstacle_page(drawing: Drawing, look: Look) -> Page:
     row = complex(0.0, -below - z)
     ends = [complex(width * x, 0.0) + row for x in (0.0, 0.25, 0.75, 1.0)]
     for (one, other), words in zip(pairwise(ends), ("$T/4$", "$T/2$", "$T/4$"), strict=True):
-        dimensions.length(page, one - 0.012j, other - 0.012j, words, towards=-1j)
-    dimensions.length(page, ends[0] - 0.027j, ends[-1] - 0.027j, r"$d = v\,T$", towards=-1j)
+        dimensions.length(page, one - 0.012j, other - 0.012j, words, towards=-1j, size=_TYPE)
+    dimensions.length(
+        page, ends[0] - 0.027j, ends[-1] - 0.027j, r"$d = v\,T$", towards=-1j, size=_TYPE
+    )
     middle = complex(0.5 * width, 0.0)
-    dimensions.length(page, middle, middle + 1j * height, "a", towards=1.0)
+    dimensions.length(page, middle, middle + 1j * height, "a", towards=1.0, size=_TYPE)
     return page
 
 
@@ -124,20 +128,21 @@ def _system(drawing: Drawing, look: Look, axles: Sequence[str], *, wheels: bool)
     apart = 0.22
     places = [apart * k for k in range(len(axles))]
     floor = _STRUT + (_TYRE + 0.02 if wheels else 0.012)
-    half = complex(0.5 * places[-1] + 0.09, 0.5 * floor + 0.052)
-    page = _page(drawing, Box(complex(0.5 * places[-1], 0.5 * floor + 0.022), half), look)
-    _block(page, complex(places[0] - 0.05, floor), complex(places[-1] + 0.05, floor + 0.03))
     several = len(axles) > 1
+    whole = several and wheels  # with the centre of gravity of the body, and its distances
+    low, high = -0.055 if whole else -0.03, floor + 0.074
+    half = complex(0.5 * places[-1] + 0.09, 0.5 * (high - low))
+    page = _page(drawing, Box(complex(0.5 * places[-1], 0.5 * (high + low)), half), look)
+    _block(page, complex(places[0] - 0.05, floor), complex(places[-1] + 0.05, floor + 0.03))
     middle = complex(0.5 * places[-1], floor + 0.015)
-    _say(
-        page,
-        middle,
-        r"$M,\ J$" if several and wheels else typeset("M1, M2, M3") if several else "M",
-    )
+    if whole:
+        _centre_of_gravity(page, complex(_FORWARD * apart, middle.imag), places)
+    else:
+        _say(page, middle, typeset("M1, M2, M3") if several else "M")
     for x, n in zip(places, axles, strict=True):
         foot = _TYRE + 0.02 if wheels else 0.012
         _spring(page, complex(x - 0.02, foot), _STRUT, f"P{n}")
-        _damper(page, complex(x + 0.02, foot), _STRUT, f"Φ{n}" if n else "Φ")
+        _damper(page, complex(x + 0.02, foot), _STRUT, f"T{n}" if whole else f"Φ{n}")
         if wheels:
             _block(page, complex(x - _AXLE, _TYRE), complex(x + _AXLE, _TYRE + 0.02))
             _say(page, complex(x, _TYRE + 0.01), typeset(f"m{n}"))
@@ -149,12 +154,24 @@ def _system(drawing: Drawing, look: Look, axles: Sequence[str], *, wheels: bool)
         _coordinate(page, complex(x - 0.03, floor + 0.036), _above(n, wheels))
         _ground(page, x, 0.006 if wheels else 0.012)
         _coordinate(page, complex(x + 0.055, -0.01), f"xi{n}")
-    if several and wheels:
-        dimensions.length(
-            page, complex(places[0], -0.016), complex(places[-1], -0.016), "$L = a + b$",
-            towards=-1j,
-        )  # fmt: skip
     return page
+
+
+def _centre_of_gravity(page: Page, at: complex, places: Sequence[float]) -> None:
+    """Draw the centre of gravity S of the body and its distances a and b from the axles."""
+    page.dots("axis", [at], 2.0)
+    _say(page, at + 0.012, "S")
+    _say(page, at + 0.06, r"$M,\ J$")
+    front, centre, rear = places[0], at.real, places[-1]
+    dimensions.witness(page, at, complex(centre, -0.03))
+    for x in (front, rear):
+        dimensions.witness(page, complex(x, 0.0), complex(x, -0.05))
+    for one, other, row, words in (
+        (front, centre, -0.03, "a"), (centre, rear, -0.03, "b"), (front, rear, -0.046, "L")
+    ):  # fmt: skip
+        dimensions.length(
+            page, complex(one, row), complex(other, row), words, towards=1j, size=_TYPE
+        )
 
 
 def _above(axle: str, wheels: bool) -> str:
@@ -202,4 +219,4 @@ def _coordinate(page: Page, foot: complex, label: str) -> None:
 
 
 def _say(page: Page, centre: complex, text: str) -> None:
-    page.write_if_free(Text("axis", text, centre, 1.5))
+    page.write_if_free(Text("axis", text, centre, _TYPE))

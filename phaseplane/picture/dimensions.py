@@ -17,22 +17,24 @@ _PARTS = np.array([0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8])  # positions of the text 
 
 
 def length(
-    page: Page, start: complex, end: complex, text: str, *, towards: complex, short: str = ""
-) -> None:
+    page: Page, start: complex, end: complex, text: str, *, towards: complex, short: str = "",
+    size: float = _SIZE,
+) -> None:  # fmt: skip
     """Draw a line with arrows at both ends, and its text along it where there is room.
 
     Parameters
     ----------
     towards : unit vector to the side of the line where the text is
     short : text in place of one that is longer than the line
+    size : of the text, em
     """
     page.arrow("axis", start, end, both=True)
     way = end - start
-    words = Text("axis", text, 0j, _SIZE, "dimension")
+    words = Text("axis", text, 0j, size, "dimension")
     if short and 2.0 * words.box(page.em).half.real > abs(way):
         words = replace(words, text=short)
-    size = words.box(page.em).half
-    words = replace(words, upright=abs(way.imag) > max(abs(way.real), 2.0 * size.real))
+    half = words.box(page.em).half
+    words = replace(words, upright=abs(way.imag) > max(abs(way.real), 2.0 * half.real))
     half = words.box(page.em).half
     away = (0.3 * page.em + abs((half * towards.conjugate()).real)) * towards
     centres = start + _PARTS * way + away

@@ -9,12 +9,20 @@ import numpy as np
 import pytest
 from matplotlib.text import Text
 from phaseplane.suspension.characteristics import damper, linear
-from phaseplane.suspension.roads import obstacle
+from phaseplane.suspension.roads import bump, obstacle
 from PIL import Image
 from worked_example import STEP, ap57
 
 from phaseplane import figures
-from phaseplane.constructions import Drawing, OneDofPlane, construct_motion, delta, tangent
+from phaseplane.constructions import (
+    AxleData,
+    Drawing,
+    HalfCarPlanes,
+    OneDofPlane,
+    construct_motion,
+    delta,
+    tangent,
+)
 from phaseplane.figures import Look, save
 from phaseplane.figures.canvas import Sheet
 from phaseplane.picture.styles import ROLES
@@ -131,6 +139,32 @@ def test_mono_and_fonts(drawing: Drawing) -> None:
     assert {text.get_fontfamily()[0] for text in figure.findobj(Text)} == {"serif"}
     dashes = {str(lines.get_linestyle()) for lines in figure.axes[0].collections}
     assert len(dashes) >= 5
+
+
+def test_figure_1_names_the_parts_of_the_half_car_and_its_centre_of_gravity() -> None:
+    """As the text of AP57 section 2 does, which gives the place of S by a, b and L."""
+    strut, tyre = (linear(15e3), damper(1800.0, 600.0)), (150e3, 800.0)
+    axle = AxleData(30.0, *strut, *tyre, 3000.0, bump(0.05, 1.0, 20.0))
+    planes = HalfCarPlanes(270.0, 330.0, 40.0, axle, axle)
+    drawing = construct_motion(planes, delta, step=0.0025, steps=8)
+    named = {
+        "M,J",
+        "S",
+        "a",
+        "b",
+        "L",
+        "m₁",
+        "P₁",
+        "T₁",
+        "p₁",
+        "t₁",
+        "x₁₁",
+        "x₁₂",
+        "ξ₁",
+        "m₂",
+        "ξ₂",
+    }
+    assert named <= {re.sub(r"[$\\ ]", "", text) for text in words(figures.figure1(drawing))}
 
 
 def test_figure_6_names_the_parts_of_the_quarter_car(drawing: Drawing) -> None:
