@@ -10,7 +10,6 @@ projection that finds D1 from A1* is drawn backwards, from D1 to A1*.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
@@ -23,7 +22,7 @@ from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.primitives import Curve
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
-from phaseplane.constructions.storage import Frame
+from phaseplane.constructions.storage import StoredFrames
 from phaseplane.suspension.roads import Signal
 
 
@@ -351,7 +350,7 @@ class Axle:
 
     # Fixed curves.
 
-    def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
+    def curves(self, frames: StoredFrames) -> tuple[Curve, ...]:
         """Return the auxiliary curves of both planes, and lines I and II."""
         return (
             *self.suspension.curves(frames),

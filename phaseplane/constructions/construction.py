@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 from phaseplane.constructions.control import Before
 from phaseplane.constructions.primitives import Curve, Plane, Scheme
 from phaseplane.constructions.steps import Points, States
-from phaseplane.constructions.storage import Frame
+from phaseplane.constructions.storage import StoredFrames
 
 CONTACT, FLIGHT = "contact", "flight"
 LIFT_OFF, TOUCHDOWN = "lift_off", "touchdown"
@@ -71,7 +71,7 @@ class Construction(Protocol):
     ) -> dict[str, float]:
         """Return the readings at an instant; integrals continue from those before."""
 
-    def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
+    def curves(self, frames: StoredFrames) -> tuple[Curve, ...]:
         """Return the curves that stay on the sheet, over the range of these frames."""
 
     # Modes: a single one by default.

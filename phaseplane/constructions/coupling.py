@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from phaseplane.constructions.geometry import at_height
 from phaseplane.constructions.primitives import Curve, Plane
 from phaseplane.constructions.sheet import trail
-from phaseplane.constructions.storage import Frame
+from phaseplane.constructions.storage import StoredFrames
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,13 +76,13 @@ def lines_across(
     lines: Lines,
     names: tuple[str, str],
     pair: tuple[Plane, Plane],
-    frames: Sequence[Frame],
+    frames: StoredFrames,
     others: Sequence[str] = (),
 ) -> tuple[Curve, ...]:
     """Return lines I and II, across everything drawn in their two planes."""
     abscissae = [z.real for plane in pair for z in trail(plane, frames)]
     wanted = (*(plane.foot for plane in pair), *others)
-    abscissae += [f.points[n].real for f in frames for n in wanted if n in f.points]
+    abscissae += [z.real for name in wanted for z in frames.points(name)]
     left, right = min(abscissae), max(abscissae)
     margin = 0.05 * (right - left) or 0.1 * abs(lines.axis_2 - lines.axis_1)
     return tuple(

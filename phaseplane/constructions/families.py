@@ -10,6 +10,7 @@ from phaseplane.constructions.primitives import Curve, Drawing
 from phaseplane.constructions.rules import Rule, delta
 from phaseplane.constructions.sheet import path_of
 from phaseplane.constructions.step_loop import construct_motion
+from phaseplane.constructions.storage import StoredFrames
 
 
 def family(
@@ -42,7 +43,7 @@ def family(
     (plane,) = construction.planes
     first, *others = every
     # the auxiliary curves reach as far as any of the integral curves
-    fixed = construction.curves([frame for one in (first, *others) for frame in one])
+    fixed = construction.curves(StoredFrames(frame for one in (first, *others) for frame in one))
     kept = tuple(curve for curve in first.curves if curve.role != "auxiliary")
     curves = tuple(
         Curve("trail", path_of(plane, other.schemes, other.frames), f"({x:g}, {v:g})")

@@ -40,7 +40,7 @@ from phaseplane.constructions.laws import (
 )
 from phaseplane.constructions.primitives import Curve, Plane, Scheme
 from phaseplane.constructions.steps import Points, States
-from phaseplane.constructions.storage import Frame
+from phaseplane.constructions.storage import StoredFrames
 from phaseplane.suspension.characteristics import Characteristic, linear
 from phaseplane.suspension.roads import Signal
 
@@ -232,7 +232,7 @@ class HalfCarPlanes(Construction):
         points["H21"] = points["D21"] + (k_2 - foot_2)
         return points
 
-    def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
+    def curves(self, frames: StoredFrames) -> tuple[Curve, ...]:
         """Return the auxiliary curves of all planes, and all lines between them."""
         front, rear = self.axles
         pair = (front.suspension.plane, rear.suspension.plane)

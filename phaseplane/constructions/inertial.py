@@ -10,7 +10,7 @@ for M3 > 0 and the same sense for M3 < 0, so that lines I and II stay between th
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
@@ -33,7 +33,7 @@ from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.primitives import Curve, Plane, Scheme
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
-from phaseplane.constructions.storage import Frame
+from phaseplane.constructions.storage import StoredFrames
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.roads import Signal
 
@@ -190,7 +190,7 @@ class HalfCarRigidTyresPlanes(Construction):
             "C1": c1, "C2": c2, "D1": d1, "D2": d2, "H1": d1 - shift1, "H2": d2 - shift2,
         }  # fmt: skip
 
-    def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
+    def curves(self, frames: StoredFrames) -> tuple[Curve, ...]:
         """Return the auxiliary curves of both planes, and lines I and II."""
         one, two = self.lienards
         across = lines_across(

@@ -15,7 +15,7 @@ from phaseplane.constructions.laws import Epsilon, Strut
 from phaseplane.constructions.primitives import Curve, Plane
 from phaseplane.constructions.sheet import reach, round_step, state_point, trail
 from phaseplane.constructions.steps import Points
-from phaseplane.constructions.storage import Frame
+from phaseplane.constructions.storage import StoredFrames
 from phaseplane.equations.roots import root
 
 _BESIDE = 1e-9  # of the range of y-bar: distance of the points on both sides of a jump
@@ -139,7 +139,7 @@ class Lienard:
         near = abs((p - origin).imag) <= _ON_AXIS * abs(p - origin)
         return complex(p.real, origin.imag) if near else p
 
-    def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
+    def curves(self, frames: StoredFrames) -> tuple[Curve, ...]:
         """Return the auxiliary curves over the range of the motion.
 
         Returns

@@ -9,14 +9,13 @@ P = (y, y-bar) and D = (-delta, 0), delta = (Phi + G) / c + xi'' / Omega^2 (AP57
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
 from functools import cached_property
 
 from phaseplane.constructions.construction import Construction
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.primitives import Curve, Plane, Scheme
 from phaseplane.constructions.schemes import feet, marks, raised, scheme, strokes, turns
-from phaseplane.constructions.storage import Frame
+from phaseplane.constructions.storage import StoredFrames
 
 
 def one_plane_scheme(excitation: str, letter: str = "y") -> Scheme:
@@ -52,6 +51,6 @@ class OnePlane(Construction):
         """The one phase plane."""
         return (self.lienard.plane,)
 
-    def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
+    def curves(self, frames: StoredFrames) -> tuple[Curve, ...]:
         """Return the family of auxiliary curves."""
         return self.lienard.curves(frames)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import ceil, floor, log10
 
 from phaseplane.constructions.primitives import Arc, Axis, Curve, Plane, Scheme
-from phaseplane.constructions.storage import Frame
+from phaseplane.constructions.storage import Frame, StoredFrames
 
 _ARC = 0.1  # rad between two points of an arc
 _FAR = 10.0  # m of paper: radius of an arc that is drawn as its chord
@@ -45,10 +45,10 @@ def state_point(plane: Plane, displacement: float, velocity: float) -> complex:
     return foot + axis.direction * axis.scale * velocity / plane.angular_frequency
 
 
-def trail(plane: Plane, frames: Sequence[Frame]) -> list[complex]:
+def trail(plane: Plane, frames: StoredFrames) -> list[complex]:
     """Return the state points of a plane, including the end of the motion."""
     return [
-        *(frame.points[plane.state] for frame in frames),
+        *frames.points(plane.state),
         frames[-1].points[plane.state + "'"],
     ]
 

@@ -157,6 +157,17 @@ class StoredFrames(Sequence[Frame]):
 
     __hash__ = None  # type: ignore[assignment]
 
+    def points(self, name: str) -> Iterator[complex]:
+        """Yield a point of every frame that has it, without making the frames."""
+        store = self.store
+        names = [layout.points for layout in store.layouts]
+        places = [of.index(name) if name in of else None for of in names]
+        for i in self.chosen:
+            number = store.numbers[i]
+            if (place := places[number]) is not None:
+                k = 2 * (store.rows[i] * len(names[number]) + place)
+                yield complex(*store.tables[number].points[k : k + 2])
+
     @property
     def schemes(self) -> list[str]:
         """The scheme of each frame."""

@@ -36,7 +36,7 @@ from phaseplane.constructions.laws import (
 )
 from phaseplane.constructions.primitives import Curve, Plane, Scheme
 from phaseplane.constructions.steps import Points, States
-from phaseplane.constructions.storage import Frame
+from phaseplane.constructions.storage import StoredFrames
 from phaseplane.constructions.two_planes_schemes import axle_scheme
 from phaseplane.suspension.characteristics import Characteristic, linear
 from phaseplane.suspension.roads import Signal
@@ -214,7 +214,7 @@ class QuarterCarPlanes(Construction):
         """
         return self.axle.points(_flies(mode), states[0], states[1], window, _sense(mode))
 
-    def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
+    def curves(self, frames: StoredFrames) -> tuple[Curve, ...]:
         """Return the auxiliary curves of both planes, and lines I and II."""
         return self.axle.curves(frames)
 

@@ -24,7 +24,7 @@ from phaseplane.constructions.primitives import Curve, Scheme
 from phaseplane.constructions.schemes import with_mark
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
-from phaseplane.constructions.storage import Frame
+from phaseplane.constructions.storage import StoredFrames
 from phaseplane.suspension.roads import Signal, constant
 
 ELASTIC = "elastic"
@@ -149,9 +149,9 @@ class ElastoplasticPlane(OnePlane):
             return self.load.value(window.start)
         return self.load.integral(window.start, window.end) / window.duration
 
-    def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
+    def curves(self, frames: StoredFrames) -> tuple[Curve, ...]:
         """Return the auxiliary line for zero permanent set, and those of yielding if it occurs."""
-        flowing = {frame.scheme for frame in frames} & FLOWS.keys()
+        flowing = {*frames.schemes} & FLOWS.keys()
         elastic = self.lienards[ELASTIC].curves(frames)
         if not flowing:
             return elastic

@@ -179,7 +179,7 @@ def _distance_needed(drawing: Drawing) -> float:
     spans = [
         (
             plane.displacement.origin.imag,
-            [frame.points[plane.state].imag - plane.displacement.origin.imag for frame in drawing],
+            [z.imag - plane.displacement.origin.imag for z in drawing.frames.points(plane.state)],
         )
         for plane in drawing.planes
     ]
@@ -226,7 +226,7 @@ def drawing_summary(drawing: Drawing, seconds: float | None = None) -> dict[str,
         "unit": drawing.planes[0].displacement.unit,
         "events": [
             {"event": event.name, "time": frame.time}
-            for frame in drawing.frames
+            for frame in map(drawing.frames.__getitem__, drawing.frames.events)
             for event in constructions.events_of(frame, drawing.planes)
         ],
         "control": {

@@ -50,6 +50,9 @@ def test_columns_are_those_of_the_frames(made: list[Frame], chosen: list[str]) -
     np.testing.assert_array_equal(columns(stored, chosen), np.array(wanted, complex))
     wanted = [[frame.readings.get(name, np.nan) for name in chosen] for frame in reversed(made)]
     np.testing.assert_array_equal(readings(stored, chosen), np.array(wanted, float))
+    for name in chosen:
+        own = [frame.points[name] for frame in reversed(made) if name in frame.points]
+        assert list(stored.points(name)) == own
 
 
 def test_a_frame_that_lacks_a_point_is_named() -> None:
