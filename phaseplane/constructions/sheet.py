@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from cmath import exp, phase
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from math import ceil, floor, log10
 
-from phaseplane.constructions.primitives import Arc, Axis, Curve, Plane, Scheme
+from phaseplane.constructions.primitives import Arc, Axis, Curve, Drawing, Plane, Scheme
 from phaseplane.constructions.storage import Frame, StoredFrames
+
+TURN = ("axis", "construction")
+"""The roles of the curves of the turn angles, which may be anywhere on the sheet."""
 
 _ARC = 0.1  # rad between two points of an arc
 _FAR = 10.0  # m of paper: radius of an arc that is drawn as its chord
@@ -126,15 +129,26 @@ def round_step(span: float, count: int) -> float:
     return next(s * decade for s in (1.0, 2.0, 5.0, 10.0) if s * decade >= rough * (1.0 - 1e-9))
 
 
-def turn_angles(planes: Sequence[Plane], frames: Sequence[Frame], step: float) -> tuple[Curve, ...]:
+def longest_normal(planes: Sequence[Plane], frames: StoredFrames) -> float:
+    """Return the longest normal of some steps as it is laid off on the arm of the turn angles, m."""
+    vertex = frames[0].points["W"]
+    return max((z - vertex).real for plane in planes for z in frames.points("N" + plane.number))
+
+
+def turn_angles(
+    planes: Sequence[Plane], vertex: complex, longest: float, step: float
+) -> tuple[Curve, ...]:
     """Return the turn angles of all planes on a common arm, divided in centimetres of paper.
 
     The arc whose radius is a normal is as long as the step along the integral curve (AP57 figures 8
     and 13).
+
+    Parameters
+    ----------
+    vertex : where the arm begins
+    longest : the longest normal that is laid off on it, m
+    step : s
     """
-    vertex = frames[0].points["W"]
-    numbers = [plane.number for plane in planes]
-    longest = max(frame.points["N" + n].real for frame in frames for n in numbers) - vertex.real
     division = round_step(longest or 0.01, 5)
     count = max(1, ceil(longest / division))
     length = (count + 0.4) * division
@@ -151,8 +165,24 @@ def turn_angles(planes: Sequence[Plane], frames: Sequence[Frame], step: float) -
         Curve(
             "construction",
             (vertex, vertex + length * exp(1j * step * plane.angular_frequency)),
-            f"dtau{number}",
+            f"dtau{plane.number}",
         )
-        for plane, number in zip(planes, numbers, strict=True)
+        for plane in planes
     ]
     return (Curve("axis", (vertex, vertex + length)), *scale, *arms)
+
+
+def with_turn_angles_at(
+    corner: complex, drawing: Drawing, frames: Iterable[Frame]
+) -> tuple[tuple[Curve, ...], Iterator[Frame]]:
+    """Return the curves of a drawing and some steps, with the turn angles below and right of a corner."""
+    turning = [z for c in drawing.curves if c.role in TURN for z in c.vertices] or [corner]
+    shift = corner - complex(min(z.real for z in turning), max(z.imag for z in turning))
+    curves = tuple(
+        replace(c, vertices=tuple(z + shift for z in c.vertices)) if c.role in TURN else c
+        for c in drawing.curves
+    )
+    return curves, (
+        replace(f, points={n: z + shift if n[0] in "WN" else z for n, z in f.points.items()})
+        for f in frames
+    )

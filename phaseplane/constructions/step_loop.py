@@ -16,7 +16,7 @@ from phaseplane.constructions.construction import JOLT, Construction, Window
 from phaseplane.constructions.control import Before
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.rules import Rule, delta
-from phaseplane.constructions.sheet import turn_angles
+from phaseplane.constructions.sheet import longest_normal, turn_angles
 from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import States
 from phaseplane.constructions.storage import Frame, StoredFrames
@@ -159,10 +159,11 @@ def drawing(
 ) -> Drawing:
     """Return the drawing of these frames and the fixed curves, with the turn angles of the step."""
     planes = construction.planes
+    angles = turn_angles(planes, construction.protractor, longest_normal(planes, made), step)
     return Drawing(
         f"{construction.title}: rule {rule.name.replace('_', ' ')}, {words}",
         planes,
-        construction.curves(made) + turn_angles(planes, made, step),
+        construction.curves(made) + angles,
         {mode: rule.drawn_after(scheme, planes) for mode, scheme in construction.schemes.items()},
         made,
     )

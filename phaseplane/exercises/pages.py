@@ -11,16 +11,13 @@ from math import ceil
 from typing import Any
 
 from phaseplane.constructions.primitives import Axis, Drawing, Plane
-from phaseplane.constructions.sheet import arc_points, round_step, way_of
+from phaseplane.constructions.sheet import arc_points, round_step, way_of, with_turn_angles_at
 from phaseplane.constructions.storage import Frame, StoredFrames
 from phaseplane.exercises.letters import lettered
 from phaseplane.exercises.protocol import display, protocol
 from phaseplane.exercises.readings import columns
 
 _ASSETS = files("phaseplane.exercises") / "assets"
-TURN = ("axis", "construction")
-"""The roles of the curves of the turn angle, which may be anywhere on the sheet."""
-
 _LOWEST = "PQADBCH"  # the points of the planes by their first letters
 _GAP = 0.015  # m of paper between the planes and the turn angle
 _ROUNDED = 4  # digits of cm
@@ -73,23 +70,14 @@ def gathered(drawing: Drawing, steps: int | None = None) -> Drawing:
     steps : the first so many, below which they are; all if None
     """
     frames = drawing.frames[:steps]
-    turning = [z for c in drawing.curves if c.role in TURN for z in c.vertices]
     planes = [z for frame in frames for name, z in frame.points.items() if name[0] in _LOWEST] + [
         z for c in drawing.curves if c.role == "trail" for z in c.vertices
     ]
-    if not turning or not planes:
+    if not planes:
         return drawing
-    low, left = min(z.imag for z in planes), min(z.real for z in planes)
-    shift = complex(left - min(z.real for z in turning), low - _GAP - max(z.imag for z in turning))
-    curves = tuple(
-        replace(c, vertices=tuple(z + shift for z in c.vertices)) if c.role in TURN else c
-        for c in drawing.curves
-    )
-    moved = StoredFrames(
-        replace(f, points={n: z + shift if n[0] in "WN" else z for n, z in f.points.items()})
-        for f in drawing.frames
-    )
-    return replace(drawing, curves=curves, frames=moved)
+    corner = complex(min(z.real for z in planes), min(z.imag for z in planes) - _GAP)
+    curves, moved = with_turn_angles_at(corner, drawing, drawing.frames)
+    return replace(drawing, curves=curves, frames=StoredFrames(moved))
 
 
 def protocol_page(drawing: Drawing) -> str:

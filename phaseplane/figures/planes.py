@@ -18,7 +18,7 @@ from phaseplane.picture.paper import Box
 from phaseplane.picture.step import draw_step, mark_events, write_letters, write_numbers
 from phaseplane.picture.subject import motions_of
 from phaseplane.picture.text import format_time, typeset
-from phaseplane.picture.views import frame_at, view_of
+from phaseplane.picture.views import frame_at, gathered, view_of
 
 _MANY = 20  # steps with all auxiliary lines
 _MOVED = 0.02  # of the largest distance from the start: a motion that is seen
@@ -92,7 +92,7 @@ def construction_sheet(
     wanted = [i for i in frames if 0 <= i < len(drawing.frames)]
     if not wanted:
         raise ValueError(f"none of the frames exists; the drawing has {len(drawing.frames)}")
-    chosen = [drawing.frames[i] for i in wanted]
+    drawing, chosen = gathered(drawing, drawing.frames.at(wanted))
     page = new_page(drawing, view_of(drawing, chosen, turn=True), look)
     draw_axes(page)
     draw_curves(page, None)

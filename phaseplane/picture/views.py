@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from cmath import phase
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from phaseplane.constructions.primitives import Drawing, Plane
+from phaseplane.constructions.sheet import TURN, longest_normal, turn_angles, with_turn_angles_at
 from phaseplane.constructions.storage import Frame, StoredFrames
 
 from .axes import graduation_of
-from .curves import CURVES
 from .layers import is_main
 from .paper import Box, Lengths, Points, around, bounds, columns, corners, table
 from .subject import motions_of, reach_of
@@ -18,6 +20,9 @@ from .subject import motions_of, reach_of
 _NAME = 0.16  # room for the name of an axis, as a fraction of the sheet's height
 _FEET = 0.1  # share of the feet at either end that may be out of view
 _CLEAR = 0.12  # distance of two letters that is enough, relative to half the diagonal
+_FAR = 2.0  # sizes of the motion beyond which points of a step may be out of view
+_ARM = 0.2  # shortest arm of the turn angles, as a fraction of the planes' width
+_BELOW = 0.06  # gap between the planes and the turn angles, as a fraction of the planes' height
 _AT_REST = 0.1  # m of paper shown around a motion at rest
 
 
@@ -58,15 +63,34 @@ def room_for_letters(drawing: Drawing, frames: StoredFrames) -> Lengths:
 
 def view_of(drawing: Drawing, frames: Sequence[Frame], *, turn: bool) -> Box:
     """Return the part of the sheet with the whole motion and some steps, with a margin."""
-    points = [frame.points[name] for frame in frames for name in _seen(drawing, frame.scheme)]
+    points = _of_steps(drawing, frames)
     if turn:
-        points += [
-            vertex
-            for curve in drawing.curves
-            if curve.role not in CURVES
-            for vertex in curve.vertices
-        ]
-    return around(_shown(drawing, np.array(points)))
+        turning = [z for c in drawing.curves if c.role in TURN for z in c.vertices]
+        points = np.append(points, turning)
+    return around(_shown(drawing, points))
+
+
+def gathered(drawing: Drawing, frames: StoredFrames) -> tuple[Drawing, list[Frame]]:
+    """Return a drawing and steps of it with their turn angles just below the planes.
+
+    The arm is as long as the normals of these steps, but neither too short to be seen nor wider than the
+    planes.
+    """
+    low, high = corners(_shown(drawing, _of_steps(drawing, frames)))
+    size = high - low
+    ends = [z.imag for c in drawing.curves if c.role == "auxiliary" for z in c.vertices]
+    gap = _BELOW * size.imag
+    below = min(low.imag, max(min(ends, default=low.imag), low.imag - 2.0 * gap))
+    arms = [c.vertices for c in drawing.curves if c.role == "construction"]
+    step = phase(arms[0][1] - arms[0][0]) / drawing.planes[0].angular_frequency
+    normal = longest_normal(drawing.planes, frames)
+    longest = min(max(normal, _ARM * size.real), size.real)
+    angles = turn_angles(drawing.planes, arms[0][0], longest, step)
+    others = tuple(c for c in drawing.curves if c.role not in TURN)
+    drawing = replace(drawing, curves=others + angles)
+    corner = complex(low.real, below - gap)
+    curves, moved = with_turn_angles_at(corner, drawing, frames)
+    return replace(drawing, curves=curves), list(moved)
 
 
 def views_of(drawing: Drawing, motions: Sequence[Points]) -> list[Box]:
@@ -109,6 +133,18 @@ def _seen(drawing: Drawing, scheme: str) -> list[str]:
     """Return the names of the points of a step that must be visible."""
     marks = drawing.schemes[scheme].marks
     return [m.point for m in marks if is_main(m.point) and not m.point.startswith("S")]
+
+
+def _of_steps(drawing: Drawing, frames: Sequence[Frame]) -> Points:
+    """Return the points of steps that must be visible, kept near the motion."""
+    points = [frame.points[name] for frame in frames for name in _seen(drawing, frame.scheme)]
+    low, high = corners(motion_points(drawing))
+    reach = _FAR * max((high - low).real, (high - low).imag) or np.inf
+    z = np.array(points)
+    return np.asarray(
+        np.clip(z.real, low.real - reach, high.real + reach)
+        + 1j * np.clip(z.imag, low.imag - reach, high.imag + reach)
+    )
 
 
 def _shown(drawing: Drawing, points: Points) -> Points:

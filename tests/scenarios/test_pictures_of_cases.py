@@ -29,8 +29,9 @@ from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Boxes, segments_of
 from phaseplane.picture.step import mark_events, write_letters
 from phaseplane.picture.story import FEWEST, MOST, arms_page, story_of, told_steps
+from phaseplane.picture.subject import motions_of
 from phaseplane.picture.text import step_text, typeset
-from phaseplane.picture.views import frame_at
+from phaseplane.picture.views import frame_at, gathered, motion_points, view_of
 from phaseplane.recording import Content
 from phaseplane.recording.columns import legible
 from phaseplane.recording.histories import panels
@@ -287,6 +288,19 @@ def test_small_motions_are_not_lost_on_the_sheet(name: str) -> None:
     stays, *_ = pages_of(Content(name, drawing))
     for motion in stays.subject.motions:
         assert np.ptp(motion.imag) >= 0.1 * 2.0 * stays.view.half.imag
+
+
+@pytest.mark.parametrize("name", DRAWN)
+def test_the_turn_angles_leave_the_sheet_to_the_planes(name: str) -> None:
+    """They are below the motion, not on it, and the planes take up most of the height."""
+    drawing = drawing_of(name)
+    moved, steps = gathered(drawing, drawing.frames[:1])
+    view = view_of(moved, steps, turn=True)
+    arms = np.array([z for c in moved.curves if c.role == "construction" for z in c.vertices])
+    motion = np.concatenate(motions_of(drawing))
+    assert arms.imag.max() < motion.imag.min()
+    planes = motion_points(drawing)
+    assert np.ptp(planes.imag) > 0.4 * 2.0 * view.half.imag
 
 
 def test_letters_that_move_are_shown_only_where_they_are_free() -> None:
