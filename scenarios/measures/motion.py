@@ -17,6 +17,7 @@ from .reading import Measure, Reading, Run, late
 if TYPE_CHECKING:
     from .reading import Column
 
+_ROUNDING = 1e-12  # of the largest magnitude
 _STARTED = re.compile(r"start(\d+)_(\w+)")  # of an equation with several starts
 _NOT_MOTION = (
     "airborne_time", "last_lift_off", "last_touchdown", "energy_residual", "stable_step",
@@ -95,7 +96,8 @@ def first_instant(name: str, run: Run) -> Reading:
 
 
 def _reading(found: tuple[Column, Column], height: Callable[[Column], Column]) -> Reading:
-    """Return the value of largest `height`, and its time."""
+    """Return the value of largest `height`, and its time: the first of those equal but for rounding."""
     time, values = found
-    row = int(height(values).argmax())
+    heights = height(values)
+    row = int((heights >= heights.max() - _ROUNDING * abs(values).max()).argmax())
     return Reading(float(values[row]), float(time[row]))

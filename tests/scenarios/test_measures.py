@@ -39,6 +39,14 @@ def read(*names: str, columns: dict[str, np.ndarray] = COLUMNS) -> list[object]:
     return [reading.value for reading in take(KNOWN, names, Run(columns)).values()]
 
 
+def test_a_peak_is_where_it_is_reached_first_but_for_rounding() -> None:
+    """As a permanent set, which grows while the spring yields and stays."""
+    columns = {"time": COLUMNS["time"], "body_displacement": np.full(len(COLUMNS["time"]), -3.0)}
+    columns["body_displacement"][0], columns["body_displacement"][-1] = 0.0, -3.0 * (1.0 + 1e-15)
+    found = take(KNOWN, ["peak.body_displacement"], Run(columns))["peak.body_displacement"]
+    assert found.time == columns["time"][1]
+
+
 def test_peaks_contact_and_counts() -> None:
     # the first of two of the same magnitude, signed
     assert take(KNOWN, ["peak.body_displacement"], Run(COLUMNS)) == {
