@@ -111,7 +111,7 @@ def sweep(
         raise InputError(f"{what} runs in-process: leave out --through fmu")
     started = perf_counter()
     key, count = journal_key(plan, through), workers or os.cpu_count() or 1
-    with open_journal(journal, key) as (before, keep), _executor(count, dask) as (executor, stop):
+    with _executor(count, dask) as (executor, stop), open_journal(journal, key) as (before, keep):
         rows = {run: Row(run, tuple(values), reason) for run, values, reason in before}
         left = [run for run in range(len(plan.points)) if run not in rows]
         most = min(_MOST_IN_CHUNK, int(_MOTION_IN_CHUNK / plan.scene.duration))

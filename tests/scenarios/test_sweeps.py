@@ -355,6 +355,7 @@ def test_parquet_and_refusals(monkeypatch: pytest.MonkeyPatch) -> None:
         assert result.exit_code in (1, 2)
         assert words in result.stderr
         assert len(result.stderr.splitlines()) == 1
+    assert not list(Path().glob(".x*"))  # no journal of what has not begun
 
 
 # -- interruption ----------------------------------------------------------------------------------
