@@ -101,7 +101,10 @@ class Variable:
             or (self.minimum is not None and value < self.minimum)
             or (self.maximum is not None and value > self.maximum)
         ):
-            raise ParameterError(f"{self.name} = {value:g}: must be {self.format_range()}")
+            allowed = self.format_range()
+            if not isfinite(value) and not allowed.startswith("finite"):
+                allowed = f"finite and {allowed}"
+            raise ParameterError(f"{self.name} = {value:g}: must be {allowed}")
         return value
 
     def _in_unit(self) -> str:

@@ -144,7 +144,6 @@ def _packed(
     names = list(dict.fromkeys(models)) or list(FILES)
     scenes = _scenes_among(names)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         chosen = [name for name in names if name in FILES]
         files = pack(chosen, folder, parameters=_start_values(chosen, settings), references=True)
         for scene in scenes:
@@ -154,6 +153,7 @@ def _packed(
                 made = pack(
                     [model], Path(work), parameters={model: given}, own=own, references=True
                 )
+                folder.mkdir(parents=True, exist_ok=True)
                 for path in made:
                     name = f"{scene.name}{path.name.removeprefix(model)}"
                     files.append(Path(shutil.copy(path, folder / name)))

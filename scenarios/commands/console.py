@@ -126,9 +126,11 @@ class Commands(click.Group):
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         gc.set_threshold(_GARBAGE)
         atexit.register(gc.freeze)  # the interpreter would look for cycles in all that is left
-        for stream in (sys.stdout, sys.stderr):
+        for name in ("stdout", "stderr"):
+            if getattr(sys, name) is None:  # it is closed
+                setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115
             with suppress(AttributeError, ValueError):
-                stream.reconfigure(errors="replace")  # type: ignore[union-attr]
+                getattr(sys, name).reconfigure(errors="replace")
         try:
             with _cleaning_up_when_terminated():
                 status = run()
@@ -159,8 +161,7 @@ class Commands(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         try:
             status = super().invoke(ctx)
-            if sys.stdout is not None:  # where it is closed
-                sys.stdout.flush()
+            sys.stdout.flush()
         except BrokenPipeError:
             with suppress(OSError, ValueError):  # so that the flush at exit is silent
                 os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

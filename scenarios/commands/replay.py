@@ -99,7 +99,7 @@ def replay(
     settings: tuple[str | Setting, ...] = (
         *overrides, *(setting for setting in extra if setting.value is not None)
     )  # fmt: skip
-    with page(served, address) as server:
+    with page(served, address, viewer=viewer) as server:
         shown_in = viewer or (server.url if server else "")
         summary = replay_construction(
             what, settings, save, figure, shown_in, over, kind=kind, look=look, at_step=at_step

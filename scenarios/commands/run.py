@@ -93,7 +93,7 @@ def run(
         if planes
         else []
     )
-    with page(served, address) as server:
+    with page(served, address, viewer=viewer) as server:
         summary, folder = run_scene(
             scene,
             (*shown, *overrides),

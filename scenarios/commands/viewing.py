@@ -15,6 +15,7 @@ import click
 from phaseplane import figures, recording
 
 from ..errors import InputError, RunError
+from .console import warn
 
 _LOOPBACK = "127.0.0.1"
 _METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "pt": 0.0254 / 72.0}
@@ -115,16 +116,25 @@ def recordings_in(folder: Path) -> list[Path]:
 
 
 @contextmanager
-def page(wanted: bool, address: str, files: Sequence[Path] = ()) -> Iterator[Any]:
-    """Serve a page that shows recordings, if `wanted`, and print its address."""
+def page(wanted: bool, address: str, files: Sequence[Path] = (), viewer: str = "") -> Iterator[Any]:
+    """Serve a page that shows recordings, if `wanted`, and print its address.
+
+    Parameters
+    ----------
+    viewer : address of a running viewer, which cannot be wanted as well
+    """
+    if wanted and viewer:
+        raise InputError("--connect and --serve: give one of them")
     if not wanted:
+        if address != _LOOPBACK:
+            raise InputError("--address is that of a page; give --serve, too")
         yield None
         return
-    if not recording.is_loopback(address):
-        click.echo(f"phaseplane: warning: {address} lets other machines see the page", err=True)
     before = signal(SIGTERM, default_int_handler)
     try:
         with recording.serving(files, address) as server:
+            if not recording.is_loopback(address):
+                warn([f"{address} lets other machines see the page"])
             click.echo(f"{server.page}\n(press Ctrl-C to stop)", err=True)
             yield server
     except OSError as error:

@@ -104,6 +104,8 @@ def draw(
     if path.suffix in MOVING:
         if name != "phase_planes":
             raise ValueError(f"only phase_planes can be animated; write {', '.join(PICTURES)}")
+        if step is not None:
+            raise ValueError("an animation chooses its steps; leave --at-step out")
         assert drawing is not None
         figures.animation(drawing, path, title=title, look=figures.Look(**look or {}))
         return

@@ -252,6 +252,7 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         (["run", "ap57", "--sett", "x=1"], "No such option '--sett'. Did you mean '--set'?"),
         (["run", "ap57", "--quiet"], "No such option '--quiet'.\n"),
         (["run", "ap57", "--set", "sprung_mass=-3"], "sprung_mass = -3: must be greater than 0"),
+        (["run", "ap57", "--set", "speed=inf"], "speed = inf: must be finite and greater than 0"),
         (["run", "ap57", "--set", "speed=3 kg"], "'kg' does not fit"),
         (["run", "ap57", "--set", "spead=3"], "did you mean 'speed'?"),
         (["run", "ap57", "-o", "full"], "full contains no results of a run"),
@@ -275,6 +276,12 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
             ["replay", "ap57", "--figure", "x.gif", "--kind", "figure7"],
             "only phase_planes can be animated",
         ),
+        (["replay", "ap57", "--figure", "x.gif", "--at-step", "3"], "leave --at-step out"),
+        (
+            ["run", "ap57", "--serve", "--connect", "rerun+http://127.0.0.1:1/proxy"],
+            "give one of them",
+        ),
+        (["run", "ap57", "--address", "0.0.0.0"], "give --serve, too"),
         (["replay", "ap57", "--figure", "x.png", "--kind", "figure77"], "did you mean 'figure7'?"),
         (["replay", "ap57", "--figure", "x.png", "--kind", "figure12"], "half_car_rigid_tyres"),
         (["replay", "ap57", "--figure", "no/x.png"], "no folder no"),
@@ -344,13 +351,16 @@ def test_an_interrupted_run_keeps_what_it_has_computed(
     assert len(kept.columns["time"]) == 501
 
 
-def test_a_closed_output_is_no_error() -> None:
+@pytest.mark.parametrize("name", ["stdout", "stderr"])
+def test_a_closed_output_is_no_error(name: str) -> None:
     """As under a service without a terminal."""
     code = (
-        "import sys; sys.stdout = None; from phaseplane.scenarios.cli import main; main(['list'])"
+        f"import sys; sys.{name} = None\nfrom phaseplane.scenarios.cli import main\n"
+        "main(['run', 'ap57_obstacle', '--set', 'show.figures=[]', '--set', 'show.recording=false'])"
     )
     ended = in_a_process("-c", code)
     assert (ended.returncode, ended.stderr) == (0, "")
+    assert (ended.stdout == "") == (name == "stdout")
 
 
 def test_a_closed_pipe_is_no_error() -> None:
