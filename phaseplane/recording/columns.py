@@ -75,13 +75,17 @@ class Clock:
         return [rr.TimeColumn("stage", sequence=np.arange(len(self.ticks)))]
 
     def over(self, times: Reals) -> Iterator[tuple[Reals, list[rr.TimeColumn]]]:
-        """Yield times with their time columns.
+        """Yield some times of a run with their time columns.
 
-        First the times of the steps, on `t` and `step`; then the other `times`, on `t` only; then those
-        of the story, on `stage`.
+        First those of the steps, on `t` and `step`; then the other `times`, on `t` only; then those of
+        the story, on `stage`. Steps and ticks outside of `times` are left out: they may be still to come.
         """
-        if len(self.times):
-            yield self.times, self.columns(np.arange(len(self.times)))
+        steps, ticks = (
+            np.flatnonzero((of >= times[0] - 1e-9) & (of <= times[-1] + 1e-9))
+            for of in (self.times, self.ticks)
+        )
+        if len(steps):
+            yield self.times[steps], self.columns(steps)
             nearest = np.searchsorted(self.times, times)
             beside = np.minimum(
                 abs(times - self.times[np.minimum(nearest, len(self.times) - 1)]),
@@ -90,8 +94,8 @@ class Clock:
             times = times[beside > 1e-9]
         if len(times):
             yield times, [seconds(times)]
-        if len(self.ticks):
-            yield self.ticks, self.staged()
+        if len(ticks):
+            yield self.ticks[ticks], [rr.TimeColumn("stage", sequence=ticks)]
 
 
 def seconds(times: npt.ArrayLike) -> rr.TimeColumn:

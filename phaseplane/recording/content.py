@@ -63,6 +63,11 @@ class Content:
         """The drawing, if its planes are shown."""
         return self.drawing if self.shows("planes") else None
 
+    @property
+    def manner(self) -> str:
+        """The rule and the step of the construction, if its title has them and its planes are shown."""
+        return self.constructed.title.partition(": ")[2] if self.constructed is not None else ""
+
     def check(self) -> None:
         """Check that the content can be recorded.
 

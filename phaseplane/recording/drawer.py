@@ -20,6 +20,7 @@ from rerun.experimental import ViewerClient
 
 from .columns import Reals
 from .content import Content
+from .lanes import send_lanes
 from .layout import blueprint
 from .recorder import Recorder
 from .sinks import new_recording, record
@@ -113,16 +114,21 @@ class Drawer:
     def complete(self, whole: Content) -> None:
         """Draw the rest of the construction and its story, and rewrite the file of the whole run."""
         if self.order.url and self.shown:
-            self._unless_filed(self._tell)
+            self._unless_filed(self._tell, whole)
         if self.order.path:
             record(whole, self.order.path)
             os.unlink(self.order.draft)
 
-    def _tell(self) -> None:
+    def _tell(self, whole: Content) -> None:
         """Draw what is left, and the story on its own timeline; the view stays where it is."""
         drawing = self.order.content.drawing
         self._construct(float(self.recorder.clock.times[-1]) if drawing is not None else 0.0)
-        self.recorder.content = replace(self.order.content, live=False)
+        columns = {n: np.asarray(whole.histories[n], float) for n in self.order.content.histories}
+        self.recorder.content = replace(self.order.content, histories=columns, live=False)
+        if self.order.content.live:
+            send_lanes(self.recording, self.recorder.content, self.recorder.clock)  # at all ticks
+        else:
+            self.recorder.run(columns)
         self.recorder.story()
         self.recording.flush()
 

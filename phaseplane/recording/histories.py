@@ -24,6 +24,7 @@ from .content import Content
 HISTORIES = "/histories"
 MOST_NAMED = 8
 """Curves of a plot that are named in it; more names would hide them."""
+_MOST_MARKED = 300  # points on a curve; more of them are small, for they would be a band
 _PLACES = ("front", "rear", "left", "right")
 _POINTS = "drawn"  # name of the entity with the points of the construction, under its series
 
@@ -122,22 +123,27 @@ def _by_part(
     return [(replace(quantity, name=part), several) for part, several in largest]
 
 
-def send_histories(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
-    """Send curves over `t` as given, over `step` and `stage` at their ticks."""
+def send_histories(recording: rr.RecordingStream, content: Content) -> None:
+    """Send curves over `t` as given."""
     times = np.asarray(content.histories.get("time", ()), float)
-    if not len(times):
-        return
-    for panel in panels(content):
+    for panel in panels(content) if len(times) else ():
+        for name in panel.names:
+            values = rr.Scalars.columns(scalars=panel.values(content.histories, name))
+            recording.send_columns(panel.entity(name), [seconds(times)], values)
+
+
+def send_at_ticks(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
+    """Send the curves of a whole run over `step` and `stage`, at their ticks."""
+    times = np.asarray(content.histories.get("time", ()), float)
+    for panel in panels(content) if len(times) else ():
         for name in panel.names:
             values = panel.values(content.histories, name)
-            path = panel.entity(name)
-            recording.send_columns(path, [seconds(times)], rr.Scalars.columns(scalars=values))
-            for when, columns in (
-                (clock.times, clock.counted()), (clock.ticks, clock.staged())
-            ):  # fmt: skip
-                if len(when) and not content.live:
+            for when, columns in ((clock.times, clock.counted()), (clock.ticks, clock.staged())):
+                if len(when):
                     at = np.interp(when, times, values, left=np.nan, right=np.nan)
-                    recording.send_columns(path, columns, rr.Scalars.columns(scalars=at))
+                    recording.send_columns(
+                        panel.entity(name), columns, rr.Scalars.columns(scalars=at)
+                    )
 
 
 def send_readings(
@@ -160,6 +166,8 @@ def send_readings(
 
 def log_series(recording: rr.RecordingStream, panel: Panel, content: Content) -> None:
     """Log names and colours of the curves of a panel; a rear axle and a right wheel have fainter ones."""
+    several = content.drawing is not None and len(content.drawing.frames) > _MOST_MARKED
+    size = 0.8 if several else 2.5
     for number, name in enumerate(panel.names):
         colour = colours([rgba(hue_of(name, number), strength_of(name))])
         words = legible(in_words(name))
@@ -172,7 +180,7 @@ def log_series(recording: rr.RecordingStream, panel: Panel, content: Content) ->
             recording.log(
                 f"{panel.entity(name)}/{_POINTS}",
                 rr.SeriesPoints(
-                    names=f"{words}, drawn", colors=colour, markers="circle", marker_sizes=2.5
+                    names=f"{words}, drawn", colors=colour, markers="circle", marker_sizes=size
                 ),
                 static=True,
             )

@@ -84,8 +84,9 @@ def _time_panel(content: Content, recorder: Recorder) -> rrb.TimePanel:
         duration = float(np.max(content.histories.get("time", [0.0]), initial=0.0))
         speed = 1.0 if content.live else min(1.0, duration / 10.0) or 1.0
         return rrb.TimePanel(
-            state="collapsed", timeline="t", playback_speed=speed, play_state=state
-        )
+            state="collapsed", timeline="t", playback_speed=speed, fps=_STAGES_PER_SECOND / speed,
+            play_state=state,
+        )  # fmt: skip
     rate = _STAGES_PER_SECOND
     if not recorder.ticks:
         rate = max(rate, len(content.drawing.frames) / _LONGEST)
@@ -99,9 +100,7 @@ def _time_panel(content: Content, recorder: Recorder) -> rrb.TimePanel:
 
 def _sheets(content: Content, pages: Sequence[Page]) -> rrb.View | rrb.Container:
     """Return the view of the whole sheet, and with several planes one of each."""
-    drawing = content.constructed
-    manner = drawing.title.partition(": ")[2] if drawing is not None else ""
-    name = f"{content.title}: {manner}" if manner else content.title
+    name = ": ".join(filter(None, (content.title, content.manner)))
     names = [name, *(_plane_name(content, i) for i in range(len(pages) - 1))]
     views = [_sheet(content, page, name) for page, name in zip(pages, names, strict=True)]
     return rrb.Tabs(*views, active_tab=0) if len(views) > 1 else views[0]

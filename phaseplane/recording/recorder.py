@@ -20,7 +20,14 @@ from phaseplane.picture.story import VERTICES, Tick, arms_page, story_of
 from .canvas import Viewer
 from .columns import Clock, legible, seconds
 from .content import Content
-from .histories import log_series, panels, quantities_of, send_histories, send_readings
+from .histories import (
+    log_series,
+    panels,
+    quantities_of,
+    send_at_ticks,
+    send_histories,
+    send_readings,
+)
 from .lanes import send_lanes
 from .motion import pages_of, state_planes, thinned
 from .side_view import log_vehicle, send_vehicle
@@ -140,7 +147,8 @@ class Recorder:
     def begin(self) -> None:
         """Log everything that is known before a run: axes, curves, shapes, names."""
         content = self.content
-        self.recording.send_recording_name(legible(content.title))
+        # in the list of recordings, below the title
+        self.recording.send_recording_name(legible(content.manner or content.title))
         if self.pages:
             self.sheet.begin(self.pages[0])
             self._place(content)
@@ -184,7 +192,7 @@ class Recorder:
         if len(few.get("time", ())) > 1:
             self._send_run(few)
         send_vehicle(self.recording, part, self.clock)
-        send_histories(self.recording, part, self.clock)
+        send_histories(self.recording, part)
         send_lanes(self.recording, part, self.clock)
 
     def _send_run(self, histories: dict[str, np.ndarray]) -> None:
@@ -224,7 +232,8 @@ class Recorder:
             self.recording.log(f"{SHEET}/trail/{plane.plane.name}", plane.transform, static=True)
 
     def story(self) -> None:
-        """Log the story on the timeline `stage`."""
+        """Log the story on the timeline `stage`, and the plots of a whole run at all ticks."""
+        send_at_ticks(self.recording, self.content, self.clock)
         if not self.ticks:
             return
         for tick in self.ticks:

@@ -83,6 +83,14 @@ def test_identity_comes_from_the_drawing(recorded: Recorded) -> None:
     assert recorded.static["/__properties"]["RecordingInfo:name"] == ["two planes"]
 
 
+def test_recordings_of_one_scene_are_listed_by_rule_and_step(tmp_path: Path) -> None:
+    titled = replace(drawing(), title="Two planes: rule delta, step 2.5 ms")
+    record(Content("A scene", titled), tmp_path / "f.rrd")
+    entry = Recorded(tmp_path / "f.rrd")
+    assert entry.entry.application_id == "A scene"
+    assert entry.static["/__properties"]["RecordingInfo:name"] == ["rule delta, step 2.5 ms"]
+
+
 def test_a_frame_costs_at_most_two_kilobytes(tmp_path: Path) -> None:
     sizes = []
     for steps in (200, 400):

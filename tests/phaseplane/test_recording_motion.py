@@ -14,6 +14,7 @@ from phaseplane.constructions import EquationPlane, construct_motion, delta
 from phaseplane.picture.items import Arrow
 from phaseplane.picture.paper import Box
 from phaseplane.recording import VIEWS, AxleView, Content, Vehicle, record
+from phaseplane.recording.drawer import Begin, Drawer
 from phaseplane.recording.lanes import SHEET_SHARE, lanes_share
 from phaseplane.recording.motion import made_planes, pages_of
 
@@ -73,6 +74,47 @@ def test_the_construction_is_drawn_over_the_run(tmp_path: Path) -> None:
         run, trail = (made.static[f"/sheet/{r}/{names[0]}/{part}"] for r in ("run", "trail"))
         ((beneath,), above) = (x.get("LineStrips2D:draw_order") for x in (run, trail))
         assert beneath < (above or [20.0])[0]  # the default of the viewer
+
+
+def test_a_live_run_shows_nothing_that_is_still_to_come(tmp_path: Path) -> None:
+    """Nor does the time that the viewer follows run ahead."""
+    empty = {name: np.zeros(0) for name in MOTION}
+    before = replace(content(), histories=empty, vehicle=QUARTER, live=True)
+    drawer = Drawer(Begin(before, "", str(tmp_path / "f.rrd"), ""))
+    for part in (slice(0, 40), slice(40, 81)):
+        drawer.take({name: column[part] for name, column in MOTION.items()})
+    drawer.recording.disconnect()
+    made = Recorded(tmp_path / "f.rrd")
+    for path, rows in made.rows.items():
+        assert max(row.get("t", 0.0) for row in rows) <= TIME[80] + 1e-9, path
+    steps = {row["step"] for row in made.rows["/vehicle/axle/wheel"] if row.get("step") is not None}
+    assert steps == set(range(33))
+    panel = {name: value for _, row in made.layout for name, value in row.items()}
+    (speed,), (fps,) = (panel[f"TimePanelBlueprint:{n}"] for n in ("playback_speed", "fps"))
+    assert fps * speed == speed == 1.0  # the story, once it is there, is not over in two seconds
+
+
+@pytest.mark.parametrize("live", [True, False])
+def test_a_viewer_is_shown_all_that_a_file_has(tmp_path: Path, *, live: bool) -> None:
+    """After a live run, or at once: the vehicle, the plots and the lanes on every timeline."""
+    whole = replace(content(), histories=MOTION, vehicle=QUARTER)
+    rows = {name: np.zeros(0) for name in MOTION} if live else MOTION
+    begin = Begin(
+        replace(whole, histories=rows, live=live), "a viewer", str(tmp_path / "f.rrd"), ""
+    )
+    drawer = Drawer(replace(begin, url=""))
+    drawer.order = begin
+    if live:
+        drawer.take(MOTION)
+    drawer.complete(whole)
+    drawer.recording.disconnect()
+    shown, filed = Recorded(tmp_path / "f.rrd"), recorded(tmp_path, whole)
+    chart = "/chart/"  # which a live view has not
+    for path in (p for p in filed.rows if not p.startswith(chart)):
+        for timeline in ("t", "step", "stage"):
+            wanted, found = ({row[timeline] for row in of.rows.get(path, []) if timeline in row}
+                             for of in (filed, shown))  # fmt: skip
+            assert found == wanted, (path, timeline)
 
 
 def test_the_road_passes_below_the_wheel(tmp_path: Path) -> None:
@@ -264,6 +306,17 @@ def test_the_curves_of_a_plot_are_named(tmp_path: Path, axles: int, *, named: bo
     made = recorded(tmp_path, Content("a run", histories={"time": TIME, **columns}))
     (legend,) = (r["PlotLegend:visible"] for p, r in made.layout if p.endswith("PlotLegend"))
     assert legend == [named]
+
+
+def test_many_points_of_a_construction_do_not_hide_the_curves(tmp_path: Path) -> None:
+    motion = {"time": TIME, "wheel_displacement": TIME}
+    few, many = (
+        recorded(tmp_path, replace(content(steps), histories=motion)).static[
+            "/histories/displacement/wheel_displacement/drawn"
+        ]["SeriesPoints:marker_sizes"]
+        for steps in (60, 600)
+    )
+    assert many[0] < 0.5 * few[0]
 
 
 def test_more_curves_of_several_wheels_have_a_plot_for_each_part(tmp_path: Path) -> None:
