@@ -12,10 +12,10 @@ import json
 from array import array
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from math import inf, isfinite, nan
-from typing import Any
+from typing import Any, NamedTuple
 from weakref import proxy
 
 from .engine import KINDS, Integrator, Lines, Run, laws_of
@@ -42,8 +42,7 @@ _TOLERANCE = next(v for v in SOLVER_PARAMETERS if v.name == "solver.tolerance")
 _MOST_EVENTS = 100_000  # stored per run
 
 
-@dataclass(frozen=True, slots=True)
-class Event:
+class Event(NamedTuple):
     """The switch of an element from one of its branches to another.
 
     Parameters
