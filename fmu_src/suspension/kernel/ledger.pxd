@@ -20,7 +20,8 @@ cdef class Ledger:
     cdef int works
     cdef double *work, *brought, *part, *kept, *until, *scratch
     cdef double *loss, *loss_rate
-    cdef int *curved, *lossy, *needs_points
+    cdef int dissipating
+    cdef int *curved, *element, *lossy, *needs_points
     cdef double kinetic, stored
 
     @cython.locals(i=int)
@@ -29,9 +30,9 @@ cdef class Ledger:
     cdef void enter(self) noexcept nogil
     @cython.locals(moving=bint, h=double, i=int)
     cdef void book(self) noexcept nogil
-    @cython.locals(r=int, e=int, m=int)
+    @cython.locals(r=int, k=int, m=int)
     cdef void _book_parts(self, double h, bint moving) noexcept nogil
-    @cython.locals(f=double, c=double, r=int, k=int, w=double, force=double, work=double)
+    @cython.locals(r=int, k=int, w=double, force=double, work=double)
     cdef void _book_element(self, int e, double h) noexcept nogil
     @cython.locals(s=int, p=int, bent=int, k=int, rate=double, d=double, w=double, force=double)
     cdef void _book_road(self, int r, double h) noexcept nogil

@@ -50,6 +50,7 @@ class Ledger:
         # of each element: force at rest and damping of its dissipative part, and whether that is curved
         self.loss, self.loss_rate = memory.zeros(elements), memory.zeros(elements)
         self.curved = memory.marks(elements)
+        self.dissipating, self.element = 0, memory.marks(elements)  # how many dissipate, and which
         # of each row: whether it dissipates, and by a curved law
         self.lossy, self.needs_points = memory.marks(rows), memory.marks(rows)
         self.readings = StepReadings(self.net, dense)
@@ -69,6 +70,7 @@ class Ledger:
         for r in range(self.net.rows):
             self.lossy[r] = self.needs_points[r] = 0
         self.potential.enter()
+        self.dissipating = 0
         for e in range(self.net.elements):
             at = BRANCHES * e
             f = self.net.branch[at + FRICTION] * self.net.friction[e]
@@ -91,19 +93,23 @@ class Ledger:
                 self.needs_points[self.net.element_row[e]] = 1
             if f != 0.0 or c != 0.0:
                 self.lossy[self.net.element_row[e]] = 1
+            if f != 0.0 or c != 0.0 or self.curved[e]:
+                self.element[self.dissipating] = e
+                self.dissipating += 1
 
     def book(self):
         """Add the works of the last step, with its branches; leave the signals at its end."""
         h = self.dense.end - self.dense.start
         for i in range(self.net.elements, self.works):
             self.brought[i] = 0.0
-        moving = not self.net.still()
+        moving = not (self.balance.loads_hold or self.net.still())
         if h > 0.0 and moving:
             if self.net.stuck:
                 self._book_points()
             else:
                 self.readings.read_signals(h)
-        self.net.all_signals(self.dense.end)
+        if moving:
+            self.net.all_signals(self.dense.end)
         if h > 0.0 and not (moving and self.net.stuck):
             self._book_parts(h, moving)
 
@@ -114,8 +120,8 @@ class Ledger:
                 self.readings.read_row(r, h, moving)
             elif self.lossy[r]:
                 self.readings.sum_row(r, h)
-        for e in range(self.net.elements):
-            self._book_element(e, h)
+        for k in range(self.dissipating):
+            self._book_element(self.element[k], h)
         if moving:
             for r in range(self.net.rows):
                 if self.net.row_signal[r] >= 0:
@@ -125,11 +131,8 @@ class Ledger:
 
     def _book_element(self, e, h):
         """Add what element e has dissipated."""
-        f, c = self.loss[e], self.loss_rate[e]
-        if f == 0.0 and c == 0.0 and not self.curved[e]:
-            return
         r = self.net.element_row[e]
-        work = f * self.readings.way[r] + c * self.readings.square[r]
+        work = self.loss[e] * self.readings.way[r] + self.loss_rate[e] * self.readings.square[r]
         if self.curved[e]:
             for k in range(POINTS):
                 w = self.readings.w[POINTS * r + k]

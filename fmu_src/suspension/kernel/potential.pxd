@@ -11,6 +11,7 @@ cdef class Potential:
     cdef void enter(self) noexcept nogil
     @cython.locals(r=int, p=int, k=double)
     cdef void _add(self, int e) noexcept nogil
-    @cython.locals(n=int, i=int, k=int, r=int, s=int, e=int, twice=double, energy=double, d=double)
     cdef double energy(self, double *q, double *v) noexcept nogil
+    @cython.locals(i=int, k=int, r=int, s=int, e=int, twice=double, energy=double, d=double)
+    cdef inline double _sum(self, int n, double *q, double *v) noexcept nogil
     cdef double _of_curved(self, int e, double d) noexcept nogil

@@ -44,7 +44,10 @@ class Potential:
 
     def energy(self, q, v):
         """Return kinetic energy plus the potential of all rows."""
-        n = self.net.n
+        # with a constant in place of n the compiler unrolls the loops
+        return self._sum(2, q, v) if self.net.n == 2 else self._sum(self.net.n, q, v)
+
+    def _sum(self, n, q, v):
         twice = 0.0
         for i in range(n):
             for k in range(n):
