@@ -36,7 +36,7 @@ cdef class Balance:
                        double *j) noexcept nogil
     cdef void accelerations(self, double t, double *q, double *v,
                             double *a) noexcept nogil
-    cdef void halfway(self, double *q, double *v, double *a) noexcept nogil
+    cdef void halfway(self, double t, double h, double *q, double *v, double *a) noexcept nogil
     @cython.locals(i=int)
     cdef void _accelerate(self, int k, double *q, double *v, double *a) noexcept nogil
     cdef void _solve_rows(self, double *q, double *v, double *a,

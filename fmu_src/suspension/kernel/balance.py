@@ -187,9 +187,16 @@ class Balance:
         self._find_loads(self.instants, False)
         self._accelerate(self.instants, q, v, a)
 
-    def halfway(self, q, v, a):
-        """Find the accelerations of any state halfway through the step given to `prepare`."""
-        self._accelerate(self.half, q, v, a)
+    def halfway(self, t, h, q, v, a):
+        """Find the accelerations of any state halfway through the step from t given to `prepare`.
+
+        The signals are left as they are, at the end of the step.
+        """
+        if self.net.stuck or self.half == self.instants:
+            self.accelerations(t + 0.5 * h, q, v, a)
+            self.net.all_signals(t + h)
+        else:
+            self._accelerate(self.half, q, v, a)
 
     def _accelerate(self, k, q, v, a):
         """Find the accelerations of any state, with the loads at instant k."""

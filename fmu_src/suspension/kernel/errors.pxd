@@ -33,9 +33,8 @@ cdef class Errors:
     cdef void find_jerks(self, double h) noexcept nogil
     @cython.locals(i=int, v=double, a=double, j=double)
     cdef void read_middle(self, double h) noexcept nogil
-    cdef void find_lack(self, double h) noexcept nogil
     @cython.locals(i=int)
-    cdef void _compare_middle(self) noexcept nogil
+    cdef void find_lack(self, double h, bint prepared) noexcept nogil
     cdef void note_middle(self, double h) noexcept nogil
     @cython.locals(phase=double, cube=double)
     cdef void note_reading(self, double h) noexcept nogil

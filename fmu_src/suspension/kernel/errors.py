@@ -158,22 +158,27 @@ class Errors:
                 + h / 32.0 * j
             )
 
-    def find_lack(self, h):
-        """Find the residual of the septic in the equation of motion halfway, m/s^2."""
-        self.read_middle(h)
-        self.balance.accelerations(self.time + 0.5 * h, self.septic_q, self.septic_v, self.middle_a)
-        self._compare_middle()
+    def find_lack(self, h, prepared):
+        """Find the residual of the septic in the equation of motion halfway, m/s^2.
 
-    def _compare_middle(self):
+        If the loads of the attempt are `prepared`, the signals are left as they are at its end.
+        """
+        self.read_middle(h)
+        if prepared:
+            self.balance.halfway(self.time, h, self.septic_q, self.septic_v, self.middle_a)
+        else:
+            self.balance.accelerations(
+                self.time + 0.5 * h, self.septic_q, self.septic_v, self.middle_a
+            )
         for i in range(self.n):
             self.lack[i] = fabs(self.septic_a[i] - self.middle_a[i])
 
     def note_middle(self, h):
-        """Count the residual of the septic in the equation of motion halfway as an error of the step.
+        """Count the residual of the septic halfway through the attempt just made as an error.
 
         It reveals a knee of a curved force that all substeps miss.
         """
-        self.find_lack(h)
+        self.find_lack(h, True)
         self._note_lack(h)
 
     def note_reading(self, h):
@@ -185,10 +190,7 @@ class Errors:
         cube = phase * phase * phase
         if _MISSED * cube * cube * phase <= self.tolerance or self.net.stuck:
             return
-        self.read_middle(h)
-        self.balance.halfway(self.septic_q, self.septic_v, self.middle_a)
-        self._compare_middle()
-        self._note_lack(h)
+        self.note_middle(h)
 
     def _note_lack(self, h):
         """Count the residual `lack` halfway as an error of the step.
@@ -221,7 +223,8 @@ class Errors:
         if h * decay < 1.0:
             return 0.0
         self.begin(h)
-        self.note_middle(h)
+        self.find_lack(h, False)
+        self._note_lack(h)
         return self.error / self.allowed
 
     def can_read(self, x, h):
@@ -234,7 +237,7 @@ class Errors:
         if self.net.stuck or phase > _READ_PHASE:
             return 0
         if self.balance.bends.count == 0:
-            self.find_lack(h)
+            self.find_lack(h, False)
         allowed = _READ_SHARE * self.allowed * (1.0 - phase * phase / 32.0)
         u = fabs(x * (1.0 - x))
         of_q = 8.0 * h * h * u * u * u * u

@@ -287,6 +287,7 @@ class Exact(Method):
         status = self.propagator.attempt(t, h)
         if status != 0:
             return status
+        self.net.all_signals(t + h)  # the propagator uses their numbers
         self.end(t + h)
         self.errors.begin(h)
         self.errors.read_middle(h)

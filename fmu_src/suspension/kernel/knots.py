@@ -73,6 +73,7 @@ class Knots:
         if shorter <= _LIKELY * self.motion.state.proposal:
             return h
         self.motion.foresee(shorter)
+        self.net.all_signals(self.motion.state.time + shorter)
         self.stepper.errors.begin(shorter)
         self._find(shorter, _LEAST_KNOT, self.most_effect)
         return self.at * shorter if self.at < 1.0 else h

@@ -12,7 +12,8 @@ class Method:
     and overrides `attempt`; its name goes into `methods.METHODS`. It is given `motion` (the present
     state), `balance` (the equation of motion of the branches, with its loads at `instants`), `modes` and
     `errors`. `attempt` must write the end to `motion.qb` and `motion.vb`, then call `end`, which finds
-    the acceleration and its rate there. It returns 0, or the reason why there is no such step.
+    the acceleration and its rate there, and leave the signals as they are there. It returns 0, or the
+    reason why there is no such step.
 
     A method in Python overrides `step` instead; it is slower. Both kinds declare their properties by
     `order_of` and `limit_of`, which are called before the method is made.

@@ -57,10 +57,6 @@ class Stepper:
         self.errors.order = self.method.order - 1
         return self.method.attempt(t, h)
 
-    def is_plain(self):
-        """Return whether all forces of the present branches are straight, and nothing sticks."""
-        return self.balance.bends.count == 0 and not self.net.stuck
-
     def shift_end(self, t, late):
         """Move the end of the attempt slightly, to t, along its Taylor series."""
         for i in range(self.n):

@@ -32,7 +32,6 @@ cdef class Switches:
     cdef void carry_on(self) noexcept nogil
     cdef void _read_roads(self, double t, double h) noexcept nogil
     cdef void _read_end(self, double t) noexcept nogil
-    cdef void _read_road(self, double t, int end) noexcept nogil
     @cython.locals(s=int, k=int)
     cdef void _note_road(self, int end) noexcept nogil
     @cython.locals(n=int, i=int, at=int, b=double, d0=double, d1=double, d2=double, d3=double,
@@ -41,9 +40,13 @@ cdef class Switches:
     @cython.locals(at=int, d1=double, d2=double, d3=double, x=double, y=double, dx=double,
                    dy=double, low=double, high=double)
     cdef bint _stays_far(self, int k, double h) noexcept nogil
-    @cython.locals(at=int, d1=double, d2=double, x=double, y=double, dx=double, dy=double,
-                   low=double, high=double)
+    @cython.locals(at=int)
     cdef bint _rate_stays_far(self, int k, double h) noexcept nogil
+    @cython.locals(at=int, end=int)
+    cdef bint _force_stays_far(self, int k, int e, double h) noexcept nogil
+    @cython.locals(reach=double)
+    cdef inline bint _end_is_far(self, int k, double x, double dx, double ddx,
+                                 double h) noexcept nogil
     @cython.locals(at=int, f0=double, f1=double, f2=double)
     cdef int polynomial(self, int e, int kind, double h) noexcept nogil
     @cython.locals(r=int, i=int, less=double)

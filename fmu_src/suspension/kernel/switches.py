@@ -86,7 +86,7 @@ class Switches:
         for k in range(self.watched):
             e, kind = self.watched_element[k], self.watched_kind[k]
             if kind == CONTACT:
-                if self._searches_flight(k, e, h):
+                if self._searches_flight(k, e, h) or self._force_stays_far(k, e, h):
                     continue
             elif kind == DAMPER:
                 if self._rate_stays_far(k, h):
@@ -126,22 +126,19 @@ class Switches:
                         self.road[k] = self.road[k + 4]
 
     def _read_roads(self, t, h):
-        """Read signals at both ends of the attempt just made."""
+        """Read signals at both ends of the attempt just made, and leave them as they are at its end."""
         self._read_end(t + h)
         if not self.start_known:
-            self._read_road(t, 0)
+            self.net.all_signals(t)
+            self._note_road(0)
+            self.net.all_signals(t + h)
         self.roads_known = 1
 
     def _read_end(self, t):
         """Read signals at the end of the attempt just made or shortened."""
-        if self.stepper.is_plain() and not self.stepper.balance.loads_hold:
-            self._note_road(1)  # the attempt has left the signals evaluated there
-        else:
-            self._read_road(t, 1)
-
-    def _read_road(self, t, end):
-        self.net.all_signals(t)
-        self._note_road(end)
+        if self.stepper.balance.loads_hold:
+            self.net.all_signals(t)
+        self._note_road(1)  # otherwise the attempt has left the signals evaluated there
 
     def _note_road(self, end):
         for s in range(self.net.signals):
@@ -194,14 +191,25 @@ class Switches:
     def _rate_stays_far(self, k, h):
         """Return whether all coefficients of a rate's quintic are within its bounds."""
         at = 8 * self.net.element_row[self.watched_element[k]]
-        d1 = 0.4 * h
-        d2 = 0.05 * h * h
-        x = self.row[at + 1]
-        y = self.row[at + 5]
-        dx = d1 * fabs(self.row[at + 2]) + d2 * fabs(self.row[at + 3])
-        dy = d1 * fabs(self.row[at + 6]) + d2 * fabs(self.row[at + 7])
-        low, high = self.low[k], self.high[k]
-        return x - dx > low and y - dy > low and x + dx < high and y + dy < high
+        return self._end_is_far(
+            k, self.row[at + 1], self.row[at + 2], self.row[at + 3], h
+        ) and self._end_is_far(k, self.row[at + 5], self.row[at + 6], self.row[at + 7], h)
+
+    def _force_stays_far(self, k, e, h):
+        """Return the same of the force of a straight tyre, unless it is described by a cubic."""
+        if not self.tyres.straight[e] or self._is_slaved(e, h):
+            return 0
+        at = 8 * self.net.element_row[e]
+        for end in range(2):
+            self._contact_force(e, at + 4 * end)
+            if not self._end_is_far(k, self.net.force0, self.net.force1, self.net.force2, h):
+                return 0
+        return 1
+
+    def _end_is_far(self, k, x, dx, ddx, h):
+        """Return whether the half of a quintic's coefficients that one end sets is within the bounds."""
+        reach = 0.4 * h * fabs(dx) + 0.05 * h * h * fabs(ddx)
+        return x - reach > self.low[k] and x + reach < self.high[k]
 
     def polynomial(self, e, kind, h):
         """Set the polynomial of a watched quantity over the attempt; return its degree."""

@@ -68,7 +68,7 @@ cdef class TimeLoop:
     cdef inline double _proposed_step(self) noexcept nogil
     @cython.locals(last=double)
     cdef double _while_decaying(self, double h) noexcept nogil
-    @cython.locals(h=double, soon=double, shorter=double, status=int, runs_away=bint)
+    @cython.locals(h=double, shorter=double, status=int, runs_away=bint)
     cdef inline int _step(self, double latest) noexcept nogil
     @cython.locals(status=int, at=double, h=double)
     cdef inline int _try(self) noexcept nogil

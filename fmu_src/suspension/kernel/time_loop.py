@@ -241,7 +241,8 @@ class TimeLoop:
             self._enter_branches()
 
     def _enter_branches(self):
-        """Update everything that depends on the branches."""
+        """Update everything that depends on the branches and the segments of signals."""
+        self.trial.joint = self.net.next_joint()
         self.stepper.refresh(self.state.time)
         self.switches.enter_branches()
         if self.stepper.balance.bends.joined:
@@ -288,7 +289,7 @@ class TimeLoop:
         """
         self.state.stalled = 0
         self.state.overruns += 1
-        joint = self.net.next_joint()
+        joint = self.trial.joint
         end = min(joint, latest)
         h = _SHORT_PHASE / (self.stepper.modes.quickest + 1.0)
         if self.state.overruns > _OVERRUNS:
@@ -414,12 +415,11 @@ class TimeLoop:
             return UNSTABLE
         self.trial.begin(h)
         if self.stepper.errors.controlled and self.stepper.balance.bends.joined:
-            soon = min(self.net.next_joint(), latest)
-            shorter = self.knots.ahead(h, soon)
+            shorter = self.knots.ahead(h, min(self.trial.joint, latest))
             self.trial.length, self.trial.on_knot = shorter, shorter < h
         status = _AGAIN
         while status == _AGAIN:
-            self.trial.stop_at(self.net.next_joint(), latest, self.state.time)
+            self.trial.stop_at(latest, self.state.time)
             if not (
                 self.trial.to_end or self.trial.length > 4e-16 * (fabs(self.state.time) + 1e-3)
             ):
@@ -567,7 +567,8 @@ class TimeLoop:
 
     def _accept(self, h, t):
         """Make the attempt the last step."""
-        self.state.speed = self.motion.speed_in(h)
+        if self.stepper.errors.controlled:
+            self.state.speed = self.motion.speed_in(h)
         for i in range(self.n):
             self.dense.qa[i] = self.motion.q[i]
             self.dense.va[i] = self.motion.v[i]

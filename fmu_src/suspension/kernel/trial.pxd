@@ -7,4 +7,4 @@ cdef class Trial:
     cdef int cuts, flips
 
     cdef void begin(self, double length) noexcept nogil
-    cdef void stop_at(self, double joint, double latest, double time) noexcept nogil
+    cdef void stop_at(self, double latest, double time) noexcept nogil

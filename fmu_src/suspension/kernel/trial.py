@@ -7,12 +7,13 @@ class Trial:
     """Its length, where it ends, and what its attempts so far have shown."""
 
     def __init__(self):
+        self.joint = 0.0  # the next joint of a signal, s
         self.begin(0.0)
 
     def begin(self, length):
         """Begin with a proposed length, s."""
         self.length = length
-        self.joint = self.end = 0.0  # the next joint of a signal, and the latest end, s
+        self.end = 0.0  # its latest end, s
         self.to_end = False  # whether it ends there
         self.on_knot = False  # whether it is shortened to a point of a smooth table
         self.cuts = self.flips = (
@@ -23,9 +24,9 @@ class Trial:
             0.0  # the next step, by the error of the last attempt; 0 if that is no measure
         )
 
-    def stop_at(self, joint, latest, time):
-        """Set the next joint and the latest end, and end there if the end is not beyond it."""
-        self.joint, self.end = joint, min(joint, latest)
+    def stop_at(self, latest, time):
+        """End at the next joint, or at a latest time before it, unless the step ends before that."""
+        self.end = min(self.joint, latest)
         self.to_end = time + self.length * (1.0 + 1e-9) >= self.end
         if self.to_end:
             self.length = self.end - time
