@@ -10,7 +10,7 @@ import os
 from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import ceil, nan
 from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
@@ -39,8 +39,7 @@ _MOST_KINDS = 8  # of systems, with an integrator for each
 _MOST_NUMBERS = 4_000_000  # of systems whose runs are yet to be made
 
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
+class Outcome(NamedTuple):
     """The result of one run.
 
     Parameters
@@ -55,10 +54,10 @@ class Outcome:
 
     columns: Mapping[str, npt.NDArray[np.float64]]
     failure: str = ""
-    at_end: Mapping[str, float] = field(default_factory=dict)
+    at_end: Mapping[str, float] = {}
     switches: Sequence[float] = ()
     joints: Sequence[float] = ()
-    closer: Mapping[str, npt.NDArray[np.float64]] = field(default_factory=dict)
+    closer: Mapping[str, npt.NDArray[np.float64]] = {}
 
     @property
     def ok(self) -> bool:
@@ -269,8 +268,7 @@ class _Bench:
             return set()
         slots, kind = found
         columns = {
-            name: np.array([_checked(declared[name], given[name]) for given in sets])
-            for name in varied
+            name: _column(declared[name], [given[name] for given in sets]) for name in varied
         }
         rows, valid = slots.rows(columns)
         for column in columns.values():
@@ -375,7 +373,7 @@ class _Bench:
                     outcome = Outcome(found, "", series.ends(k, one), *bends)
                     if closer is not None and (more := array("d", closer(outcome))):
                         there = zip(names, series.again(first + k, k, more), strict=True)
-                        outcome = replace(outcome, closer={"time": np.array(more), **dict(there)})
+                        outcome = outcome._replace(closer={"time": np.array(more), **dict(there)})
                     yield outcome
                     continue
                 found = {name: x[: one.filled] for name, x in zip(names, values, strict=True)}
@@ -391,6 +389,15 @@ def _is_number(variable: Variable | None) -> bool:
         and isinstance(variable.start, float)
         and not variable.name.startswith("solver.")
     )
+
+
+def _column(variable: Variable, values: list[object]) -> npt.NDArray[np.float64]:
+    """Return numbers in SI; NaN for those that cannot be taken."""
+    if any(type(value) is not float for value in values):
+        return np.array([_checked(variable, value) for value in values])
+    numbers = np.array(values, np.float64) + 0.0  # never -0.0
+    least, largest = variable.bounds
+    return np.where((least <= numbers) & (numbers <= largest), numbers, nan)
 
 
 def _checked(variable: Variable, value: object) -> float:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from math import isfinite
+from math import isfinite, ulp
+from sys import float_info
 from typing import Any, NoReturn
 
 from .units import UnitError, nearest, to_si
@@ -94,13 +95,18 @@ class Variable:
             )
         return value
 
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The least and the largest allowed value, in SI."""
+        least = ulp(0.0) if self.positive else -float_info.max
+        return (
+            least if self.minimum is None else max(least, self.minimum),
+            float_info.max if self.maximum is None else self.maximum,
+        )
+
     def _checked_range(self, value: float) -> float:
-        if (
-            not isfinite(value)
-            or (self.positive and value <= 0.0)
-            or (self.minimum is not None and value < self.minimum)
-            or (self.maximum is not None and value > self.maximum)
-        ):
+        least, largest = self.bounds
+        if not least <= value <= largest:
             allowed = self.format_range()
             if not isfinite(value) and not allowed.startswith("finite"):
                 allowed = f"finite and {allowed}"
