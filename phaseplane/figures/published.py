@@ -15,7 +15,7 @@ from phaseplane.constructions.construction import CONTACT, FLIGHT, LIFT_OFF, TOU
 from phaseplane.constructions.primitives import Curve, Drawing, Plane
 from phaseplane.constructions.storage import Frame
 from phaseplane.figures.canvas import as_figure, new_page
-from phaseplane.figures.histories import time_histories
+from phaseplane.figures.histories import has_histories, time_histories
 from phaseplane.figures.planes import construction_sheet, format_step, step_page
 from phaseplane.figures.style import PLAIN, Look
 from phaseplane.picture import dimensions
@@ -36,11 +36,12 @@ _INERTIAL = (r"$\dfrac{l}{1 + \kappa_2}$", r"$\dfrac{\kappa_1\, l}{1 + \kappa_1}
 def figure7(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw one step in two planes with elastic coupling, with letters and dimensions (AP57 figure 7)."""
     needs(drawing, "figure 7 shows two planes with elastic coupling", "ap57_figure13", letter="B2")
-    chosen = frame_at(drawing, frame)
+    if CONTACT not in drawing.frames.schemes:
+        raise ValueError("figure 7 shows the wheel on the road; in this motion it never is")
+    chosen = telling_frame(drawing, CONTACT) if frame is None else frame_at(drawing, frame)
     if chosen.scheme != CONTACT:
-        raise ValueError(
-            f"figure 7 shows a wheel on the road; in step {chosen.step} it is off the road"
-        )
+        now = "it is off the road" if chosen.scheme.startswith(FLIGHT) else "its suspension sticks"
+        raise ValueError(f"figure 7 shows a wheel on the road; in step {chosen.step} {now}")
     lengths = [("A2*", "B2", r"$b\,h_2/c_2$")]
     page = _dimensioned(drawing, chosen, _ELASTIC, lengths, look)
     return page, f"Elastic coupling: {format_step(chosen).lower()}"
@@ -161,6 +162,11 @@ def _history(number: int, what: str, *endings: str) -> Callable[..., Figure]:
         }
         if any(f.event == LIFT_OFF for f in frames):
             columns["airborne"] = [float(f.scheme.startswith(FLIGHT)) for f in frames]
+        if not has_histories(columns):
+            raise ValueError(
+                f"figure {number} shows {what}, which '{drawing.title}' has not; "
+                "try the scene ap57_figure13"
+            )
         words = f"Read off the planes: {drawing.title}"
         heading = f"{title}\n{words}" if title else words
         return time_histories(columns, title=heading, look=look, points=True)
@@ -239,4 +245,4 @@ def needs(
     letters = {mark.point for scheme in drawing.schemes.values() for mark in scheme.marks}
     fits = planes in (0, len(drawing.planes)) and (not letter or letter in letters)
     if not fits or without in letters:
-        raise ValueError(f"{shown}, which {drawing.title!r} is not; try the scene {scene}")
+        raise ValueError(f"{shown}, which '{drawing.title}' is not; try the scene {scene}")

@@ -69,7 +69,7 @@ def figure5(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
     if not fits:
         raise ValueError(
             "figure 5 shows the obstacle of constant acceleration, which the road of "
-            f"{drawing.title!r} is not; try the scene ap57_obstacle"
+            f"'{drawing.title}' is not; try the scene ap57_obstacle"
         )
     words = "Obstacle of three sections of constant acceleration, z = 16 a/T²"
     return _obstacle_page(drawing, look), words

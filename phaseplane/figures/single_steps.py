@@ -67,7 +67,7 @@ def figure4b(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple
 def figure8(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw the normals turned, each in the sense of its plane (AP57 figure 8)."""
     if len(drawing.planes) < 2:
-        raise ValueError(f"figure 8 needs at least two planes; {drawing.title!r} has one")
+        raise ValueError(f"figure 8 needs at least two planes; '{drawing.title}' has one")
     _needs(drawing, "figure 8", "tangent")
     one, _ = _clearest(drawing, _STEP, frame, together=True)
     points = np.append(
@@ -104,7 +104,7 @@ def _fit(template: str, plane: Plane) -> str:
 def _needs(drawing: Drawing, figure: str, rule: str) -> None:
     """Raise ValueError unless the construction uses the rule."""
     if f"rule {rule.replace('_', ' ')}," not in drawing.title:
-        raise ValueError(f"{figure} needs the rule {rule}; given: {drawing.title!r}")
+        raise ValueError(f"{figure} needs the rule {rule}; given: '{drawing.title}'")
 
 
 def _clearest(

@@ -254,3 +254,18 @@ def test_figures_7_and_10_refuse_each_others_steps(flying: Drawing) -> None:
         figures.figure7(flying, flight)
     with pytest.raises(ValueError, match="it is on the road"):
         figures.figure10(flying, 0)
+
+
+def test_figure_7_shows_a_suspension_that_moves() -> None:
+    """Also of one that sticks at first, as a leaf spring does."""
+    sticking = construct_motion(ap57(lift_off=False, friction=300.0), step=STEP, steps=40)
+    assert sticking.frames[0].scheme != "contact"
+    assert {"A₁*", "C₁", "D₁"} <= set(texts(figures.figure7(sticking)))
+    with pytest.raises(ValueError, match="in step 0 its suspension sticks"):
+        figures.figure7(sticking, 0)
+
+
+@pytest.mark.parametrize("draw", [figures.figure14, figures.figure15, figures.figure16])
+def test_motions_of_a_wheel_are_not_read_off_other_planes(draw, half_car: Drawing) -> None:
+    with pytest.raises(ValueError, match="of body, wheel.*try the scene ap57_figure13"):
+        draw(half_car)
