@@ -29,6 +29,8 @@ from phaseplane.picture.views import frame_at, view_of, views_of
 
 MOVING = (".gif", ".mp4")
 _DPI = 84
+_NARROWEST = 1.6  # inches of a picture of a storyboard
+_LINE = 0.125  # inches of a line of a caption
 _HOLD = 3  # ticks that show the end
 
 
@@ -95,38 +97,36 @@ def storyboard(
     view = view_of(drawing, [chosen], turn=False)
     stages = drawing.schemes[chosen.scheme].stages
     width = look.inches or 11.0
-    columns = max(1, min(3, int(width / 2.6)))
+    columns = max(1, min(3, int(width / _NARROWEST)))
     rows = -(-len(stages) // columns)
-    size = width / columns, width / columns * view.half.imag / view.half.real
-    cell = size[0], min(size[1], 4.5) + 0.65
-    step = f"Step {chosen.step}, {format_time(chosen.time)}, stage by stage"
-    words = heading_lines((title, step), width)
-    above = 0.35 + 0.18 * len(words) if look.headed else 0.05
-    whole = new_figure(width, rows * cell[1] + above, look.palette)
-    scale = min(cell[0] / view.half.real, (cell[1] - 0.65) / view.half.imag) / 2.0
+    wide = width / columns
+    high = min(wide * view.half.imag / view.half.real, 4.5)
+    scale = min(wide / view.half.real, high / view.half.imag) / 2.0
     stays = new_page(drawing, view, look, scale=1.2 * scale)
     draw_axes(stays)
     draw_curves(stays)
+    ticks = list(staged(drawing, stays, arms_page(drawing), chosen.step))
+    captions = [fill(tick.caption, int(13.0 * wide)) for tick in ticks]
+    below = 0.2 + _LINE * max(text.count("\n") + 1 for text in captions)
+    step = f"Step {chosen.step}, {format_time(chosen.time)}, stage by stage"
+    words = heading_lines((title, step), width)
+    above = 0.35 + 0.18 * len(words) if look.headed else 0.05
+    tall = rows * (high + below) + above
     sheet = Sheet(look)
-    sheet.figure = whole
-    ticks = staged(drawing, stays, arms_page(drawing), chosen.step)
-    for number, tick in enumerate(ticks):
+    sheet.figure = whole = new_figure(width, tall, look.palette)
+    for number, (tick, caption) in enumerate(zip(ticks, captions, strict=True)):
         row, column = divmod(number, columns)
-        bottom = 1.0 - (above + (row + 1) * cell[1] - 0.65) / whole.get_figheight()
-        sheet.place(
-            stays.view,
-            (column / columns, bottom, 1.0 / columns, (cell[1] - 0.65) / whole.get_figheight()),
-        )
+        bottom = 1.0 - (above + row * (high + below) + high) / tall
+        sheet.place(stays.view, (column / columns, bottom, 1.0 / columns, high / tall))
         for item in (*stays.items, *tick.page.items):
             if item.role not in MOVING_POINT[:2]:  # nothing moves here
                 sheet.draw(item)
         whole.text(
-            (column + 0.5) / columns, bottom - 0.05 / whole.get_figheight(),
-            fill(tick.caption, int(13.0 * cell[0])), ha="center", va="top", fontsize=7.5,
-            color=look.palette.ink,
+            (column + 0.5) / columns, bottom - 0.05 / tall, caption, ha="center", va="top",
+            fontsize=7.5, color=look.palette.ink,
         )  # fmt: skip
     whole.text(
-        0.5, 1.0 - 0.5 * above / whole.get_figheight(), "\n".join(words),
+        0.5, 1.0 - 0.5 * above / tall, "\n".join(words),
         ha="center", va="center", fontsize=10.0, color=look.palette.ink, gid=HEADING,
     )  # fmt: skip
     return printed(whole, look)

@@ -67,6 +67,10 @@ _MONO = {
     "supplied": ":",
 }
 """The dashes of black lines, besides."""
+_MARKERS = {"body": ("o", True), "wheel": ("s", False), "suspension": ("^", False)}
+"""The markers of black lines, and whether they are filled."""
+_MONO_MARKED = 20
+"""Times that are marked on black lines, whose dashes are seen between them."""
 _NARROW, _ABOVE = 5.0, 0.4
 """Inches of a picture whose legends are above its panels, and their height."""
 _MOST_MARKED = 300
@@ -251,16 +255,19 @@ def _panel(
     heading, quantity, columns = row
     dress(axes, palette, 8.5)
     dashes: dict[str, Any] = {**_DASHES, **(_MONO if palette.mono else {})}
+    every = max(1, len(times) // _MONO_MARKED) if palette.mono else 1
     for name, label in columns:
         if name not in table:
             continue
         element, *words = name.split("_")
+        marker, filled = _MARKERS.get(element, (".", True)) if palette.mono else (".", True)
+        face = None if filled else palette.paper
         axes.plot(
             times, quantity.factor * table[name], color=palette.of(hue_of(name)),
             linewidth=1.6 if element in ("body", "wheel") else 1.1,
             linestyle=next((dashes[word] for word in (element, *words) if word in dashes), "-"),
-            marker="." if points and element != "road" and len(times) <= _MOST_MARKED else "",
-            markersize=4.0, label=label, gid=name,
+            marker=marker if points and element != "road" and len(times) <= _MOST_MARKED else "",
+            markersize=4.0, markevery=every, markerfacecolor=face, label=label, gid=name,
         )  # fmt: skip
     axes.axhline(0.0, color=palette.faint, linewidth=0.6, zorder=1.0)
     axes.set_xlim(times[0], times[-1])

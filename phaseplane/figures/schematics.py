@@ -17,7 +17,8 @@ from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
 from phaseplane.picture.text import typeset
 
-_TYPE = 1.5  # em
+_TYPE, _SMALLEST = 1.5, 0.67  # of the letters, em
+_ROOM = 0.0085  # height of letters between the parts
 _COILS = 5
 _AXLE = 0.035  # half width of an axle
 _FORWARD = 0.45  # distance of the centre of gravity from the front axle over the wheelbase
@@ -114,12 +115,12 @@ def _obstacle_page(drawing: Drawing, look: Look) -> Page:
     row = complex(0.0, -below - z)
     ends = [complex(width * x, 0.0) + row for x in (0.0, 0.25, 0.75, 1.0)]
     for (one, other), words in zip(pairwise(ends), ("$T/4$", "$T/2$", "$T/4$"), strict=True):
-        dimensions.length(page, one - 0.012j, other - 0.012j, words, towards=-1j, size=_TYPE)
+        dimensions.length(page, one - 0.012j, other - 0.012j, words, towards=-1j, size=_size(page))
     dimensions.length(
-        page, ends[0] - 0.027j, ends[-1] - 0.027j, r"$d = v\,T$", towards=-1j, size=_TYPE
+        page, ends[0] - 0.027j, ends[-1] - 0.027j, r"$d = v\,T$", towards=-1j, size=_size(page)
     )
     middle = complex(0.5 * width, 0.0)
-    dimensions.length(page, middle, middle + 1j * height, "a", towards=1.0, size=_TYPE)
+    dimensions.length(page, middle, middle + 1j * height, "a", towards=1.0, size=_size(page))
     return page
 
 
@@ -130,7 +131,7 @@ def _system(drawing: Drawing, look: Look, axles: Sequence[str], *, wheels: bool)
     floor = _STRUT + (_TYRE + 0.02 if wheels else 0.012)
     several = len(axles) > 1
     whole = several and wheels  # with the centre of gravity of the body, and its distances
-    low, high = -0.055 if whole else -0.03, floor + 0.074
+    low, high = -0.06 if whole else -0.03, floor + 0.074
     half = complex(0.5 * places[-1] + 0.09, 0.5 * (high - low))
     page = _page(drawing, Box(complex(0.5 * places[-1], 0.5 * (high + low)), half), look)
     _block(page, complex(places[0] - 0.05, floor), complex(places[-1] + 0.05, floor + 0.03))
@@ -165,12 +166,12 @@ def _centre_of_gravity(page: Page, at: complex, places: Sequence[float]) -> None
     front, centre, rear = places[0], at.real, places[-1]
     dimensions.witness(page, at, complex(centre, -0.03))
     for x in (front, rear):
-        dimensions.witness(page, complex(x, 0.0), complex(x, -0.05))
+        dimensions.witness(page, complex(x, 0.0), complex(x, -0.054))
     for one, other, row, words in (
-        (front, centre, -0.03, "a"), (centre, rear, -0.03, "b"), (front, rear, -0.046, "L")
+        (front, centre, -0.03, "a"), (centre, rear, -0.03, "b"), (front, rear, -0.05, "L")
     ):  # fmt: skip
         dimensions.length(
-            page, complex(one, row), complex(other, row), words, towards=1j, size=_TYPE
+            page, complex(one, row), complex(other, row), words, towards=1j, size=_size(page)
         )
 
 
@@ -218,5 +219,10 @@ def _coordinate(page: Page, foot: complex, label: str) -> None:
     _say(page, foot + complex(0.014, 0.012), letter + typeset(f"x{index}")[1:])
 
 
+def _size(page: Page) -> float:
+    """Return the size of letters, em, for which there is room between the parts."""
+    return min(_TYPE, max(_SMALLEST, _ROOM / page.em))
+
+
 def _say(page: Page, centre: complex, text: str) -> None:
-    page.write_if_free(Text("axis", text, centre, _TYPE))
+    page.write_if_free(Text("axis", text, centre, _size(page)))

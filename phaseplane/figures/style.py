@@ -36,6 +36,8 @@ COLOURS = (BLUE, ORANGE, GREEN, VIOLET, RED, TEAL, PINK, OCHRE)
 DASHES = ("-", "--", "-.", ":")
 """Of curves over one another, and of black ones."""
 
+_MATHS = {"serif": "dejavuserif", "STIXGeneral": "stix", "cmr10": "cm"}
+"""The type of formulas that goes with a font."""
 _FALLBACK = "DejaVu Sans"  # has the subscripts, primes and bars that other fonts may lack
 
 HEADING = "heading"
@@ -195,6 +197,7 @@ def printed(figure: Figure, look: Look) -> Figure:
     """Return a figure with the type and without the heading, if the look asks for it."""
     for text in figure.findobj(Text) if look.font else ():
         text.set_fontfamily([look.font, _FALLBACK])
+        text.set_math_fontfamily(_MATHS.get(look.font, "dejavusans"))
     for text in headings(figure) if not look.headed else ():
         text.set_visible(False)
     return figure

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -141,30 +142,44 @@ def test_mono_and_fonts(drawing: Drawing) -> None:
     assert len(dashes) >= 5
 
 
-def test_figure_1_names_the_parts_of_the_half_car_and_its_centre_of_gravity() -> None:
+@pytest.mark.parametrize("width", [None, 0.17, 0.085])
+def test_figure_1_names_the_parts_of_the_half_car_and_its_centre_of_gravity(width) -> None:
     """As the text of AP57 section 2 does, which gives the place of S by a, b and L."""
     strut, tyre = (linear(15e3), damper(1800.0, 600.0)), (150e3, 800.0)
     axle = AxleData(30.0, *strut, *tyre, 3000.0, bump(0.05, 1.0, 20.0))
     planes = HalfCarPlanes(270.0, 330.0, 40.0, axle, axle)
     drawing = construct_motion(planes, delta, step=0.0025, steps=8)
-    named = {
-        "M,J",
-        "S",
-        "a",
-        "b",
-        "L",
-        "m₁",
-        "P₁",
-        "T₁",
-        "p₁",
-        "t₁",
-        "x₁₁",
-        "x₁₂",
-        "ξ₁",
-        "m₂",
-        "ξ₂",
-    }
-    assert named <= {re.sub(r"[$\\ ]", "", text) for text in words(figures.figure1(drawing))}
+    named = {"M,J", "S", "a", "b", "L"}
+    named |= {f"{x}{n}" for x in ("m", "P", "T", "p", "t", "ξ") for n in "₁₂"}
+    named |= {"x₁₁", "x₁₂", "x₂₁", "x₂₂"}
+    figure = figures.figure1(drawing, look=Look(width=width))
+    written = {re.sub(r"[$\\ ]", "", text) for text in words(figure)}
+    assert named <= written
+
+
+def test_black_curves_over_time_are_told_apart_by_their_markers(drawing: Drawing) -> None:
+    """Where every point was a dot, no dashes were seen between them."""
+    (axes,) = figures.figure14(drawing, look=Look(mono=True)).axes
+    lines = [line for line in axes.lines if line.get_gid()]
+    styles = {(line.get_marker(), line.get_linestyle()) for line in lines}
+    assert len(styles) == len(lines) == 4
+    assert all(len(line.get_xdata()) < 41 * line.get_markevery() for line in lines)
+
+
+def test_formulas_have_the_type_of_the_figure(drawing: Drawing) -> None:
+    figure = figures.figure7(drawing, look=Look(font="serif"))
+    assert {text.get_math_fontfamily() for text in figure.findobj(Text)} == {"dejavuserif"}
+
+
+@pytest.mark.parametrize("width", [None, 0.17, 0.085])
+def test_captions_of_a_storyboard_are_below_their_pictures(width, drawing: Drawing) -> None:
+    figure = figures.storyboard(drawing, 8, look=Look(width=width))
+    renderer = figure.canvas.get_renderer()
+    captions = [t.get_window_extent(renderer) for t in figure.texts if t.get_text()]
+    pictures = [axes.get_window_extent(renderer) for axes in figure.axes]
+    assert len(pictures) == 9
+    assert not any(one.overlaps(other) for one in captions for other in pictures)
+    assert not any(one.overlaps(other) for one, other in combinations(captions, 2))
 
 
 def test_figure_6_names_the_parts_of_the_quarter_car(drawing: Drawing) -> None:

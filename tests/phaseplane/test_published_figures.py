@@ -267,5 +267,5 @@ def test_figure_7_shows_a_suspension_that_moves() -> None:
 
 @pytest.mark.parametrize("draw", [figures.figure14, figures.figure15, figures.figure16])
 def test_motions_of_a_wheel_are_not_read_off_other_planes(draw, half_car: Drawing) -> None:
-    with pytest.raises(ValueError, match="of body, wheel.*try the scene ap57_figure13"):
+    with pytest.raises(ValueError, match=r"of body, wheel.*try the scene ap57_figure13"):
         draw(half_car)
