@@ -22,6 +22,7 @@ from phaseplane.picture.views import frame_at, gathered, view_of
 
 _MANY = 20  # steps with all auxiliary lines
 _MOVED = 0.02  # of the largest distance from the start: a motion that is seen
+_ROOMY = 80.0  # em: width of a sheet on which every point may be numbered
 _NUMBERED = 80  # points beyond those with auxiliary lines, at the most
 
 
@@ -102,13 +103,15 @@ def construction_sheet(
     draw_missed(page)
     mark_events(page)
     later = drawing.frames[wanted[-1] + 1 :] if through else []
-    apart = ceil(len(later) / _NUMBERED)
-    write_numbers(page, [*chosen, *later[:: max(1, apart)]])
+    near = max(1, ceil(_ROOMY * page.em / (2.0 * page.view.half.real)))
+    apart = max(near, ceil(len(later) / _NUMBERED))
+    every = (apart if later else near) == 1
+    write_numbers(page, [*chosen[::near], *later[::apart]], end=every)
     last, end = chosen[-1].step + 1, drawing.frames[-1].step + 1
     words = f"Points {chosen[0].step} to {last} with all auxiliary lines"
     if later:
         words += f", {last + 1} to {end} along the curves"
-    if apart > 1:
+    if not every:
         words += f", one in {apart} numbered"
     return page, f"{typeset(drawing.title)}\n{words}"
 

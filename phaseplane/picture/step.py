@@ -128,15 +128,20 @@ def event_pages(page: Page) -> dict[int, Page]:
     return found
 
 
-def write_numbers(page: Page, frames: Sequence[Frame]) -> None:
-    """Write the numbers of the state points, up to the successors of the last step.
+def write_numbers(page: Page, frames: Sequence[Frame], *, end: bool = True) -> None:
+    """Write the numbers of the state points.
 
     Points that cannot be told apart, as those of a motion that has not begun, share a text.
+
+    Parameters
+    ----------
+    end : whether the successors of the last step are numbered, too
     """
     last = frames[-1]
     for plane in page.drawing.planes:
         points = [(frame.points[plane.state], frame.step) for frame in frames]
-        points.append((last.points[plane.state + "'"], last.step + 1))
+        if end:
+            points.append((last.points[plane.state + "'"], last.step + 1))
         runs = [[points[0]]]
         for at in points[1:]:
             if abs(at[0] - runs[-1][0][0]) < SEEN:

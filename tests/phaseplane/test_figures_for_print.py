@@ -166,6 +166,16 @@ def test_black_curves_over_time_are_told_apart_by_their_markers(drawing: Drawing
     assert all(len(line.get_xdata()) < 41 * line.get_markevery() for line in lines)
 
 
+def test_a_narrow_sheet_numbers_some_of_its_points(drawing: Drawing) -> None:
+    numbers = {}
+    for width in (0.3, 0.085):
+        written = words(figures.construction_sheet(drawing, look=Look(width=width)))
+        numbers[width] = sorted(int(text) for text in written if re.fullmatch(r"\d+", text))
+    assert set(range(21)) <= {*numbers[0.3]}
+    assert {0, 4, 8, 12, 16} <= {*numbers[0.085]}
+    assert not {7, 11, 13, 17, 19} & {*numbers[0.085]}
+
+
 def test_formulas_have_the_type_of_the_figure(drawing: Drawing) -> None:
     figure = figures.figure7(drawing, look=Look(font="serif"))
     assert {text.get_math_fontfamily() for text in figure.findobj(Text)} == {"dejavuserif"}
