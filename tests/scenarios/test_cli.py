@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 from click import Command, Context
 from click.testing import CliRunner, Result
+from command_line import BARE, settings
 from fmpy.util import read_csv
 from hosting import HANGS, started, wait_until
 from phaseplane.scenarios import commands
@@ -27,8 +28,9 @@ from phaseplane.scenarios.simulate.driver import Drive, OpenFmu
 from phaseplane.suspension.models import FILES
 
 ROOT = Path(__file__).parents[2]
-BARE = ("--set", "show.figures=[]", "--set", "show.recording=false")
 NATIVE = ("build", "--native", "-o", "full")
+HISTORIES = ("show.figures=['time_histories']", "show.recording=false")
+DIVERGING = ("spring.cubic=-1e9", "road.height=0.3")
 
 
 def phaseplane(*arguments: str) -> Result:
@@ -39,6 +41,11 @@ def phaseplane(*arguments: str) -> Result:
     assert len(lines) == (result.exit_code != 0), result.stderr
     assert all(line.startswith("phaseplane: ") for line in lines)
     return result
+
+
+def ap57_of(fmu: Path, *given: str) -> tuple[str, ...]:
+    """To run ap57 through this FMU, with some keys set."""
+    return "run", "ap57", *settings(f"fmu={fmu}", *given)
 
 
 PATHS = {"PYTHONPATH": os.pathsep.join([str(ROOT / "fmu_src"), str(ROOT)])}
@@ -127,30 +134,24 @@ def test_run_tells_the_figures_that_matter(ap57: tuple[Path, str]) -> None:
 
 
 def test_run_again_replaces_the_folder(fmu: Path) -> None:
-    run = ("run", "ap57", "--set", f"fmu={fmu}", "--set", "show.recording=false", "-o", "here")
-    assert phaseplane(*run, "--set", "show.figures=['time_histories']").exit_code == 0
+    run = (*ap57_of(fmu, "show.recording=false"), "-o", "here")
+    assert phaseplane(*run, *settings("show.figures=['time_histories']")).exit_code == 0
     assert Path("here", "time_histories.png").exists()
-    assert phaseplane(*run, "--set", "show.figures=[]").exit_code == 0
+    assert phaseplane(*run, *settings("show.figures=[]")).exit_code == 0
     assert sorted(os.listdir("here")) == ["results.csv", "summary.json"]
     assert os.listdir() == ["here"]
 
 
 def test_json_is_the_summary_as_written(fmu: Path) -> None:
-    result = phaseplane("run", "ap57_figure13", "--set", f"fmu={fmu}", *BARE, "--json")
+    result = phaseplane("run", "ap57_figure13", *settings(f"fmu={fmu}"), *BARE, "--json")
     summary = json.loads(result.stdout)
     assert summary == json.loads(Path("out/ap57_figure13/summary.json").read_text("utf-8"))
     assert summary["measures"]["lift_off_count"]["value"] == 0
 
 
 def test_figure_13_is_drawn(fmu: Path) -> None:
-    result = phaseplane(
-        "run",
-        "ap57_figure13",
-        "--set",
-        f"fmu={fmu}",
-        "--set",
-        "show.figures=['construction_sheet']",
-    )
+    drawn = settings(f"fmu={fmu}", "show.figures=['construction_sheet']")
+    result = phaseplane("run", "ap57_figure13", *drawn)
     assert result.exit_code == 0
     assert Path("out/ap57_figure13/construction_sheet.png").stat().st_size > 10_000
 
@@ -159,9 +160,7 @@ def test_figure_13_is_drawn(fmu: Path) -> None:
 
 
 def test_an_expectation_that_fails(fmu: Path) -> None:
-    result = phaseplane(
-        "run", "ap57", "--set", f"fmu={fmu}", *BARE, "--set", "expect.lift_off_count=2"
-    )
+    result = phaseplane(*ap57_of(fmu, "expect.lift_off_count=2"), *BARE)
     assert result.exit_code == 1
     assert result.stderr == "phaseplane: ap57: lift_off_count = 1, expected 2\n"
     assert "3 of 4 hold" in result.stdout
@@ -169,7 +168,7 @@ def test_an_expectation_that_fails(fmu: Path) -> None:
 
 
 def test_what_a_scene_expects_is_checked_when_it_is_changed(fmu: Path) -> None:
-    changed = ("run", "ap57", "--set", f"fmu={fmu}", *BARE, "--set", "road.height=1 cm")
+    changed = (*ap57_of(fmu, "road.height=1 cm"), *BARE)
     result = phaseplane(*changed)
     assert result.exit_code == 1
     assert "lift_off_count = 0, expected 1" in result.stdout
@@ -177,15 +176,13 @@ def test_what_a_scene_expects_is_checked_when_it_is_changed(fmu: Path) -> None:
     unchecked = phaseplane(*changed, "--no-expect")
     assert unchecked.exit_code == 0
     assert "not checked: lift_off_count, first_lift_off" in unchecked.stdout
-    own = phaseplane(*changed, "--no-expect", "--set", "expect.lift_off_count=0")
+    own = phaseplane(*changed, "--no-expect", *settings("expect.lift_off_count=0"))
     assert own.exit_code == 0
     assert "1 of 1 hold" in own.stdout
 
 
 def test_what_has_no_effect_is_said_once(fmu: Path) -> None:
-    result = CliRunner().invoke(
-        main, ["run", "ap57", "--set", f"fmu={fmu}", *BARE, "--set", "road.class=F", "--json"]
-    )
+    result = CliRunner().invoke(main, [*ap57_of(fmu, "road.class=F"), *BARE, "--json"])
     assert result.exit_code == 0
     words = "road.class has no effect on the motion: road.shape is bump"
     assert result.stderr == f"phaseplane: warning: {words}\n"
@@ -194,10 +191,7 @@ def test_what_has_no_effect_is_said_once(fmu: Path) -> None:
 
 
 def test_a_diverging_run(fmu: Path) -> None:
-    result = phaseplane(
-        "run", "ap57", "--set", f"fmu={fmu}", "--set", "show.figures=['time_histories']",
-        "--set", "show.recording=false", "--set", "spring.cubic=-1e9", "--set", "road.height=0.3",
-    )  # fmt: skip
+    result = phaseplane(*ap57_of(fmu, *HISTORIES, *DIVERGING))
     assert result.exit_code == 1
     assert "stopped after 0.018 s of 1 s" in result.stderr
     assert "diverged at 0.018" in result.stderr
@@ -206,10 +200,7 @@ def test_a_diverging_run(fmu: Path) -> None:
 
 
 def test_a_construction_that_leaves_the_sheet_costs_only_itself(fmu: Path) -> None:
-    result = phaseplane(
-        "run", "ap57", "--set", f"fmu={fmu}", "--set", "spring.cubic=-1e9", "--set",
-        "road.height=0.3", "--set", "show.figures=[]", "--json",
-    )  # fmt: skip
+    result = phaseplane(*ap57_of(fmu, *DIVERGING, "show.figures=[]"), "--json")
     assert result.exit_code == 1
     summary = json.loads(result.stdout)
     assert "cannot be drawn" in summary["problems"][0]
@@ -217,9 +208,7 @@ def test_a_construction_that_leaves_the_sheet_costs_only_itself(fmu: Path) -> No
 
 
 def test_a_construction_step_too_long_costs_only_the_drawing(fmu: Path) -> None:
-    result = phaseplane(
-        "run", "ap57", "--set", f"fmu={fmu}", "--set", "construction.step=1 s", "--json",
-    )  # fmt: skip
+    result = phaseplane(*ap57_of(fmu, "construction.step=1 s"), "--json")
     assert result.exit_code == 1
     summary = json.loads(result.stdout)
     assert "at most a right angle" in summary["problems"][0]
@@ -232,10 +221,7 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         raise ZeroDivisionError("a bug")
 
     monkeypatch.setattr("phaseplane.figures.time_histories", fail)
-    result = phaseplane(
-        "run", "ap57", "--set", f"fmu={fmu}", "--set", "show.figures=['time_histories']",
-        "--set", "show.recording=false",
-    )  # fmt: skip
+    result = phaseplane(*ap57_of(fmu, *HISTORIES))
     assert result.exit_code == 1
     assert "time_histories.png was not drawn: a bug" in result.stderr
     assert Path("out/ap57/results.csv").exists()
@@ -408,13 +394,13 @@ def test_build_packs_what_runs() -> None:
     again = phaseplane("build", "OneDof", "-o", "fmus", "--ssp", "--json")
     kinds = {Path(file).suffix for file in json.loads(again.stdout)["files"]}
     assert kinds == {".fmu", ".csv", ".opt", ".txt", ".ssp"}
-    told = phaseplane("run", "ap57", "--set", "fmu=fmus/QuarterCar.fmu", *BARE).stdout
+    told = phaseplane(*ap57_of(Path("fmus/QuarterCar.fmu")), *BARE).stdout
     assert f"from {Path('fmus', 'QuarterCar.fmu')}" in told
     for given, words in (
         ('spring.table="0:1, 1:2"', "must pass through 0:0"),
         ("unsprung_mass=-3", "unsprung_mass = -3: must be greater than 0"),
     ):  # a packed model of ours checks what it is given as the model itself does
-        refused = phaseplane("run", "ap57", "--set", "fmu=fmus/QuarterCar.fmu", "--set", given)
+        refused = phaseplane(*ap57_of(Path("fmus/QuarterCar.fmu"), given))
         assert refused.exit_code == 2
         assert words in refused.stderr
 
@@ -423,7 +409,7 @@ def test_build_packs_what_runs() -> None:
 def test_what_is_terminated_leaves_nothing_behind(tmp_path: Path) -> None:
     scratch = tmp_path / "scratch"
     scratch.mkdir()
-    arguments = ["run", "ap57", *BARE, "--set", "duration=4000 s", "--realtime"]
+    arguments = ["run", "ap57", *BARE, *settings("duration=4000 s"), "--realtime"]
     command = [sys.executable, "-m", "phaseplane", *arguments]
     with started(command, {**PATHS, "TMPDIR": str(scratch)}) as running:
         wait_until(lambda: list(scratch.glob("phaseplane-*")), running)

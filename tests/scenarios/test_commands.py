@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow
 import pytest
-from command_line import phaseplane
+from command_line import BARE, phaseplane, settings
 from phaseplane.scenarios import draw
 from phaseplane.scenarios.commands.guide import json_schema
 from phaseplane.scenarios.design.files import FitFile, OptimumFile, SearchOfFit, SearchOfOptimum
@@ -67,10 +67,8 @@ def test_show_tells_and_draws_what_is_in_a_table(tables: Path) -> None:
 
 
 def test_show_reports_a_run(fmu: Path, tables: Path) -> None:
-    bare = ("--set", "show.figures=[]", "--set", "show.recording=false")
-    ran = phaseplane(
-        "run", "ap57", "--set", f"fmu={fmu}", *bare, "--set", "show.table=r.mat"
-    ).stdout
+    given = settings(f"fmu={fmu}", "show.table=r.mat")
+    ran = phaseplane("run", "ap57", *given, *BARE).stdout
     shown = phaseplane("show", "out/ap57").stdout
     assert ran.splitlines()[:12] == shown.splitlines()[:12]
     assert "body_displacement" in shown

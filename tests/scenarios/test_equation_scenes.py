@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import phaseplane
+from command_line import BARE, phaseplane, settings
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw import portraits
 from phaseplane.scenarios.draw.constructions import draw_construction
@@ -196,8 +196,7 @@ def test_another_equation_takes_the_title_away_and_keeps_a_new_one() -> None:
 
 
 def test_another_equation_is_not_judged_by_the_expectations_of_the_old_one() -> None:
-    quick = ["--set", "duration=1 s", "--set", "show.recording=false", "--set", "show.figures=[]"]
-    ran = phaseplane("run", "van_der_pol", *quick, "--set", "equation=x")
+    ran = phaseplane("run", "van_der_pol", *settings("duration=1 s", "equation=x"), *BARE)
     assert ran.exit_code == 0
     assert "not checked: peak.displacement" in ran.stdout
     own = load_scene("van_der_pol", ["equation=x", "expect.peak.displacement.max=3"])
@@ -219,7 +218,7 @@ def test_of_several_starts_the_one_that_runs_away_is_named(tmp_path: Path) -> No
 
 
 def test_a_construction_at_rest_is_one_step(tmp_path: Path) -> None:
-    still = ["--set", "equation=x + 0.3*sign(v)", "--set", "displacement_start=0.1"]
+    still = settings("equation=x + 0.3*sign(v)", "displacement_start=0.1")
     told = phaseplane("replay", "van_der_pol", *still, "--figure", str(tmp_path / "rest.png"))
     assert told.exit_code == 0, told.stderr
     assert ": 1 step in " in told.stdout

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 from click.testing import Result
-from command_line import phaseplane
+from command_line import phaseplane, settings
 from hosting import HANGS
 from phaseplane.scenarios.commands import console
 from phaseplane.scenarios.draw import pictures
@@ -33,7 +33,7 @@ def run(fmu: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
         with monkeypatch.context() as patch:
             if draw is not None:
                 patch.setattr(pictures, "draw", lambda name, path, **_: draw(name, path))
-            bare = ("--set", f"fmu={fmu}", "--set", "show.recording=false", "--set", FIGURES)
+            bare = settings(f"fmu={fmu}", "show.recording=false", FIGURES)
             return phaseplane("run", "ap57", *bare, *more)
 
     return go
@@ -124,7 +124,7 @@ def test_an_interrupted_process_says_so_and_ends_with_its_status(fmu: Path) -> N
         "from phaseplane.scenarios.cli import main\n"
         "main()"
     )
-    arguments = ["run", "ap57", "--set", f"fmu={fmu}", "--set", FIGURES]
+    arguments = ["run", "ap57", *settings(f"fmu={fmu}", FIGURES)]
     with subprocess.Popen(
         [sys.executable, "-P", "-c", code, *arguments],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,

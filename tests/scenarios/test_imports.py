@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_line import BARE
 from phaseplane.scenarios.cli import COMMANDS
 
 HEAVY = (
@@ -28,7 +29,6 @@ except SystemExit as end:
     print(*sys.modules, file=sys.stderr)
     sys.exit(end.code)
 """
-BARE = ("--set", "show.figures=[]", "--set", "show.recording=false")
 SCENE = {"numpy", "phaseplane.suspension"}
 ENGINE = "phaseplane.suspension.engine"  # also for the dense solution that measures are taken from
 RUN = {*SCENE, ENGINE, "fmpy", "pythonfmu"}

@@ -16,7 +16,7 @@ from types import SimpleNamespace
 from urllib.request import urlopen
 
 import pytest
-from command_line import phaseplane
+from command_line import BARE, phaseplane
 from fmpy.model_description import ScalarVariable, SimpleType
 from fmpy.util import read_csv
 from hosting import HANGS, started, wait_until
@@ -33,7 +33,6 @@ from phaseplane.recording import Content, live, serving
 
 ROOT = Path(__file__).parents[2]
 PATH = os.pathsep.join([str(ROOT / "fmu_src"), str(ROOT)])
-BARE = ("--set", "show.figures=[]", "--set", "show.recording=false")
 DEFLECTION = "suspension_deflection"
 PAIR = f"{DEFLECTION},{DEFLECTION}_rate"
 
@@ -46,9 +45,6 @@ def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def entities(path: Path) -> set[str]:
     return {chunk.entity_path for chunk in RrdReader(path).stream() if not chunk.is_static}
-
-
-QUIET = ["--set", "show.figures=[]", "--set", "show.recording=false"]
 
 
 @pytest.mark.slow
@@ -266,6 +262,6 @@ def test_units_of_declared_types_are_known() -> None:
 
 
 def test_a_saved_recording_is_told() -> None:
-    result = phaseplane("run", "ap57", "--save", "x.rrd", "--json", *QUIET)
+    result = phaseplane("run", "ap57", "--save", "x.rrd", "--json", *BARE)
     assert result.exit_code == 0, result.stderr
     assert json.loads(result.stdout)["saved"] == "x.rrd"

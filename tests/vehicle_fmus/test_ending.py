@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from command_line import BARE, settings
 from fmpy import extract, read_model_description
 from hosting import MASTERS, compiled, fence, hosted, libpython
 from phaseplane.scenarios.simulate.fmu_cache import FOLDER_VARIABLE
@@ -145,7 +146,6 @@ def test_valgrind_finds_no_invalid_access(
 # -- as it is used -----------------------------------------------------------------------------------
 
 COMMAND = [sys.executable, "-P", "-m", "phaseplane", "run", "ap57"]
-BARE = ["--set", "show.figures=[]", "--set", "show.recording=false"]
 
 
 @pytest.mark.slow
@@ -153,8 +153,7 @@ BARE = ["--set", "show.figures=[]", "--set", "show.recording=false"]
 def test_a_scene_whose_fmu_is_not_mended(
     lift_offs: int, meant: int, fenced: Path, unmended: Path, tmp_path: Path
 ) -> None:
-    settings = [f"fmu={unmended}", f"expect.lift_off_count={lift_offs}"]
-    given = [argument for setting in settings for argument in ("--set", setting)]
+    given = settings(f"fmu={unmended}", f"expect.lift_off_count={lift_offs}")
     status, said = hosted(
         [*COMMAND, *BARE, *given, "-o", tmp_path / "out"], {"LD_PRELOAD": str(fenced)}
     )
