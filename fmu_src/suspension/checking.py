@@ -26,17 +26,6 @@ from .systems import Element, System
 _CLOSE = 1e-5  # relative difference that counts as agreement with a difference quotient
 
 
-def raise_if_any(findings: Sequence[str]) -> None:
-    """Raise findings as an error.
-
-    Raises
-    ------
-    ValueError : there are findings; the message lists them, one per line.
-    """
-    if findings:
-        raise ValueError("\n".join(findings))
-
-
 def check_system(system: System) -> list[str]:
     """Return the errors found in a system, one sentence each.
 

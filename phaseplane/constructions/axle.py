@@ -111,7 +111,10 @@ class Axle:
 
     @cached_property
     def lines(self) -> Lines:
-        """Lines I and II: weight kappa of plane 2 in plane 1, and c1 / c2 of plane 1 in plane 2."""
+        """Lines I and II: weight kappa of plane 2 in plane 1, and c1 / c2 of plane 1 in plane 2.
+
+        From the y2 axis they divide l in the ratios r : c2/c1 and r : kappa, r = b / a (AP57 section 4).
+        """
         a, b = self.place.scales
         return Lines.between(
             *self.place.heights, b / a, self.coupling, self.strut.rate / self.tyre.rate

@@ -27,7 +27,7 @@ class _InFlight(QuarterCarPlanes):
 
     def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
         """Return x2 - x2st, m."""
-        return (self.axle.wheel.displacement(states[1]) - self.static_tyre_deflection,)
+        return (self.axle.wheel.displacement(states[1]) - self.axle.static_tyre_deflection,)
 
 
 def shortcut_flights(

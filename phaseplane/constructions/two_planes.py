@@ -146,29 +146,6 @@ class QuarterCarPlanes(Construction):
             friction=self.friction,
         )
 
-    @property
-    def angular_frequencies(self) -> tuple[float, float]:
-        """Omega1^2 = c1 (1/M + 1/m), Omega2^2 = c2 / m, rad/s (AP57 eqs. 16 and 17)."""
-        return self.axle.angular_frequencies
-
-    @property
-    def coupling(self) -> float:
-        """kappa = (c2 / c1) M / (M + m), the weight of plane 2 in plane 1 (AP57 eq. 18)."""
-        return self.axle.coupling
-
-    @property
-    def line_distances(self) -> tuple[float, float]:
-        """Distances of lines I and II from the y1 axis, m of paper (AP57 section 4).
-
-        They divide l in the ratios r : c2/c1 and r : kappa from the y2 axis, r = b / a.
-        """
-        return self.axle.lines.distances
-
-    @property
-    def static_tyre_deflection(self) -> float:
-        """x2st = (M + m) g / c2, m (AP57 eq. 27)."""
-        return self.axle.static_tyre_deflection
-
     # The sheet.
 
     @cached_property

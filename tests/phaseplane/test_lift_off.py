@@ -196,7 +196,7 @@ def test_at_v_the_tyre_has_its_free_length_and_its_damper_presses_at_once(rule):
     lift_off, touchdown = (frame for frame in drawing if frame.event)
     assert abs(lift_off.readings["contact_force"]) < 1e-9
     read = touchdown.readings
-    assert read["wheel_displacement"] == pytest.approx(car.static_tyre_deflection, abs=1e-12)
+    assert read["wheel_displacement"] == pytest.approx(car.axle.static_tyre_deflection, abs=1e-12)
     assert read["contact_force"] == pytest.approx(-100.0 * KGF * read["wheel_velocity"], rel=1e-9)
     assert read["contact_force"] > 1000.0
 
@@ -259,7 +259,7 @@ def test_the_shortcut_ends_the_flight_later():
         last = flight[-1]
         assert last.time + last.duration == pytest.approx(0.0719526, abs=tolerance)
         height = ap57().axle.wheel.displacement(last.points["P2'"])
-        assert height == pytest.approx(ap57().static_tyre_deflection, abs=1e-12)
+        assert height == pytest.approx(ap57().axle.static_tyre_deflection, abs=1e-12)
         touchdown = next(f.time for f in drawing if f.event == "touchdown")
         assert touchdown < last.time
 
@@ -274,7 +274,7 @@ def test_the_shortcut_is_drawn_beside_the_march_and_changes_nothing():
     lift_off = next(f for f in drawing if f.event == "lift_off")
     assert curves[0].vertices[0] == lift_off.points["P1"]
     assert curves[1].vertices[-1].real == pytest.approx(
-        car.planes[1].displacement.at(car.static_tyre_deflection).real
+        car.planes[1].displacement.at(car.axle.static_tyre_deflection).real
     )
     with pytest.raises(ValueError, match="for quarter cars with linear tyres"):
         with_shortcuts(drawing, OneDofPlane(1.0, linear(1.0), linear(0.0)))

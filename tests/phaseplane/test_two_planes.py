@@ -37,17 +37,17 @@ def without_lift_off() -> np.ndarray:
 
 def test_published_constants():
     car = ap57()
-    one, two = car.angular_frequencies
+    one, two = car.axle.angular_frequencies
     assert one == pytest.approx(23.452, abs=5e-4)
     assert two == pytest.approx(70.7107, abs=5e-5)
     # the paper truncates its second turn angle
     assert STEP * one == pytest.approx(0.05863, abs=5e-6)
     assert STEP * two == pytest.approx(0.17677, abs=1e-5)
-    assert car.line_distances == pytest.approx((0.20, 0.19608), abs=5e-6)
+    assert car.axle.lines.distances == pytest.approx((0.20, 0.19608), abs=5e-6)
     assert car.axle.tyre_ratio == pytest.approx(0.471, abs=5e-4)
-    assert car.coupling == pytest.approx(1.0 / 0.11)
+    assert car.axle.coupling == pytest.approx(1.0 / 0.11)
     assert car.axle.strut.rate / car.tyre_stiffness == pytest.approx(1.0 / 10.0)
-    assert car.static_tyre_deflection == pytest.approx(0.02157, abs=5e-6)
+    assert car.axle.static_tyre_deflection == pytest.approx(0.02157, abs=5e-6)
 
 
 @given(st.floats(0.0, 0.05))
@@ -141,7 +141,7 @@ def test_points_lie_on_the_lines_that_give_them(car, window):
     assert on_one_line("A1*", "C2", "B2")
     assert on_one_line("Q1", "C1", "D2")
     assert on_one_line("Q2", "C2", "D1")
-    first, second = car.line_distances
+    first, second = car.axle.lines.distances
     assert points["C1"].imag == -first
     assert points["C2"].imag == -second
     assert 0.0 < second < first < car.plane_distance
@@ -155,7 +155,7 @@ def test_readings_balance_the_forces(car):
         y, v = read["suspension_deflection"], read["suspension_deflection_rate"]
         force = car.damper.force(v) + car.spring.force(y)
         tyre = (car.sprung_mass + car.unsprung_mass) * car.gravity - read["contact_force"]
-        size = 1e-8 * (abs(force) + abs(tyre) + 1e3) * max(1.0, car.coupling)
+        size = 1e-8 * (abs(force) + abs(tyre) + 1e3) * max(1.0, car.axle.coupling)
         assert abs(car.sprung_mass * read["body_acceleration"] + force) < size * 10.0
         assert abs(car.unsprung_mass * read["wheel_acceleration"] - force + tyre) < size
         # the control (25) is the acceleration of the body by another way
@@ -313,7 +313,7 @@ def test_what_cannot_be_drawn_is_refused(changes, message):
 
 
 def test_without_lift_off_weight_may_be_absent():
-    assert replace(ap57(), gravity=0.0, lift_off=False).static_tyre_deflection == 0.0
+    assert replace(ap57(), gravity=0.0, lift_off=False).axle.static_tyre_deflection == 0.0
 
 
 # The mean of the road over a step.
@@ -392,10 +392,10 @@ def test_projection_gives_the_feet_of_the_formulas_for_any_tyre(car, window):
         acceleration = change / window.duration
     else:
         acceleration = one.road.acceleration(window.start)
-    first = force / c1 - one.coupling * bracket
+    first = force / c1 - one.axle.coupling * bracket
     second = bracket - force / c2 + acceleration * one.unsprung_mass / c2
     size = max(abs(p) for p in points.values()) * (1.0 + a / b + b / a)
-    tolerance = 1e-10 * (size + a * one.coupling * abs(bracket) + b)
+    tolerance = 1e-10 * (size + a * one.axle.coupling * abs(bracket) + b)
     assert abs((points["Q1"] - points["D1"]).real - a * first) < tolerance
     assert abs((points["H2"] - points["Q2"]).real - b * second) < tolerance
     assert "B2" not in points

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+import re
 from dataclasses import dataclass, replace
 from math import inf, nan
 
@@ -10,7 +11,7 @@ import pytest
 from phaseplane.suspension import characteristics as law
 from phaseplane.suspension import checking, roads
 from phaseplane.suspension.characteristics import Characteristic, Piece
-from phaseplane.suspension.checking import check_characteristic, check_system, raise_if_any
+from phaseplane.suspension.checking import check_characteristic, check_system
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import Axle, Element, Motion, System, damper_family
 from phaseplane.suspension.variables import MODELS
@@ -83,8 +84,7 @@ def test_a_fake_without_faults_passes() -> None:
 )
 def test_each_fault_of_a_characteristic_is_told(wrong: str, sentence: str) -> None:
     findings = check_characteristic(Fake(law.linear(100.0).pieces, wrong), "mine")
-    with pytest.raises(ValueError, match=sentence):
-        raise_if_any(findings)
+    assert any(re.search(sentence, finding) for finding in findings)
     assert all(finding.startswith("mine: ") for finding in findings)
 
 
