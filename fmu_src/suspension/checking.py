@@ -58,21 +58,18 @@ def check_numbers(system: System) -> list[str]:
     return findings or [*_tangent_at_rest(system)]
 
 
-def check_characteristic(
-    law: Characteristic, name: str = "characteristic", reach: float | None = None
-) -> list[str]:
+def check_characteristic(law: Characteristic, name: str = "characteristic") -> list[str]:
     """Return the errors found in a characteristic, one sentence each.
 
     Checks that forces are finite, and continuous at the corners; that the tangent agrees with
     differences of the force, and the potential with its work; that no corner is missing from
-    `corners`; and that the pieces, which the integrator evaluates, give the same force.
+    `corners`; and that the pieces, which the integrator evaluates, give the same force. It looks at
+    both sides of zero, up to twice the farthest corner and at least to 0.2.
 
     Parameters
     ----------
     law : any object with `force`, `tangent`, `potential`, `corners` and `pieces`
     name : its name in the sentences
-    reach : range to check on both sides of zero, m or m/s; by default twice the farthest corner, at
-        least 0.2
     """
     wanted = ("force", "tangent", "potential", "corners", "pieces")
     if missing := [part for part in wanted if not hasattr(law, part)]:
@@ -81,8 +78,8 @@ def check_characteristic(
     if order:
         return order
     corners = tuple(law.corners)
-    reach = reach or max([0.1, *map(abs, corners)]) * 2.0
-    stretches = list(pairwise((-reach, *(c for c in corners if abs(c) < reach), reach)))
+    reach = max([0.1, *map(abs, corners)]) * 2.0
+    stretches = list(pairwise((-reach, *corners, reach)))
     points = [a + (b - a) * f for a, b in stretches for f in (0.03, 0.31, 0.5, 0.77, 0.97)]
     values = [law.force(x) for x in points]
     for x, value in zip(points, values, strict=True):

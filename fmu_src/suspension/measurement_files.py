@@ -39,9 +39,8 @@ def read_columns(
     *,
     delimiter: str = ",",
     decimal: str = ".",
-    ascending: bool = True,
 ) -> list[list[float]]:
-    """Read columns of a CSV file with a heading, in SI units.
+    """Read columns of a CSV file with a heading, in SI units; the first must ascend from row to row.
 
     Lines that begin with # are skipped. The row below the heading may give the units.
 
@@ -51,7 +50,6 @@ def read_columns(
     wanted : the columns
     delimiter : separator of the columns
     decimal : "." or ",", but not the delimiter
-    ascending : whether the first column must ascend from row to row
 
     Raises
     ------
@@ -87,7 +85,7 @@ def read_columns(
                     + column.offset
                     for column, cell, scale in zip(wanted, cells, scales, strict=True)
                 ]
-                if ascending and columns[0] and not columns[0][-1] < values[0]:
+                if columns[0] and not columns[0][-1] < values[0]:
                     raise ValueError(
                         f"{name}, line {line}: {wanted[0].heading!r} must ascend from row to row"
                     )

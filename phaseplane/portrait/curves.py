@@ -16,28 +16,28 @@ from phaseplane.portrait.system import Grid, PhaseSystem, Window
 Curves = list[Grid]
 """Polylines of shape (points, 2): x and x'."""
 
+_POINTS, _OF_SWITCHES, _OF_ENERGY = 300, 120, 401  # along each side of the window
+_LEVELS = 12  # of energy over the window
 _CLOSE = 0.05  # of a cell
 _JUMP = 1e-9  # of both sides: less is rounding
 _IN_WELLS = 3  # levels in each well below its lower rim
 
 
-def nullcline(system: PhaseSystem, window: Window, resolution: int = 300) -> Curves:
+def nullcline(system: PhaseSystem, window: Window) -> Curves:
     """Return the curves x'' = 0: f(x', x, 0) = 0. The other nullcline, x' = 0, is the x axis."""
-    return isocline(system, window, 0.0, resolution)
+    return isocline(system, window, 0.0)
 
 
-def isocline(system: PhaseSystem, window: Window, slope: float, resolution: int = 300) -> Curves:
+def isocline(system: PhaseSystem, window: Window, slope: float) -> Curves:
     """Return the curves of equal slope dx'/dx = -f / x': f + slope x' = 0 (AP57 section 3)."""
-    return isoclines(system, window, [slope], resolution)[0]
+    return isoclines(system, window, [slope])[0]
 
 
-def isoclines(
-    system: PhaseSystem, window: Window, slopes: Sequence[float], resolution: int = 300
-) -> list[Curves]:
+def isoclines(system: PhaseSystem, window: Window, slopes: Sequence[float]) -> list[Curves]:
     """Return the isoclines of several slopes."""
-    x, v = window.grid(resolution, resolution)
+    x, v = window.grid(_POINTS, _POINTS)
     forces = system.forces(x, v)
-    cell = np.array([window.width, window.height]) / (resolution - 1)
+    cell = np.array([window.width, window.height]) / (_POINTS - 1)
     return [
         [
             part
@@ -79,12 +79,12 @@ def _parts(line: Grid, good: npt.NDArray[np.bool_]) -> list[Grid]:
     ]
 
 
-def switch_lines(system: PhaseSystem, window: Window, resolution: int = 120) -> Curves:
+def switch_lines(system: PhaseSystem, window: Window) -> Curves:
     """Return the lines on which f jumps, at time 0."""
     switching = system.switching
     if switching is None or not switching.jumps:
         return []
-    x, v = window.grid(resolution, resolution)
+    x, v = window.grid(_OF_SWITCHES, _OF_SWITCHES)
     found: Curves = []
     for k, guard in enumerate(switching.guards):
 
@@ -104,7 +104,7 @@ def switch_lines(system: PhaseSystem, window: Window, resolution: int = 120) -> 
 
 
 def energy_levels(
-    system: PhaseSystem, window: Window, levels: Sequence[float] | int = 12, resolution: int = 401
+    system: PhaseSystem, window: Window, levels: Sequence[float] | int = _LEVELS
 ) -> tuple[Grid, list[Curves]]:
     """Return curves of constant energy x'^2 / 2 + U(x), U' = f(0, x, 0), with min U = 0.
 
@@ -118,7 +118,7 @@ def energy_levels(
     -------
     The energies, and the curves of each.
     """
-    x, v = window.grid(resolution, resolution)
+    x, v = window.grid(_OF_ENERGY, _OF_ENERGY)
     energy = 0.5 * v**2 + potential(system, x[0])
     if isinstance(levels, int):  # evenly spaced in velocity, and so in the plane
         energies = np.linspace(0.0, np.sqrt(np.nanmax(energy)), levels + 2)[1:-1] ** 2
@@ -128,11 +128,7 @@ def energy_levels(
 
 
 def levels_apart(
-    system: PhaseSystem,
-    window: Window,
-    saddles: Sequence[float],
-    levels: Sequence[float],
-    count: int = 12,
+    system: PhaseSystem, window: Window, saddles: Sequence[float], levels: Sequence[float]
 ) -> list[float]:
     """Return given energies and others between them, none close to those of saddles.
 
@@ -140,14 +136,13 @@ def levels_apart(
     ----------
     saddles : their displacements
     levels : energies of curves that are wanted
-    count : number of energies over the window
     """
-    x = np.linspace(window.left, window.right, 401)
+    x = np.linspace(window.left, window.right, _OF_ENERGY)
     places = np.unique(np.concatenate([x, saddles]))
     energy = potential(system, places)
     speeds = [sqrt(e) for e in energy[np.isin(places, saddles)] if np.isfinite(e)]
     most = sqrt(0.5 * max(abs(window.top), abs(window.bottom)) ** 2 + float(np.nanmax(energy)))
-    even = np.linspace(0.0, most, count + 2)[1:-1]
+    even = np.linspace(0.0, most, _LEVELS + 2)[1:-1]
     found: list[float] = []
     for wanted, beside, apart in ((np.sqrt(levels), [], 0.05), (even, speeds, 0.4)):
         for speed in wanted.tolist():

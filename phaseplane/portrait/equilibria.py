@@ -13,6 +13,7 @@ from phaseplane.portrait.returns import turns
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
 from phaseplane.portrait.trajectories import traced
 
+_PARTS = 2000  # into which the window is divided in the search
 _STEP = 1e-6  # of the window's width, for differences
 _SAME = 1e-9  # of the window's width
 _AWAY = 1e-4  # of the window's sides: distance of a separatrix's start from its saddle
@@ -61,29 +62,25 @@ class Equilibrium:
         return " / ".join(dict.fromkeys(self.kinds))
 
 
-def equilibria(system: PhaseSystem, window: Window, resolution: int = 2000) -> list[Equilibrium]:
+def equilibria(system: PhaseSystem, window: Window) -> list[Equilibrium]:
     """Return all equilibria in a window, at time 0: f(0, x, 0) = 0.
 
     Rest is also possible where f jumps at x' = 0 from below zero to above it, as with dry friction.
     Several neighbouring points of either kind make a stretch.
-
-    Parameters
-    ----------
-    resolution : number of parts into which the window is divided in the search
     """
     corners = [c for c in system.corners if window.left <= c <= window.right]
     points = np.unique(
-        np.concatenate([np.linspace(window.left, window.right, resolution + 1), corners])
+        np.concatenate([np.linspace(window.left, window.right, _PARTS + 1), corners])
     )
     found = _stretches(system, window, points)
     width = window.width
+    part = width / _PARTS
     places: list[float] = []
     for x in sorted(_roots(system, points)):
         near = min(corners, key=lambda c: abs(c - x), default=x)
         at = near if abs(near - x) <= _SAME * width else x
         known = places and at - places[-1] <= _SAME * width
-        if not known and not any(s.x - width / resolution <= at <= s.until + width / resolution
-                                 for s in found):  # fmt: skip
+        if not known and not any(s.x - part <= at <= s.until + part for s in found):
             places.append(at)
     steepest = _largest(system.forces(points, 0.0 * points)) / width
     others = np.array(places + [end for s in found for end in (s.x, s.until)])

@@ -155,12 +155,12 @@ def plain(
     return rhs, margin if guards else None
 
 
-def truth(problem: Problem, method: str = "DOP853", tolerance: float = _TOLERANCE) -> Vector:
+def truth(problem: Problem, method: str = "DOP853") -> Vector:
     """Return the displacements of a problem to about twelve digits, (len(times), n), m."""
     equations = Equations(problem.system)
     rhs, margin = plain(equations)
     advance = by_scipy(
-        rhs, margin, method, rtol=tolerance, atol=1e-2 * tolerance, max_step=_LONGEST
+        rhs, margin, method, rtol=_TOLERANCE, atol=1e-2 * _TOLERANCE, max_step=_LONGEST
     )
     return drive(problem, Branches(equations, 0.0, problem.start), advance)
 
