@@ -36,6 +36,7 @@ from phaseplane.constructions.laws import (
     Strut,
     check_contact,
     check_number,
+    check_pairs,
     check_positive,
 )
 from phaseplane.constructions.primitives import Curve, Plane, Scheme
@@ -145,8 +146,7 @@ class HalfCarPlanes(Construction):
         """Check the parameters."""
         check_positive(self, ("plane_distance",))
         check_contact(self.contact)
-        for name, scale in zip(("a", "b"), self.plane_scales, strict=True):
-            check_number(f"plane scale {name}", scale, 0.0, exclusive=True)
+        check_pairs(self, ("plane_scales",), positive=True)
         _ = self.masses, self.axles
 
     # Derived quantities.

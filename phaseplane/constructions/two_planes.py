@@ -32,6 +32,7 @@ from phaseplane.constructions.laws import (
     check_contact,
     check_finite,
     check_number,
+    check_pairs,
     check_positive,
 )
 from phaseplane.constructions.primitives import Curve, Plane, Scheme
@@ -117,8 +118,7 @@ class QuarterCarPlanes(Construction):
             check_positive(self, ("tyre_stiffness",))
         elif self.tyre_stiffness or self.tyre_damping:
             raise ValueError("give either tyre_stiffness and tyre_damping or a tyre, not both")
-        for name, scale in zip(("a", "b"), self.plane_scales, strict=True):
-            check_number(f"plane scale {name}", scale, 0.0, exclusive=True)
+        check_pairs(self, ("plane_scales",), positive=True)
         check_number("tyre_damping", self.tyre_damping, 0.0)
         check_number("friction", self.friction, 0.0)
         check_number("gravity", self.gravity, 0.0, exclusive=self.lift_off)

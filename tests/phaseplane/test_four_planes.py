@@ -204,7 +204,7 @@ def test_every_point_that_the_schemes_join_is_there(rule, tyre):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"plane_scales": (1.0, -1.0)}, "plane scale b = -1.0"),
+        ({"plane_scales": (1.0, -1.0)}, "the second of plane_scales = -1.0"),
         ({"plane_distance": 0.0}, "plane_distance = 0.0"),
     ],
 )

@@ -301,7 +301,7 @@ def test_a_stop_in_the_spring_is_felt():
         ({"tyre_stiffness": nan}, "tyre_stiffness = nan"),
         ({"tyre_damping": -1.0}, "tyre_damping = -1.0: must be finite and at least 0"),
         ({"gravity": 0.0}, "gravity = 0.0: must be finite and greater than 0"),
-        ({"plane_scales": (1.0, 0.0)}, "plane scale b = 0.0"),
+        ({"plane_scales": (1.0, 0.0)}, "the second of plane_scales = 0.0"),
         ({"plane_distance": -0.2}, "plane_distance = -0.2"),
         ({"initial_wheel_velocity": nan}, "initial_wheel_velocity = nan"),
         ({"spring": linear(-3.0)}, "rate at zero deflection is -3 N/m"),
