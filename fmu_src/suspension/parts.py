@@ -57,13 +57,14 @@ _FASTEST = 100.0  # m/s, up to which a damper is checked
 _JOINED = {"linear": characteristics.table, "monotone": characteristics.monotone_table}
 
 
-def _table(p: Mapping[str, Value], name: str, interpolation: str) -> Characteristic | None:
-    """Return the characteristic given by a table, the parameter `name`, if there is one."""
+def _table(p: Mapping[str, Value], part: str) -> Characteristic | None:
+    """Return the characteristic of a part that is given by a table, if there is one."""
+    name = f"{part}.table"
     text = str(p[name])
     if not text:
         return None
     with blaming(name):
-        return _JOINED[str(p[interpolation])](points(name, text))
+        return _JOINED[str(p[f"{part}.interpolation"])](points(name, text))
 
 
 def _through_zero(law: Characteristic, name: str) -> Characteristic:
@@ -80,7 +81,7 @@ def _through_zero(law: Characteristic, name: str) -> Characteristic:
 
 def _spring(p: Mapping[str, Value], of: str) -> Characteristic:
     """Return the spring of one axle, measured from static equilibrium."""
-    table = _table(p, f"{of}spring.table", f"{of}spring.interpolation")
+    table = _table(p, f"{of}spring")
     law = table or characteristics.cubic(
         number(p, f"{of}spring.rate"), number(p, f"{of}spring.cubic")
     )
@@ -109,7 +110,7 @@ def _braking(law: Characteristic, name: str) -> Characteristic:
 
 def _damper(p: Mapping[str, Value], of: str) -> Characteristic:
     """Return the damper of one axle: a table, or with smooth saturation, or linear with blow-off."""
-    table = _table(p, f"{of}damper.table", f"{of}damper.interpolation")
+    table = _table(p, f"{of}damper")
     if table is not None:
         return _braking(_through_zero(table, f"{of}damper.table"), f"{of}damper.table")
     rebound, bump = number(p, f"{of}damper.rebound_rate"), number(p, f"{of}damper.bump_rate")
@@ -353,7 +354,7 @@ def _tyre(p: Mapping[str, Value], of: str) -> Characteristic:
 
 
 def _unloaded_tyre(p: Mapping[str, Value], of: str) -> Characteristic:
-    table = _table(p, f"{of}tyre.table", f"{of}tyre.interpolation")
+    table = _table(p, f"{of}tyre")
     if table is None:
         return characteristics.linear(number(p, f"{of}tyre.stiffness"))
     forces = [force for _, force in points(f"{of}tyre.table", str(p[f"{of}tyre.table"]))]
