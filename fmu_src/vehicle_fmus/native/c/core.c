@@ -499,7 +499,21 @@ static int begin(Instance *one) {
     return 0;
 }
 
+static int end_initialisation(Instance *one) {
+    if (one->refusal[0]) return fail(one, "%s", one->refusal);
+    if (begin(one)) return 1;
+    one->now.initialised = 1;
+    return 0;
+}
+
 /* ---- variables ----------------------------------------------------------------------------- */
+
+/* Return whether there is a variable of this kind, and note if there is none. */
+static int is_of_kind(Instance *one, unsigned k, int kind) {
+    if (k < VARIABLES && variables[k].kind == kind) return 1;
+    fail(one, "value reference %u is no variable of this type", k);
+    return 0;
+}
 
 static void refuse(Instance *one, const char *format, ...) {
     va_list values;
@@ -616,12 +630,16 @@ static double slope_of(int i, double x) {
  * Displacements and velocities have velocities and accelerations. Others are read at some places of the
  * step, around the present as far as it allows; the derivative is that of the polynomial through them.
  */
-static int find_rate(Instance *one, unsigned k, double *rate) {
+static int find_rate(Instance *one, unsigned k, int order, double *rate) {
     Run *run = &one->now.conduct.run;
     const Dense *dense = run->integrator->dense;
     const double present = run->time, h = (dense->end - dense->start) / 64;
     const double first = fmax(dense->start, fmin(present - 2 * h, dense->end - 4 * h));
     double y[PLACES];
+    if (!is_of_kind(one, k, REAL)) return 1;
+    if (variables[k].causality != OUTPUT || order != 1) {
+        return fail(one, "%s: only outputs have derivatives, of order 1", variables[k].name);
+    }
     if (!one->now.ready || !one->now.ok) return fail(one, "there is no motion to take derivatives of");
     if (has_own_rate(k)) {
         find_forces(one);
@@ -691,6 +709,9 @@ static int find_sensitivity(Instance *one, const unsigned unknown[], size_t unkn
     State *start = NULL;
     double h = INFINITY;
     int status = 0;
+    for (size_t k = 0; k < unknowns + knowns; k++) {
+        if (!is_of_kind(one, k < unknowns ? unknown[k] : known[k - unknowns], REAL)) return 1;
+    }
     if (one->refusal[0]) return fail(one, "%s", one->refusal);
     for (size_t k = 0; k < knowns; k++) {
         const Variable *v = &variables[known[k]];
