@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
+from worked_example import column
 
 from phaseplane.constructions import (
     RULES,
@@ -35,10 +36,6 @@ def exact(function, start: tuple[float, float], end: float) -> np.ndarray:
         return z[1], -function(z[1], z[0], t)
 
     return solve_ivp(slope, (0.0, end), start, method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
-
-
-def column(drawing, name: str) -> np.ndarray:
-    return np.array([frame.readings[name] for frame in drawing])
 
 
 def test_van_der_pol_ends_on_its_limit_cycle():

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import cubic, damper, linear
+from worked_example import column
 
 from phaseplane.constructions import OneDofPlane, Window, construct_motion
 
@@ -26,10 +27,6 @@ def car(**changes) -> OneDofPlane:
         "road": roads.bump(0.05, 4.0, 10.0),
     }
     return OneDofPlane(**(data | changes))
-
-
-def column(drawing, name: str) -> np.ndarray:
-    return np.array([frame.readings[name] for frame in drawing])
 
 
 @given(

@@ -10,6 +10,7 @@ from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import linear
 from phaseplane.suspension.models import Element
 from stepped import displaced, mass_on, started
+from worked_example import column
 
 from phaseplane.constructions import RULES, ElastoplasticPlane, construct_motion
 from phaseplane.constructions.sheet import events_of
@@ -30,10 +31,6 @@ def frame_of(**changes) -> ElastoplasticPlane:
         "load": LOAD,
     }
     return ElastoplasticPlane(**(data | changes))
-
-
-def column(drawing, name: str) -> np.ndarray:
-    return np.array([frame.readings[name] for frame in drawing])
 
 
 def test_it_reproduces_the_converged_solution():
