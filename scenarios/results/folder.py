@@ -1,7 +1,7 @@
 """The results of a run and their folder.
 
 A results folder is replaced as a whole: a new folder is written beside it and moved into its place;
-pictures are added afterwards (see `standing`). Its `summary.json` lists its files and their origin. A
+pictures are added afterwards (see `finished`). Its `summary.json` lists its files and their origin. A
 folder with any other file in it is never replaced, and one with results of another scene file only if
 the user names it.
 """
