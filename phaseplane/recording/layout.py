@@ -58,9 +58,9 @@ def blueprint(content: Content, recorder: Recorder) -> rrb.Blueprint:
         plots.insert(0, _view([f"+ {CHART}/**"], "over time", recorder.chart.stays.view))
     if plots and (recorder.words or beside):
         right.append((2.6, rrb.Tabs(*plots)))
-    elif plots:
+    elif plots:  # high enough for the names of four wheels
         right.append(
-            (2.5, rrb.Vertical(*plots[:4], *([rrb.Tabs(*plots[4:])] if plots[4:] else [])))
+            (2.5, rrb.Vertical(*plots[:3], *([rrb.Tabs(*plots[3:])] if plots[3:] else [])))
         )
     columns = [_stack(parts) for parts in (left, right) if parts]
     shares = [2.0, 1.0] if len(columns) == 2 else [1.0]
