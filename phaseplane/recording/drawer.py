@@ -121,9 +121,13 @@ class Drawer:
 
     def _tell(self, whole: Content) -> None:
         """Draw what is left, and the story on its own timeline; the view stays where it is."""
+        columns = {n: np.asarray(whole.histories[n], float) for n in self.order.content.histories}
+        if self.order.content.live:
+            late = columns["time"] > (self.last["time"] if self.last else -np.inf)
+            if late.any():  # rows that came after those that were taken last
+                self._go_on({name: column[late] for name, column in columns.items()})
         drawing = self.order.content.drawing
         self._construct(float(self.recorder.clock.times[-1]) if drawing is not None else 0.0)
-        columns = {n: np.asarray(whole.histories[n], float) for n in self.order.content.histories}
         self.recorder.content = replace(self.order.content, histories=columns, live=False)
         if self.order.content.live:
             send_lanes(self.recording, self.recorder.content, self.recorder.clock)  # at all ticks

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from ..results.folder import Results
     from ..scene.schema import Scene
-    from ..simulate.stepping import Rows
+    from ..simulate.drive import RowsSoFar
 
 
 _SLOW = 2.0  # s that a viewer may be behind a run before it is said
@@ -35,7 +35,7 @@ class LiveRun:
     drawing: Drawing | None
     live: Live
 
-    def watch(self, rows: Rows) -> None:
+    def watch(self, rows: RowsSoFar) -> None:
         """Show the rows so far."""
         if not self.live.watching:  # once in a run: this is called after every step
             self.live.watch([known(name) for name in rows.names], rows)

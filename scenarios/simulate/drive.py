@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-if TYPE_CHECKING:
-    from .stepping import Rows
-
 Columns = dict[str, npt.NDArray[np.float64]]
-Watch = Callable[["Rows"], None]
+
+
+class RowsSoFar(Protocol):
+    """The rows of a run that is under way."""
+
+    @property
+    def names(self) -> Sequence[str]: ...
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, rows: slice, /) -> Any: ...
+
+
+Watch = Callable[[RowsSoFar], None]
 INTERRUPTED = "interrupted"
 """The reason of a run that was stopped by a signal."""
 
@@ -26,3 +36,19 @@ class Drive:
     run_time: float
     complaint: str
     uncompiled: bool
+
+
+class Passed:
+    """The rows of a run that is done, up to the time that has passed since it was begun."""
+
+    def __init__(self, columns: Mapping[str, npt.NDArray[np.float64]]) -> None:
+        self.names = list(columns)
+        self._table = np.column_stack([np.asarray(column, float) for column in columns.values()])
+        self.count = 0
+
+    def __len__(self) -> int:
+        return self.count
+
+    def __getitem__(self, rows: slice) -> Any:
+        """Return rows as an array of shape (rows, columns)."""
+        return self._table[: self.count][rows]

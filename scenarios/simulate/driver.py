@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from time import perf_counter, sleep
+from time import perf_counter
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -25,6 +25,7 @@ from ..progress import Progress, silent
 from ..scene.fmus import Fmu
 from .drive import INTERRUPTED, Columns, Drive, Watch
 from .fmu_cache import cached_fmu, is_plain
+from .interrupts import wait_until
 from .sharing import share_modules
 from .stepping import Rows, initialise, integrate, is_fmi3, most_rows, step_through
 
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
     from ..scene.schema import Scene
 
 
-_LONGEST_SLEEP = 0.1  # s between two checks for an interrupt
 _DISCARD, _FATAL = 2, 4  # FMI status
 
 
@@ -169,7 +169,7 @@ class OpenFmu:
             if watch is not None:
                 watch(rows)
             if realtime:
-                _wait_until(started + time, interrupted)
+                wait_until(started + time, interrupted)
             return not interrupted()
 
         try:
@@ -248,12 +248,6 @@ def _lasting_description(unpacked: Path) -> ModelDescription:
     with suppress(OSError):
         write_all({stored: pickle.dumps(description)})
     return description
-
-
-def _wait_until(instant: float, interrupted: Callable[[], int]) -> None:
-    """Wait until a time of the clock, or until the run is interrupted."""
-    while (left := instant - perf_counter()) > 0.0 and not interrupted():
-        sleep(min(left, _LONGEST_SLEEP))
 
 
 def _columns(columns: Columns, complaint: str) -> Columns:

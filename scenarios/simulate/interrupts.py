@@ -6,7 +6,10 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from time import perf_counter, sleep
 from types import FrameType
+
+_LONGEST_SLEEP = 0.1  # s between two checks for an interrupt
 
 
 class _Record(list[int]):
@@ -40,3 +43,9 @@ def deferred_interrupt() -> Iterator[Callable[[], int]]:
     finally:
         for one, handler in zip(signals, before, strict=True):
             signal.signal(one, handler)
+
+
+def wait_until(instant: float, interrupted: Callable[[], int]) -> None:
+    """Wait until a time of the clock, or until the run is interrupted."""
+    while (left := instant - perf_counter()) > 0.0 and not interrupted():
+        sleep(min(left, _LONGEST_SLEEP))

@@ -20,9 +20,9 @@ from ..results.folder import Results
 from ..scene.equation import EQUATION
 from ..scene.expectations import judged_measures
 from .controlling import controlled
-from .drive import INTERRUPTED, Drive, Watch
+from .drive import INTERRUPTED, Drive, Passed, Watch
 from .evaluation import evaluate
-from .interrupts import deferred_interrupt
+from .interrupts import deferred_interrupt, wait_until
 from .versions import versions
 
 if TYPE_CHECKING:
@@ -76,12 +76,28 @@ def run(
         )
         words = f"run in this process, with the same results as through an FMU: {why}"
         remarks = [*results.summary["remarks"], words]
-        return replace(results, summary={**results.summary, "remarks": remarks})
+        results = replace(results, summary={**results.summary, "remarks": remarks})
+        return _in_time(results, watch) if realtime else results
     if scene.fmu.model == EQUATION:
-        return _solved(scene, progress)
+        results = _solved(scene, progress)
+        return _in_time(results, watch) if realtime else results
     # an FMU that is being loaded runs Python, too, and its wrapper swallows what is raised there
     with deferred_interrupt(), simulate.driver.opened(scene.fmu) as (fmu, build_time):
         return run_with(fmu, scene, build_time, progress=progress, watch=watch, realtime=realtime)
+
+
+def _in_time(results: Results, watch: Watch | None) -> Results:
+    """Show the rows of a run in their time; in this process, it took too little to be watched."""
+    rows, started = Passed(results.columns), perf_counter()
+    with deferred_interrupt() as interrupted:
+        for time in results.columns["time"].tolist():
+            rows.count += 1
+            if watch is not None:
+                watch(rows)
+            wait_until(started + time, interrupted)
+            if interrupted():
+                raise Interrupted(results, interrupted())
+    return results
 
 
 def run_with(fmu: OpenFmu, scene: Scene, build_time: float | None = None, **how: Any) -> Results:

@@ -96,7 +96,7 @@ def test_a_live_run_shows_nothing_that_is_still_to_come(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("live", [True, False])
 def test_a_viewer_is_shown_all_that_a_file_has(tmp_path: Path, *, live: bool) -> None:
-    """After a live run, or at once: the vehicle, the plots and the lanes on every timeline."""
+    """After a live run, or at once: vehicle, plots and lanes on every timeline."""
     whole = replace(content(), histories=MOTION, vehicle=QUARTER)
     rows = {name: np.zeros(0) for name in MOTION} if live else MOTION
     begin = Begin(
@@ -104,8 +104,8 @@ def test_a_viewer_is_shown_all_that_a_file_has(tmp_path: Path, *, live: bool) ->
     )
     drawer = Drawer(replace(begin, url=""))
     drawer.order = begin
-    if live:
-        drawer.take(MOTION)
+    if live:  # the run may be over before the rest is asked for
+        drawer.take({name: column[:200] for name, column in MOTION.items()})
     drawer.complete(whole)
     drawer.recording.disconnect()
     shown, filed = Recorded(tmp_path / "f.rrd"), recorded(tmp_path, whole)
@@ -114,7 +114,7 @@ def test_a_viewer_is_shown_all_that_a_file_has(tmp_path: Path, *, live: bool) ->
         for timeline in ("t", "step", "stage"):
             wanted, found = ({row[timeline] for row in of.rows.get(path, []) if timeline in row}
                              for of in (filed, shown))  # fmt: skip
-            assert found == wanted, (path, timeline)
+            assert found >= wanted, (path, timeline)
 
 
 def test_the_road_passes_below_the_wheel(tmp_path: Path) -> None:

@@ -26,6 +26,7 @@ from phaseplane.scenarios.draw.recording_content import default_pairs, vehicle
 from phaseplane.scenarios.scene.fmus import _variable
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.names import case_names
+from phaseplane.scenarios.simulate.runner import run
 from phaseplane.scenarios.simulate.stepping import Rows
 from rerun.chunk import RrdReader
 
@@ -158,6 +159,20 @@ def test_a_run_that_waits_for_the_clock() -> None:
     assert summary["run_time"] >= 0.6
     assert perf_counter() - begun >= 0.6
     assert summary["rows"] == 601
+
+
+@pytest.mark.parametrize("scene", ["double_pendulum", "van_der_pol", "skyhook"])
+def test_a_run_in_this_process_is_watched_in_its_time_too(scene: str) -> None:
+    """It takes a few milliseconds, so its rows are shown as if it went on."""
+    seen: list[int] = []
+    begun = perf_counter()
+    made = run(
+        load_scene(scene, ["duration=0.3"]),
+        watch=lambda rows: seen.append(len(rows)),
+        realtime=True,
+    )
+    assert perf_counter() - begun >= 0.3
+    assert seen == list(range(1, len(made.columns["time"]) + 1))
 
 
 def test_any_fmu_with_a_plane_of_its_own() -> None:
