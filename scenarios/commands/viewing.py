@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import wraps
@@ -14,13 +13,11 @@ import click
 
 from phaseplane import figures, recording
 
+from ..draw.width import width_from
 from ..errors import InputError, RunError
 from .console import warn
 
 _LOOPBACK = "127.0.0.1"
-_METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "pt": 0.0254 / 72.0}
-_WIDTH = re.compile(r"(\d+(?:\.\d+)?) ?(mm|cm|m|in|pt)")
-_NARROWEST, _WIDEST = 0.04, 1.0  # m
 _OPTIONS = (
     click.option(
         "--connect", "viewer", default="", metavar="URL",
@@ -60,12 +57,7 @@ def look_options(command: Callable[..., Any]) -> Callable[..., Any]:
     ) -> Any:
         look: dict[str, Any] = {"dark": dark, "headed": headed, "font": font, "mono": mono}
         if width is not None:
-            found = _WIDTH.fullmatch(width.strip())
-            look["width"] = float(found[1]) * _METRES[found[2]] if found else 0.0
-            if not _NARROWEST <= look["width"] <= _WIDEST:
-                raise InputError(
-                    f"--width {width}: must be from 40 mm to 1 m, such as 85mm or '6 in'"
-                )
+            look["width"] = width_from(width, "--width")
         if more["figure"] is not None:
             try:
                 figures.Look(**look)

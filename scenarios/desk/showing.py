@@ -18,6 +18,7 @@ from phaseplane import recording
 from ..draw.constructions import draw_scene
 from ..draw.pictures import RULES_SHOWN, draw, figure_of
 from ..draw.recording_content import of_scene
+from ..draw.width import width_from
 from ..scene.layers import Setting
 from ..scene.loading import load_scene
 from .picture import Picture
@@ -26,7 +27,7 @@ _open = ExitStack()  # servers and their files, until the notebook ends
 atexit.register(_open.close)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Page:
     """HTML output in a notebook: an animation, or a recording in rerun's web viewer.
 
@@ -38,6 +39,9 @@ class Page:
 
     html: str
     path: Path
+
+    def __repr__(self) -> str:  # notebooks keep it beside the page, which may be large
+        return f"Page of {self.path.name}"
 
     def _repr_html_(self) -> str:
         return self.html
@@ -63,13 +67,15 @@ def show(
         `recording`, which is served to this machine only until the notebook ends
     at_step : step that a figure of one step shows
     height : of a recording, in pixels
-    look : dark, width (m), font, mono, headed; see `figures.Look`
+    look : dark, width (m, or a text such as "85mm"), font, mono, headed; see `figures.Look`
 
     Raises
     ------
     InputError : if the scene has no construction, or there is no figure of that name.
     ValueError : if the construction lacks what the figure shows.
     """
+    if look.get("width") is not None:
+        look["width"] = width_from(look["width"], "width")
     settings: list[str | Setting] = list(changes)
     if kind in RULES_SHOWN:
         settings.insert(0, Setting("construction.rule", RULES_SHOWN[kind], "kind"))

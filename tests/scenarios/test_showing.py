@@ -18,12 +18,14 @@ def test_a_figure_is_shown_as_a_picture() -> None:
     assert isinstance(shown, Picture)
     assert shown._repr_png_().startswith(b"\x89PNG")
     assert isinstance(show("ap57_figure13", kind="figure4b"), Picture)  # takes its rule
+    assert show("ap57", SHORT, width="85 mm").figure.get_figwidth() == pytest.approx(8.5 / 2.54)
 
 
 def test_an_animation_is_in_the_page() -> None:
     shown = show("van_der_pol", ["construction.duration=1 s"], "animation")
     assert isinstance(shown, Page)
     assert "data:image/gif;base64,R0lGOD" in shown._repr_html_()
+    assert repr(shown) == "Page of van_der_pol.gif"
 
 
 def test_a_recording_is_served_to_this_machine() -> None:
@@ -39,5 +41,7 @@ def test_a_recording_is_served_to_this_machine() -> None:
 
 
 def test_what_cannot_be_shown_is_refused() -> None:
+    with pytest.raises(InputError, match="width 85: must be from 40 mm to 1 m"):
+        show("ap57", SHORT, width=85)
     with pytest.raises(InputError, match="no picture 'figure77'"):
         show("ap57", SHORT, "figure77")
