@@ -76,12 +76,11 @@ def check_picture(path: Path, allowed: Sequence[str] = PICTURES) -> None:
 
     Raises
     ------
-    InputError : if its ending is not allowed, or its folder does not exist.
+    InputError : if its ending is not allowed, its folder does not exist, or it is a folder.
     """
     if path.suffix not in allowed:
         raise InputError(f"--figure {path}: must end in {', '.join(allowed)}")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: no folder {path.parent}; make it first")
+    _check_place(path)
 
 
 def check_recording(path: Path | None) -> None:
@@ -89,11 +88,17 @@ def check_recording(path: Path | None) -> None:
 
     Raises
     ------
-    InputError : if it does not end in .rrd, or its folder does not exist.
+    InputError : if it does not end in .rrd, its folder does not exist, or it is a folder.
     """
     if path is None:
         return
     if path.suffix != ".rrd":
         raise InputError(f"--save {path}: the name must end in .rrd")
+    _check_place(path)
+
+
+def _check_place(path: Path) -> None:
     if not path.parent.is_dir():
         raise InputError(f"{path}: no folder {path.parent}; make it first")
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; give the name of a file")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
@@ -40,13 +41,16 @@ _MATHS = {"serif": "dejavuserif", "STIXGeneral": "stix", "cmr10": "cm"}
 """The type of formulas that goes with a font."""
 _FALLBACK = "DejaVu Sans"  # has the subscripts, primes and bars that other fonts may lack
 
+_BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:ms|s|mm|cm|m|m/s|km/h|Hz)\b)")
 HEADING = "heading"
 """The `gid` of the texts above a picture, which a publisher sets as its caption."""
 
 
 def heading_lines(texts: Iterable[str], width: float) -> list[str]:
-    """Return texts in lines that fit into the width of a figure, inches."""
-    return [line for text in texts for line in wrap(text, max(20, int(13 * width)))]
+    """Return texts in lines that fit into the width of a figure, inches; numbers keep their units."""
+    most = max(20, int(13 * width))
+    joined = (_BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", text) for text in texts)
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for text in joined for line in wrap(text, most)]
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,6 +26,7 @@ from phaseplane.constructions import (
 )
 from phaseplane.figures import Look, save
 from phaseplane.figures.canvas import Sheet
+from phaseplane.figures.style import heading_lines
 from phaseplane.picture.styles import ROLES
 
 
@@ -174,6 +175,11 @@ def test_a_narrow_sheet_numbers_some_of_its_points(drawing: Drawing) -> None:
     assert set(range(21)) <= {*numbers[0.3]}
     assert {0, 4, 8, 12, 16} <= {*numbers[0.085]}
     assert not {7, 11, 13, 17, 19} & {*numbers[0.085]}
+
+
+def test_a_number_in_a_heading_keeps_its_unit() -> None:
+    lines = heading_lines(["rule delta, step 10 ms, of 5 cm"], 22 / 13)
+    assert lines == ["rule delta, step", "10 ms, of 5 cm"]
 
 
 def test_formulas_have_the_type_of_the_figure(drawing: Drawing) -> None:

@@ -271,6 +271,7 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         (["replay", "ap57", "--figure", "x.png", "--kind", "figure77"], "did you mean 'figure7'?"),
         (["replay", "ap57", "--figure", "x.png", "--kind", "figure12"], "half_car_rigid_tyres"),
         (["replay", "ap57", "--figure", "no/x.png"], "no folder no"),
+        (["replay", "ap57", "--figure", "folder.png"], "folder.png is a folder"),
         (["replay", "ap75", "--save", "x.rrd"], "or of a results folder"),
         (["replay", "full", "--save", "x.rrd"], "is not a results folder"),
         (
@@ -294,11 +295,12 @@ def test_bad_input(arguments: list[str], words: str, tmp_path: Path) -> None:
     (tmp_path / "bad.toml").write_text("fmu = QuarterCar\n")
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "diary.txt").touch()
+    (tmp_path / "folder.png").mkdir()
     result = phaseplane(*arguments)
     assert result.exit_code == 2
     assert words.lower() in result.stderr.lower()
     assert result.stdout == ""
-    assert sorted(os.listdir()) == ["bad.toml", "full"]
+    assert sorted(os.listdir()) == ["bad.toml", "folder.png", "full"]
     assert os.listdir("full") == ["diary.txt"]
 
 
