@@ -27,6 +27,7 @@ from phaseplane.picture.text import bracketed, in_words
 Curve = tuple[npt.ArrayLike, npt.ArrayLike]
 _IN_COLUMN = 7  # panels one below the other, more if they would be too many side by side
 _ACROSS = 3  # panels side by side
+_LABELS = 4  # of a legend beside one another
 _LINE = 18  # letters of a label
 _NARROW = 5.0  # inches of a picture with one column of panels
 
@@ -53,7 +54,9 @@ def runs(
     """
     labels = list(dict.fromkeys(label for curves in values.values() for label in curves))
     shown = {name: _shown(units.get(name, ""), values[name]) for name in values}
-    figure, panels = _panels({name: unit for name, (unit, _) in shown.items()}, look, title)
+    beside = 1 if _narrow(look) else _LABELS
+    rows = ceil(len(labels) / beside) if len(labels) > 1 else 0
+    figure, panels = _panels({name: unit for name, (unit, _) in shown.items()}, look, title, rows)
     drawn = {}
     for axes, (name, curves) in zip(panels, values.items(), strict=False):
         for label, (time, column) in curves.items():
@@ -65,7 +68,7 @@ def runs(
         panels[0].legend(
             [drawn[label] for label in labels], labels,
             loc="lower left", bbox_to_anchor=(0.0, 1.01),
-            ncols=1 if _narrow(look) else min(len(labels), 4), frameon=False, fontsize=9.0,
+            ncols=min(len(labels), beside), frameon=False, fontsize=9.0,
             labelcolor=look.palette.ink,
         )  # fmt: skip
     return printed(figure, look)
@@ -130,14 +133,24 @@ def _narrow(look: Look) -> bool:
     return look.inches is not None and look.inches < _NARROW
 
 
-def _panels(units: Mapping[str, str], look: Look, title: str) -> tuple[Figure, list[Axes]]:
-    """Return a figure with a panel for each column, in several columns of panels if there are many."""
+def _panels(
+    units: Mapping[str, str], look: Look, title: str, rows: int
+) -> tuple[Figure, list[Axes]]:
+    """Return a figure with a panel for each column, in several columns of panels if there are many.
+
+    Parameters
+    ----------
+    rows : of the legend above the panels
+    """
     names = list(units)
     if not names:
         raise ValueError("no columns to draw")
     across = 1 if _narrow(look) else min(ceil(len(names) / _IN_COLUMN), _ACROSS)
     down = ceil(len(names) / across)
-    width, height = look.inches or 2.5 + 6.0 * across, 0.9 + 1.5 * down
+    width = look.inches or 2.5 + 6.0 * across
+    heading = heading_lines([title], width) if title else []
+    above = max(0.4, 0.25 + 0.2 * len(heading) + 0.2 * rows)
+    height = above + 0.5 + 1.5 * down
     figure = new_figure(width, height, look.palette)
     grid = figure.subplots(down, across, sharex=True, squeeze=False)
     panels = list(grid.T.ravel())
@@ -154,11 +167,11 @@ def _panels(units: Mapping[str, str], look: Look, title: str) -> tuple[Figure, l
         figure.align_ylabels(grid[:, k])
     if title:
         figure.suptitle(
-            "\n".join(heading_lines([title], width)), y=1.0 - 0.3 / height, va="center",
+            "\n".join(heading), y=1.0 - (0.1 + 0.1 * len(heading)) / height, va="center",
             color=look.palette.ink, fontsize=11.0, gid=HEADING,
         )  # fmt: skip
     figure.subplots_adjust(
         left=1.2 / width, right=1.0 - 0.25 / width, bottom=0.5 / height,
-        top=1.0 - (0.65 if title else 0.4) / height, hspace=0.15, wspace=0.28,
+        top=1.0 - above / height, hspace=0.15, wspace=0.28,
     )  # fmt: skip
     return figure, panels

@@ -17,7 +17,7 @@ from matplotlib.transforms import Bbox
 
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.figures.canvas import Sheet
-from phaseplane.figures.style import GREEN, PLAIN, RED, new_figure
+from phaseplane.figures.style import GREEN, HEADING, PLAIN, RED, new_figure
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import CURVES, draw_curves, draw_trails
 from phaseplane.picture.items import TYPE
@@ -152,7 +152,10 @@ def _grid(axes: Axes, view: Box) -> None:
 def _heading(axes: Axes, title: str, lines: Sequence[str]) -> None:
     width, top = axes.get_xlim()[1], axes.get_ylim()[1] - _EDGE
     size = min(12.0, 900.0 / (1 + len(title)) * width / PAPERS["A4"][0])
-    axes.text(_EDGE, top - 0.1, title, fontsize=size, va="top", weight="bold")
+    axes.figure.text(
+        _EDGE, top - 0.1, title, transform=axes.transData, fontsize=size, va="top", weight="bold",
+        gid=HEADING,
+    )  # fmt: skip
     for i, line in enumerate(lines):
         axes.text(_EDGE, top - 0.75 - 0.48 * i, line, fontsize=8.5, va="top")
 

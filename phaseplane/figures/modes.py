@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from phaseplane.figures.style import PLAIN, Look, dress, new_figure
+from phaseplane.picture.text import typeset
 
 _LEAST = 2.6  # inches of a plane
 
@@ -46,9 +47,9 @@ def modal_planes(
                 label=f"started in mode {mode + 1}",
             )  # fmt: skip
             axes.plot(*motion[0, plane], "o", color=colours.curve(mode)["color"], markersize=4.0)
-        number = plane + 1
-        axes.set_xlabel(f"η{number}")
-        axes.set_ylabel(f"η̇{number}/Ω{number}")
+        index = typeset(f"x{plane + 1}")[1:]
+        axes.set_xlabel(f"η{index}")
+        axes.set_ylabel(f"η̇{index}/Ω{index}")
         axes.set_title(name, fontsize=9.5)
         axes.set_aspect("equal")
         half = 1.08 * max(float(np.abs(motion[:, plane]).max()) for motion in motions)

@@ -307,4 +307,4 @@ def _draw_fit(found: Fit, draft: Path) -> None:
         name: {"measured": (time, signal), "fitted": (time, found.columns[name])}
         for name, signal in task.signals.items()
     }
-    figures.save(figures.runs(each, units), draft / PICTURE)
+    figures.save(figures.runs(each, units, title=task.space.plan.title), draft / PICTURE)

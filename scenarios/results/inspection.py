@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from math import inf
 from pathlib import Path
@@ -73,9 +73,9 @@ def contents(
     }
     if figure is not None:
         drawn = {what: results, **{path: results_in(path, results) for path in others}}
-        title = str(results.summary.get("title", what.name)) if not others else ""
         printed = figures.Look(**look or {})
-        figures.save(_picture(drawn, names, plane, units, title=title, look=printed), figure)
+        picture = _picture(drawn, names, plane, units, title=_title(drawn), look=printed)
+        figures.save(picture, figure)
         data["files"] = [str(figure)]
     return data
 
@@ -101,6 +101,19 @@ def results_in(path: Path, run: Results | None = None) -> Results:
     return Results(columns, {"units": {"time": "s", **known}})
 
 
+def _title(drawn: Mapping[Path, Results]) -> str:
+    """Return the titles of results, or the names of those that have none."""
+    titles = (str(one.summary.get("title", path.name)) for path, one in drawn.items())
+    return "; ".join(dict.fromkeys(titles))
+
+
+def _labels(paths: Iterable[Path]) -> dict[Path, str]:
+    """Return the names of results in a legend: their last parts, if these differ."""
+    paths = list(paths)
+    short = len({path.name for path in paths}) == len(paths)
+    return {path: path.name if short else str(path) for path in paths}
+
+
 def _picture(
     drawn: Mapping[Path, Results],
     names: Sequence[str],
@@ -109,18 +122,19 @@ def _picture(
     **more: Any,
 ) -> Figure:
     """Return the picture of one or more results, over time or one column over another."""
+    labels = _labels(drawn)
     if plane is not None:
         curves = {}
         for path, results in drawn.items():
             chosen = _chosen(results, plane, path)
-            curves[str(path)] = (chosen[plane[0]], chosen[plane[1]])
+            curves[labels[path]] = (chosen[plane[0]], chosen[plane[1]])
         return figures.plane_of_columns(curves, plane, units, **more)
     values: dict[str, dict[str, Any]] = {}
     for path, results in drawn.items():
         time = _time(results, path, "--plane X,Y draws a column over another")
         for name, column in _chosen(results, names, path).items():
             if name != "time" and (path == next(iter(drawn)) or name in values):
-                values.setdefault(name, {})[str(path)] = (time, column)
+                values.setdefault(name, {})[labels[path]] = (time, column)
     if not values:
         raise InputError(f"--figure: {next(iter(drawn))} has no column but time to draw")
     return figures.runs(values, units, **more)
@@ -193,16 +207,18 @@ def difference(
         "measures": _side_by_side(first.summary, second.summary),
     }
     if figure is not None:
+        labels = _labels((ours, other))
         worst = [d.name for d in found.differences[:_MOST_COMPARED]]
         each = {
             name: {
-                str(path): (results.columns["time"], results.columns[name])
+                labels[path]: (results.columns["time"], results.columns[name])
                 for path, results in ((ours, first), (other, second))
             }
             for name in worst
         }
-        printed = figures.Look(**look or {})
-        figures.save(figures.runs(each, first.summary.get("units", {}), look=printed), figure)
+        title, printed = _title({ours: first, other: second}), figures.Look(**look or {})
+        units = first.summary.get("units", {})
+        figures.save(figures.runs(each, units, title=title, look=printed), figure)
         data["files"] = [str(figure)]
     return data
 

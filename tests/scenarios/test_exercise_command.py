@@ -84,6 +84,7 @@ def test_no_text_of_a_sheet_covers_another(scene: str) -> None:
 def test_an_exercise_is_a_folder_of_sheets_in_true_scale(folder: Path) -> None:
     assert {path.name for path in folder.iterdir()} == FILES
     for name in ("sheet.pdf", "marking.pdf"):
+        assert b"/Title" in (folder / name).read_bytes()
         assert page_size(folder / name) == pytest.approx((21.0, 29.7), abs=0.01)
     again = called("van_der_pol", *SETTINGS, "-o", folder)
     assert again.exit_code == 0, again.output

@@ -91,6 +91,13 @@ def test_small_lengths_are_shown_in_centimetres_or_millimetres():
 
 def test_several_runs_and_planes_are_drawn(folders):
     assert phaseplane("show", "a", "b", "--figure", "runs.png").exit_code == 0
+    Path("further").mkdir()
+    shutil.copytree("b", "further/c")
+    assert phaseplane("show", "a", "further/c", "--figure", "runs.svg").exit_code == 0
+    svg = Path("runs.svg").read_text(encoding="utf-8")
+    assert ">a</text>" in svg
+    assert ">c</text>" in svg  # not the whole path
+    assert "<dc:title>" in svg
     plane = "suspension_deflection,suspension_deflection_rate"
     assert phaseplane("show", "a", "b", "--plane", plane, "--figure", "plane.png").exit_code == 0
     assert Path("runs.png").exists()
@@ -202,6 +209,19 @@ def test_measured_signals_that_cannot_be_compared(folders, first, second, conten
     assert (told.exit_code, words in told.stderr) == (2, True), told.output
 
 
+@pytest.mark.parametrize("width", [None, 0.085])
+def test_heading_and_legend_keep_clear_of_each_other(width):
+    time, title = [0.0, 1.0], "Quarter car over a 5 cm bump, with wheel lift-off; " * 2
+    runs = {f"run {k}": (time, time) for k in range(5)}
+    figure = figures.runs({"a": runs}, {}, title=title, look=figures.Look(width=width))
+    figure.canvas.draw()
+    (heading,), legend = figure.texts, figure.axes[0].get_legend()
+    above, below = (one.get_window_extent() for one in (heading, legend))
+    assert above.y0 >= below.y1
+    assert below.y0 >= figure.axes[0].get_window_extent().y1
+    assert above.y1 <= figure.bbox.y1
+
+
 def test_the_legend_names_every_run_though_a_panel_may_have_but_one():
     time = [0.0, 1.0]
     figure = figures.runs(
@@ -257,11 +277,10 @@ def test_every_figure_is_printed_as_asked(tmp_path, command):
     phaseplane(*command, "--figure", str(drawn), *asked)
     told = drawn.read_text(encoding="utf-8")
     title = re.search(r"^ <title>([^<]*)</title>", told, re.MULTILINE)
-    several = command[0] == "compare" or command[:3] == ("show", "a", "b")  # which have no title
-    assert (title is None) == several
+    assert title
     shown = re.findall(r"<text[^>]*>([^<]*)</text>", told)
     assert shown
-    assert title is None or not [words for words in shown if len(words) > 9 and words in title[1]]
+    assert not [words for words in shown if len(words) > 9 and words in title[1]]
 
 
 @pytest.mark.usefixtures("folders")
