@@ -96,7 +96,6 @@ PARTS = {
     "tyre": VIOLET,
     "contact": PINK,
     "road": OCHRE,
-    "ground": OCHRE,
     "kinetic": BLUE,
     "stored": GREEN,
     "dissipated": ORANGE,

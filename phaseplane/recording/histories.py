@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import zip_longest
 
 import numpy as np
 import numpy.typing as npt
@@ -99,14 +98,12 @@ def panels(content: Content) -> list[Panel]:
             "energies" if quantity.name == "energy" else "histories"
         ):
             found.setdefault(quantity, []).append(name)
-    kinds = [
-        [
-            Panel(of, tuple(several), tuple(name for name in several if name in known))
-            for of, several in _by_part(quantity, names, MOST_NAMED if drawing is None else None)
-        ]
+    most = MOST_NAMED if drawing is None else None
+    return [
+        Panel(of, tuple(several), tuple(name for name in several if name in known))
         for quantity, names in found.items()
+        for of, several in _by_part(quantity, names, most)
     ]
-    return [panel for rank in zip_longest(*kinds) for panel in rank if panel is not None]
 
 
 def _by_part(
