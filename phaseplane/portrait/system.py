@@ -19,6 +19,8 @@ Function = Callable[[Any, Any, Any], Any]
 
 Grid = npt.NDArray[np.float64]
 
+_LARGEST = 1e150  # from zero, of a side of a window: its square is finite
+
 
 @dataclass(frozen=True, slots=True)
 class PhaseSystem:
@@ -118,7 +120,7 @@ class Window:
 
     Raises
     ------
-    ValueError : sides that are not finite or not in order.
+    ValueError : sides that are too far from zero or not in order.
     """
 
     left: float
@@ -128,10 +130,11 @@ class Window:
 
     def __post_init__(self) -> None:
         """Check the sides."""
-        if not (-inf < self.left < self.right < inf and -inf < self.bottom < self.top < inf):
+        most = _LARGEST
+        if not (-most < self.left < self.right < most and -most < self.bottom < self.top < most):
             raise ValueError(
                 f"a window from {self.left:g} to {self.right:g} and from {self.bottom:g} to "
-                f"{self.top:g}: left must be below right and bottom below top, all finite"
+                f"{self.top:g}: left must be below right and bottom below top, all within {most:g}"
             )
 
     @property

@@ -140,6 +140,7 @@ def test_sections_of_a_vehicle_in_words() -> None:
         (("van_der_pol", "--period", "inf"), "'--period': inf must be a finite number"),
         (("van_der_pol", "--coordinate", "foo"), "an equation has only displacement"),
         (("van_der_pol", "--window", "1", "0", "0", "1"), "left must be below right"),
+        (("van_der_pol", "--window", "1e300", "2e300", "-1", "1"), "all within 1e+150"),
         (("h83_example40",), "has a memory"),
         (("van_der_pol", "--figure", "x.gif"), "must end in .png"),
         (("none_such",), "none_such"),
