@@ -13,6 +13,7 @@ from phaseplane import figures
 
 from ..errors import InputError, check_picture
 from ..measures.linearised import about_rest
+from ..scene.equation import EQUATION
 from ..scene.loading import load_scene
 
 if TYPE_CHECKING:
@@ -43,7 +44,12 @@ def modes(
         check_picture(figure)
     scene = load_scene(reference, overrides, expect=False)
     if scene.fmu.model not in MODELS:
-        raise InputError(f"modes of {scene.name}: {scene.fmu.model} is not a model of this package")
+        what = (
+            "an equation has no modes; 'phaseplane portrait' shows its equilibria"
+            if scene.fmu.model == EQUATION
+            else f"{scene.fmu.model} is not a model of this package"
+        )
+        raise InputError(f"modes of {scene.name}: {what}")
     try:
         system = about_rest(scene.fmu.model, scene.all_parameters)
         # with springs in series with dampers there are damped modes alone

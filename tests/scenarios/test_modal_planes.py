@@ -79,7 +79,7 @@ def test_the_double_pendulum_is_told_and_drawn(tmp_path: Path) -> None:
 def test_what_has_no_modes_is_refused_in_a_line() -> None:
     refused = phaseplane("modes", "van_der_pol")
     assert refused.exit_code == 2
-    assert "Equation is not a model of this package" in refused.stderr
+    assert "an equation has no modes; 'phaseplane portrait' shows" in refused.stderr
     with pytest.raises(ValueError, match="a mode without stiffness"):
         modal_planes(Linearised(("a",), np.eye(1), np.zeros((1, 1)), np.zeros((1, 1)), {}, {}))
 
