@@ -10,8 +10,9 @@ projection that finds D1 from A1* is drawn backwards, from D1 to A1*.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import sqrt
 
 from phaseplane.constructions.construction import Window
@@ -24,6 +25,8 @@ from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import StoredFrames
 from phaseplane.suspension.roads import Signal
+
+_WINDOWS = 8  # for which the excitation is kept: a step asks several times for each of its own
 
 
 @dataclass(frozen=True)
@@ -179,8 +182,12 @@ class Axle:
         """The jumps of the road."""
         return Jumps(self.road)
 
-    def excitation(self, window: Window) -> float:
-        """Return the mean over the window of h2 / c2 = xi + (k2 / c2) xi', m (AP57 eq. 13)."""
+    @cached_property
+    def excitation(self) -> Callable[[Window], float]:
+        """The mean over a window of h2 / c2 = xi + (k2 / c2) xi', m (AP57 eq. 13)."""
+        return lru_cache(_WINDOWS)(self._excitation)
+
+    def _excitation(self, window: Window) -> float:
         road = self.road
         if window.duration == 0.0:
             elevation, velocity, _, _ = road.derivatives(window.start)
