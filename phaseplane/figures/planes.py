@@ -22,7 +22,7 @@ from phaseplane.picture.views import frame_at, gathered, view_of
 
 _MANY = 20  # steps with all auxiliary lines
 _MOVED = 0.02  # of the largest distance from the start: a motion that is seen
-_ROOMY = 80.0  # em: width of a sheet on which every point may be numbered
+_ROOMY = 65.0  # em: larger side of a sheet on which every point may be numbered
 _NUMBERED = 80  # points beyond those with auxiliary lines, at the most
 
 
@@ -103,7 +103,8 @@ def construction_sheet(
     draw_missed(page)
     mark_events(page)
     later = drawing.frames[wanted[-1] + 1 :] if through else []
-    near = max(1, ceil(_ROOMY * page.em / (2.0 * page.view.half.real)))
+    half = page.view.half
+    near = max(1, ceil(_ROOMY * page.em / (2.0 * max(half.real, half.imag))))
     apart = max(near, ceil(len(later) / _NUMBERED))
     every = (apart if later else near) == 1
     write_numbers(page, [*chosen[::near], *later[::apart]], end=every)
