@@ -99,6 +99,7 @@ DIRECTIVES = {
     "cdivision": True,
     "initializedcheck": False,
     "auto_pickle": False,  # two fifths of the machine code, which nothing called
+    "infer_types": True,
     "binding": False,  # methods as CPython's own: under the limited API they are called faster
     "warn.multiple_declarators": False,  # arrays of one kind are declared together
 }
@@ -113,6 +114,7 @@ MODULES = (
 )  # fmt: skip
 
 INTEGERS = re.compile(r"^cdef int ([_A-Z0-9, ]+)$", re.MULTILINE)
+ROUTINE = re.compile(r"( *)cdef (?!class )(?:inline )?[\w ]+?\**(\w+)\(.*")
 
 
 def staged() -> str:
@@ -129,7 +131,7 @@ def staged() -> str:
     (STAGE / "__init__.py").touch()
     sources = [KERNEL / f"{module}.py" for module in MODULES]
     types = [path.with_suffix(".pxd") for path in sources if path.with_suffix(".pxd").exists()]
-    texts = [path.read_text(encoding="utf-8") for path in types]
+    texts = [with_types_of_locals(path) for path in types]
     integers = {
         name for text in texts for names in INTEGERS.findall(text) for name in names.split(", ")
     }
@@ -188,6 +190,55 @@ def one_source(paths: list[Path], integers: set[str]) -> tuple[str, dict[str, st
                 lines[line] = ""
         bodies.append("\n".join(lines))
     return "\n".join([*imports, *bodies]), {name: known[name] for name in sorted(integers)}
+
+
+def with_types_of_locals(path: Path) -> str:
+    """The declarations of a module, with types for those local variables whose types Cython mistakes.
+
+    It takes conditions for objects, and variables of loops for long integers, which cost time.
+    """
+    tree = ast.parse(path.with_suffix(".py").read_text(encoding="utf-8"))
+    owners = {"": tree} | {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
+    routines = {
+        (owner, node.name): node
+        for owner, place in owners.items()
+        for node in place.body
+        if isinstance(node, ast.FunctionDef)
+    }
+    owner, lines = "", []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        if line.startswith("cdef class "):
+            owner = re.split(r"\W+", line)[2]
+        if found := ROUTINE.fullmatch(line):
+            indent, name = found[1], found[2]
+            types = types_of_locals(routines[owner if indent else "", name])
+            if types:
+                given = ", ".join(f"{local}={kind}" for local, kind in types.items())
+                lines.append(f"{indent}@cython.locals({given})")
+        lines.append(line)
+    return "\n".join(lines)
+
+
+def types_of_locals(routine: ast.FunctionDef) -> dict[str, str]:
+    """The variables of loops, and those that hold conditions, with their C types."""
+    found = {}
+    for node in ast.walk(routine):
+        match node:
+            case ast.For(target=ast.Name(id=name), iter=ast.Call(func=ast.Name(id="range"))):
+                found[name] = "int"
+            case ast.Assign(targets=[ast.Name(id=name)], value=value) if is_condition(value):
+                found[name] = "bint"
+    return found
+
+
+def is_condition(node: ast.expr) -> bool:
+    """Whether an expression is true or false."""
+    match node:
+        case ast.Compare() | ast.UnaryOp(op=ast.Not()) | ast.Constant(value=bool()):
+            return True
+        case ast.BoolOp(values=values):
+            return any(map(is_condition, values))
+    return False
 
 
 def assigned(node: ast.Assign) -> list[tuple[str, str]]:

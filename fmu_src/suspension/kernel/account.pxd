@@ -17,13 +17,8 @@ cdef class Account:
     cdef public long long look_at
 
     cdef void start(self) noexcept nogil
-    @cython.locals(s=int)
     cpdef void begin(self, Integrator integrator) noexcept nogil
-    @cython.locals(s=int, dissipated=double)
     cpdef void carry(self, Integrator integrator) noexcept nogil
-    @cython.locals(s=int, since=double)
     cpdef void find(self, Integrator integrator, double time) noexcept nogil
-    @cython.locals(e=int)
     cdef void _look(self, Integrator integrator, double time) noexcept nogil
-    @cython.locals(e=int, k=int, turned_over=double, off=double, tolerated=double)
     cpdef double find_drift(self, Integrator integrator) noexcept nogil

@@ -16,18 +16,12 @@ cdef class Balance:
     cdef double[1024] stiffness, damping, flexibility
     cdef double[32] q, v, a, j, f
 
-    @cython.locals(i=int)
     cdef void enter(self) noexcept nogil
-    @cython.locals(k=int)
     cdef void prepare(self, double t, double h) noexcept nogil
     cdef void loads_at_end(self, double t) noexcept nogil
-    @cython.locals(i=int, p=int)
     cdef void _repeat(self, int k, int other) noexcept nogil
-    @cython.locals(i=int, at=int, p=int, s=int)
     cdef void _find_loads(self, int k, bint rates) noexcept nogil
-    @cython.locals(n=int, i=int, m=int, r=int, s=int, p=double, f=double)
     cdef void _add_loads(self, double *out, int at, int order) noexcept nogil
-    @cython.locals(k=int)
     cdef void begin(self, double t, double *q, double *v, double *a,
                     double *j) noexcept nogil
     cdef void end(self, double t, double *q, double *v, double *a,
@@ -37,22 +31,15 @@ cdef class Balance:
     cdef void accelerations(self, double t, double *q, double *v,
                             double *a) noexcept nogil
     cdef void halfway(self, double t, double h, double *q, double *v, double *a) noexcept nogil
-    @cython.locals(i=int)
     cdef void _accelerate(self, int k, double *q, double *v, double *a) noexcept nogil
     cdef void _solve_rows(self, double *q, double *v, double *a,
                           double *j) noexcept nogil
-    @cython.locals(i=int)
     cdef void _solve(self, double *q, double *v, double *a, double *j) noexcept nogil
     cdef inline void _solve_motion(self, int n) noexcept nogil
-    @cython.locals(i=int, p=int, r=int, at=int, d=double, w=double)
     cdef inline void _find_force(self, int n, int k) noexcept nogil
-    @cython.locals(i=int, m=int, p=int, r=int, s=int, dv=double, da=double, rate=double, b=double,
-                   x=double)
     cdef void _add_bend_rates(self, int n) noexcept nogil
 
-@cython.locals(i=int, j=int, product=double)
 cdef inline void multiply(double *m, int at, double *x, int first, int n, double *out,
                           int to) noexcept nogil
-@cython.locals(i=int, j=int, x=double, y=double)
 cdef inline void resist(double *b, double *v, double *k, double *q, int first, int n,
                         double *loads, int at, double *out) noexcept nogil

@@ -19,22 +19,12 @@ cdef class Columns:
     cdef double[128] q, v, a
     cdef double[32] f, error_q, error_v
 
-    @cython.locals(n=int, c=int, i=int)
     cdef int attempt(self, double h, double *q, double *v, double *a,
                      double *j) noexcept nogil
-    @cython.locals(c=int, k=int, first=int, columns=int, status=int)
     cdef inline int _advance(self, int n, bint rows) noexcept nogil
-    @cython.locals(i=int, at=int, instant=int, status=int, s=double, half=double, third=double,
-                   sixth=double, a=double, v=double)
     cdef inline int _substep(self, int n, bint rows, int c, int k) noexcept nogil
-    @cython.locals(i=int, p=int, bends=int, u=double)
     cdef inline int _solve_rows(self, int n, int c, int k, int instant) noexcept nogil
-    @cython.locals(i=int, p=int, r=int, at=int, status=int, d=double, w=double, x=double, b=double,
-                   force=double)
     cdef inline int _bend(self, int n, int bends, int c, int k, int instant) noexcept nogil
-    @cython.locals(i=int, p=int, r=int, x=double, rate=double)
     cdef void _begin_rows(self, int n, double *a, double *j) noexcept nogil
     cdef int extrapolate(self, double *q, double *v) noexcept nogil
-    @cython.locals(i=int, c=int, last=int, end_q=double, end_v=double, error_q=double,
-                   error_v=double, x=double, y=double)
     cdef inline int _extrapolate(self, int n, double *q, double *v) noexcept nogil

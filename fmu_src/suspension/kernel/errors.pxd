@@ -19,30 +19,18 @@ cdef class Errors:
     cdef double tolerance, time, step, error, allowed, full_growth_error
     cdef double *velocity_scale, *middle_a, *septic_q, *septic_v, *septic_a, *lack, *held
 
-    @cython.locals(i=int, size=double, reach=double, speed=double, least=double)
     cdef void begin(self, double h) noexcept nogil
     cdef inline void note(self, double size) noexcept nogil
-    @cython.locals(factor=double)
     cdef double factor(self) noexcept nogil
-    @cython.locals(i=int, slowest=double)
     cdef double negligible(self, double h) noexcept nogil
-    @cython.locals(i=int)
     cdef void keep_jerks(self) noexcept nogil
-    @cython.locals(n=int, i=int, k=int, tau=double, way=double, v=double, vb=double, a=double, ab=double,
-                   x=double, y=double, mass=double, damping=double)
     cdef void find_jerks(self, double h) noexcept nogil
-    @cython.locals(i=int, v=double, a=double, j=double)
     cdef void read_middle(self, double h) noexcept nogil
-    @cython.locals(i=int)
     cdef void find_lack(self, double h, bint prepared) noexcept nogil
     cdef void note_middle(self, double h) noexcept nogil
-    @cython.locals(phase=double, cube=double)
     cdef void note_reading(self, double h) noexcept nogil
-    @cython.locals(i=int, rounding=double, lack=double, share=double)
     cdef void _note_lack(self, double h) noexcept nogil
-    @cython.locals(i=int, decay=double)
     cdef double of_reading(self, double h) noexcept nogil
-    @cython.locals(i=int, u=double, of_q=double, of_v=double, error=double, phase=double, allowed=double)
     cdef bint can_read(self, double x, double h) noexcept nogil
 
 cdef double _least_scale(double reach, double speed) noexcept nogil

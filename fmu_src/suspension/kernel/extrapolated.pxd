@@ -1,4 +1,3 @@
-cimport cython
 from libc.math cimport fabs
 from .columns cimport Columns
 from .method cimport Method
@@ -10,13 +9,9 @@ cdef class Extrapolated(Method):
 
     cdef void enter(self) noexcept nogil
     cdef int attempt(self, double t, double h) noexcept nogil
-    @cython.locals(status=int)
     cdef inline int extrapolate(self, double t, double h) noexcept nogil
-    @cython.locals(i=int, rounding=double, error=double)
     cdef inline void _find_error(self, double h) noexcept nogil
-    @cython.locals(phase=double, better=double)
     cdef inline void _expect_better(self, double h) noexcept nogil
-    @cython.locals(i=int)
     cdef inline void _check_reading(self, double h) noexcept nogil
 
 cdef class Equilibrium(Extrapolated):

@@ -11,7 +11,6 @@ cdef class Handover:
     cdef double reach, speed, scale, datum, exchange, supplied, residual
     cdef long long steps
 
-    @cython.locals(i=int, same=int)
     cdef void take_run(self, Motion motion, Network net) noexcept nogil
     cdef void take_element(self, int here, int there, double *work,
                            double *limited_time) noexcept nogil

@@ -13,12 +13,7 @@ cdef class Inputs:
     cdef double *sample_time, *sample_value
     cdef int *samples
 
-    @cython.locals(i=int)
     cdef void start(self) noexcept nogil
-    @cython.locals(at=int, count=int, k=int)
     cdef void set(self, int i, double value, double time) noexcept nogil
-    @cython.locals(count=int)
     cdef double since(self, int i) noexcept nogil
-    @cython.locals(at=int, t0=double, t1=double, t2=double, f0=double, f1=double, f2=double,
-                   before=double, last=double)
     cdef double slope(self, int i, double until) noexcept nogil

@@ -23,40 +23,26 @@ cdef class Integrator(TimeLoop):
     cdef long long begun
     cdef double started
 
-    @cython.locals(e=int)
     cdef void take_over(self, Integrator earlier, int *counterpart) noexcept nogil
-    @cython.locals(e=int)
     cdef void take_laws(self, double *x, int at) noexcept nogil
-    @cython.locals(i=int, e=int)
     cdef void _go_on(self) noexcept nogil
-    @cython.locals(before=double, jump=double, change=double, r=int)
     cdef void replace_signal(self, int signal, double *coefficients, double interval,
                              bint jumps) noexcept nogil
-    @cython.locals(e=int, r=int, total=double, lost=double, w=double)
     cdef double _lost(self, int signal, double jump, double interval) noexcept nogil
-    @cython.locals(status=int)
     cpdef int advance(self, double until, bint stop=*)
     cdef void _look_at_pace(self) noexcept nogil
     cdef int _reason_to_end(self, double until) except -1
-    @cython.locals(taken="long long")
     cdef bint keeps_pace(self, double until) noexcept nogil
-    @cython.locals(status=int)
     cpdef int fill(self, Py_ssize_t last) except -1
-    @cython.locals(status=int, i=int, n=int, before=Py_ssize_t, at=Py_ssize_t, force_at=Py_ssize_t, t=double)
     cdef int _run(self, Py_ssize_t place) noexcept nogil
     cpdef void sample(self, double t) noexcept nogil
     cpdef void sample_forces(self, double t) noexcept nogil
-    @cython.locals(k=int)
     cdef void find_energies(self, double t) noexcept nogil
     cdef void _show_last_branches(self) noexcept nogil
-    @cython.locals(late=double)
     cpdef double limited_time_at(self, int e, double t) noexcept nogil
-    @cython.locals(h=double, x=double)
     cpdef double residual_at(self, double t) noexcept nogil
     cpdef bint at_limit(self, int e) noexcept nogil
-    @cython.locals(at=int)
     cpdef bint yielding(self, int e) noexcept nogil
-    @cython.locals(omega=double)
     cpdef double stable_step(self) noexcept nogil
 
 @cython.final
@@ -74,12 +60,8 @@ cdef class RunQueue:
     cdef Py_ssize_t every
     cdef readonly list marks
 
-    @cython.locals(one=Integrator, paused=bint, status=int, k=int)
     cpdef list go(self, Py_ssize_t first, Py_ssize_t last)
     cpdef object return_to(self, Py_ssize_t k)
-    @cython.locals(status=int)
     cdef bint _go(self) noexcept nogil
-    @cython.locals(status=int, at=int)
     cdef int _begin(self) noexcept nogil
-    @cython.locals(i=int, k=int)
     cdef void _end(self, int status) noexcept nogil

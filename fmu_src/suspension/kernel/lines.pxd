@@ -22,12 +22,7 @@ cdef class Lines:
     cdef int *signal_first, *signal
     cdef double *signal_factor
 
-    @cython.locals(values=list)
     cpdef list read(self, of, which)
-    @cython.locals(first=int, end=int, quantity=int, m=int, total=double, x=double)
     cdef double _sum(self, int k) except? -1.0
     cdef inline double _state(self, int quantity, int i) noexcept
-    @cython.locals(net=Network, t=double, k=int, last=int, middle=int, at=int, c1=double, c2=double,
-                   c3=double, p1=double, p2=double, amplitude=double, x=double, value=double,
-                   angle=double)
     cdef double _signal(self, int s, bint rate) noexcept

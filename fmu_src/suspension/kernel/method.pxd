@@ -1,4 +1,3 @@
-cimport cython
 from .balance cimport Balance
 from .errors cimport Errors
 from .modes cimport Modes
@@ -16,6 +15,5 @@ cdef class Method:
     cdef readonly bint controls, exact, cubic, to_end
 
     cdef void enter(self) noexcept nogil
-    @cython.locals(i=int)
     cdef int attempt(self, double t, double h) noexcept with gil
     cdef inline void end(self, double t) noexcept nogil

@@ -14,15 +14,10 @@ cdef class Modes:
     cdef double *stiffness, *damping, *stiffness_known, *softest, *velocity_scale
     cdef double[1024] a, squared
 
-    @cython.locals(i=int)
     cdef void start(self) noexcept nogil
     cdef void follow(self) noexcept nogil
-    @cython.locals(i=int, same=bint)
     cdef void _find_fastest(self) noexcept nogil
-    @cython.locals(i=int, j=int, k=int, x=double, trace=double, stiffness=double)
     cdef inline double _highest(self, int n) noexcept nogil
     cdef double bound(self, double h, double least_damping) noexcept nogil
-    @cython.locals(longer=double)
     cdef bint _lengthened(self, double phase, double least_damping) noexcept nogil
-    @cython.locals(k=int, at=int, omega=double, decay=double)
     cdef void _scale_velocities(self) noexcept nogil

@@ -12,15 +12,9 @@ cdef class Motion:
     cdef double *jerk, *end_jerk
     cdef double *multiplier, *multiplier_rate
 
-    @cython.locals(i=int, e=int)
     cdef void start(self) noexcept nogil
-    @cython.locals(i=int)
     cdef void count_from_here(self) noexcept nogil
-    @cython.locals(i=int, reach=double, x=double)
     cdef double reach_at(self, double *q) noexcept nogil
-    @cython.locals(i=int, speed=double, rounding=double, x=double)
     cdef double speed_in(self, double h) noexcept nogil
-    @cython.locals(i=int, v=double, a=double, j=double)
     cdef void foresee(self, double h) noexcept nogil
-    @cython.locals(e=int)
     cdef void keep_multipliers(self) noexcept nogil

@@ -7,11 +7,8 @@ cdef class Potential:
     cdef double *e0, *e1, *e2
     cdef int *by_element
 
-    @cython.locals(r=int, e=int)
     cdef void enter(self) noexcept nogil
-    @cython.locals(r=int, p=int, k=double)
     cdef void _add(self, int e) noexcept nogil
     cdef double energy(self, double *q, double *v) noexcept nogil
-    @cython.locals(i=int, k=int, r=int, s=int, e=int, twice=double, energy=double, d=double)
     cdef inline double _sum(self, int n, double *q, double *v) noexcept nogil
     cdef double _of_curved(self, int e, double d) noexcept nogil

@@ -29,23 +29,16 @@ cdef class Run:
     cdef double course_time, course_value, course_slope
     cdef double *coefficients
 
-    @cython.locals(k=int)
     cdef void begin(self, double start) noexcept nogil
     cpdef void set_input(self, int i, double value) noexcept nogil
     cpdef double input_now(self, int i) noexcept nogil
-    @cython.locals(value=int, rate=int, before=double, mean=double)
     cdef void _find_course(self, int k, double until) noexcept nogil
     cdef bint _continues(self, int k) noexcept nogil
-    @cython.locals(k=int)
     cpdef bint sets_in(self) noexcept nogil
-    @cython.locals(k=int, moved=bint, late=double)
     cpdef bint hand_over(self, double until) noexcept nogil
     cdef void _enter_course(self, int k) noexcept nogil
-    @cython.locals(found=bint, s=int, r=int, i=int)
     cpdef int find_rest(self) noexcept nogil
     cdef void take_laws(self, double *x, int at) noexcept nogil
-    @cython.locals(size=Py_ssize_t, lent=Lent)
     cpdef object retune(self, laws)
     cdef void _begin_anew(self, Integrator integrator) noexcept nogil
-    @cython.locals(k=int)
     cdef void hand_on(self, Integrator integrator, int *counterpart) noexcept nogil

@@ -20,7 +20,5 @@ cdef class Stepper:
     cdef void start(self) noexcept nogil
     cdef void refresh(self, double t) noexcept nogil
     cdef int attempt(self, double t, double h) noexcept nogil
-    @cython.locals(i=int, own_jerks=bint, a=double, j=double, v=double)
     cdef void shift_end(self, double t, double late) noexcept nogil
-    @cython.locals(i=int)
     cdef inline void stop_within(self, double t, Dense dense) noexcept nogil

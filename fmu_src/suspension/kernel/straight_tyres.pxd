@@ -7,5 +7,4 @@ cdef class StraightTyres:
     cdef double *f, *k, *c
     cdef int *straight
 
-    @cython.locals(ps=int, pd=int, pm=int, factor=double)
     cdef void enter(self, int e) noexcept nogil

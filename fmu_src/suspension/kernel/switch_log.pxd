@@ -14,7 +14,5 @@ cdef class SwitchLog:
     cdef void start(self) noexcept nogil
     cdef void begin_row(self) noexcept nogil
     cdef bint is_half_full(self) noexcept nogil
-    @cython.locals(k=int)
     cdef void note(self, double time, int e, int kind, int before, int after) noexcept nogil
-    @cython.locals(k=int, i=int)
     cdef list all(self)

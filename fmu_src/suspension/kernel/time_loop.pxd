@@ -1,4 +1,3 @@
-cimport cython
 from libc.math cimport fabs, sqrt
 from .dense cimport Dense
 from .knots cimport Knots
@@ -47,62 +46,38 @@ cdef class TimeLoop:
     cdef int *branch_before
     cdef int since_pause
 
-    @cython.locals(datum=double)
     cdef object _resume(self, bytes content)
-    @cython.locals(datum=double)
     cdef void _follow_state(self, double before) noexcept nogil
 
-    @cython.locals(i=int)
     cdef int begin_row(self, double *x, int at, double start) noexcept nogil
-    @cython.locals(i=int)
     cdef void _enter_state(self, double *x, int at) noexcept nogil
     cdef void _stand_still(self, double time, double reach) noexcept nogil
-    @cython.locals(i=int)
     cdef void _begin(self) noexcept nogil
-    @cython.locals(_flip=int, p=int, e=int, loose=int, side=int, most=double, over=double)
     cdef void _break_loose(self) noexcept nogil
     cdef void _enter_branches(self) noexcept nogil
-    @cython.locals(status=int, events=int, before=double)
     cdef inline int _advance(self, double until, bint stop) noexcept nogil
-    @cython.locals(target=double, omega=double, road=double, h=double, rounding=double)
     cdef inline double _proposed_step(self) noexcept nogil
-    @cython.locals(last=double)
     cdef double _while_decaying(self, double h) noexcept nogil
-    @cython.locals(h=double, shorter=double, status=int, runs_away=bint)
     cdef inline int _step(self, double latest) noexcept nogil
-    @cython.locals(status=int, at=double, h=double)
     cdef inline int _try(self) noexcept nogil
-    @cython.locals(cut=double)
     cdef bint _shortens(self) noexcept nogil
     cdef inline void _look_ahead(self) noexcept nogil
-    @cython.locals(status=int, excess=double)
     cdef int _end_on_switch(self) noexcept nogil
     cdef inline int _finish(self) noexcept nogil
     cdef inline bint _has_diverged(self) noexcept nogil
-    @cython.locals(s=int, jumped=bint, jump=double, before=double, now=double)
     cdef void _pass_joint(self) noexcept nogil
-    @cython.locals(step=double)
     cdef double _meet_knot(self, double h, double end) noexcept nogil
-    @cython.locals(i=int)
     cdef inline void _accept(self, double h, double t) noexcept nogil
-    @cython.locals(readable=bint, reads=bint, _iteration=int, status=int, step=double, best=double,
-                   late=double, new=double, near=double)
     cdef int _land(self, double h) noexcept nogil
     cdef bint _reads(self) noexcept nogil
     cdef double _keep_near(self, double h) noexcept nogil
-    @cython.locals(i=int)
     cdef void _keep_attempt(self, double h) noexcept nogil
-    @cython.locals(new=int, before=int)
     cdef void _switch(self, int e, int kind, int side) noexcept nogil
     cdef inline bint _passes(self, double h) noexcept nogil
-    @cython.locals(joint=double, end=double, h=double, status=int, before=double, to_end=bint)
     cdef int _overrun(self, double latest) noexcept nogil
     cdef double _energy_now(self) noexcept nogil
     cdef void _relocate(self, bint flows) noexcept nogil
-    @cython.locals(i=int)
     cdef void _remember_branches(self) noexcept nogil
-    @cython.locals(k=int, e=int)
     cdef void _book_contacts(self) noexcept nogil
-    @cython.locals(i=int)
     cdef void _note_changes(self) noexcept nogil
     cdef void _leave_step(self) noexcept nogil

@@ -1,4 +1,3 @@
-cimport cython
 from libc.math cimport isfinite
 from .columns cimport Columns
 from .method cimport Method
@@ -8,5 +7,4 @@ cdef class Wilson(Method):
     cdef double *start_a
 
     cdef void enter(self) noexcept nogil
-    @cython.locals(n=int, i=int, status=int, a0=double, a1=double)
     cdef int attempt(self, double t, double h) noexcept nogil

@@ -5,7 +5,6 @@ The translator, the memory image and their tests know types from here alone.
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -36,7 +35,6 @@ class Routine:
     name : its name
     returns : its type
     parameters : names and types, without `self`
-    variables : types of its local variables
     nogil : whether it is promised to be free of Python
     with_gil : whether it takes the lock of the interpreter to call Python
     """
@@ -44,7 +42,6 @@ class Routine:
     name: str
     returns: str
     parameters: Mapping[str, str]
-    variables: Mapping[str, str]
     nogil: bool
     with_gil: bool = False
 
@@ -77,7 +74,6 @@ def read(path: Path) -> Declared:
     """
     found = Declared()
     record: Record | None = None
-    variables: dict[str, str] = {}
     for number, line in _logical_lines(path.read_text("utf-8")):
         text = line.strip()
         indented = line[0].isspace()
@@ -85,14 +81,11 @@ def read(path: Path) -> Declared:
             record = None
         if re.match(r"(from \S+ )?cimport |@cython\.(final|cclass)$|pass$", text):
             continue
-        if text.startswith("@cython.locals("):
-            variables = _variables(text)
-        elif header := re.fullmatch(rf"cdef class ({_NAME})(?:\(({_NAME})\))?:", text):
+        if header := re.fullmatch(rf"cdef class ({_NAME})(?:\(({_NAME})\))?:", text):
             record = Record(header[1], header[2] or "")
             found.records[record.name] = record
-        elif routine := _routine(text, variables):
+        elif routine := _routine(text):
             (record.methods if record else found.functions)[routine.name] = routine
-            variables = {}
         elif names := _fields(text):
             (record.fields if record else found.constants).update(names)
         else:
@@ -115,21 +108,7 @@ def _logical_lines(text: str) -> Iterable[tuple[int, str]]:
         begun = ""
 
 
-def _variables(decorator: str) -> dict[str, str]:
-    call = ast.parse(decorator[1:], mode="eval").body
-    assert isinstance(call, ast.Call)
-    return {
-        keyword.arg: _tidy(
-            keyword.value.value
-            if isinstance(keyword.value, ast.Constant)
-            else ast.unparse(keyword.value)
-        )
-        for keyword in call.keywords
-        if keyword.arg
-    }
-
-
-def _routine(text: str, variables: Mapping[str, str]) -> Routine | None:
+def _routine(text: str) -> Routine | None:
     head = re.match(
         rf"(?:cdef|cpdef)\s+(?:inline\s+)?(?:({_TYPE}{_SUFFIX})(?:\s+|(?<=\*)))?(.*)", text
     )
@@ -146,7 +125,6 @@ def _routine(text: str, variables: Mapping[str, str]) -> Routine | None:
         called[1],
         _tidy(head[1] or "object"),
         parameters,
-        dict(variables),
         "nogil" in called[3],
         "with gil" in called[3],
     )

@@ -80,7 +80,9 @@ class Expressions:
     def __init__(self, kernel: Sources, definition: Definition) -> None:
         self.kernel, self.definition = kernel, definition
         types = definition.types
-        self.kinds = {**types.parameters, **types.variables}  # of all local names
+        self.kinds = dict(
+            types.parameters
+        )  # of all local names; others follow from their first value
         self.calls: set[tuple[str, str]] = set()
         self.changed: set[tuple[str, str]] = set()  # fields, by class and name
         self._loops: list[str] = []  # names of the loops around
@@ -104,9 +106,7 @@ class Expressions:
 
     def _as(self, kind: str, node: ast.expr) -> C:
         """Return an expression as a value of a type."""
-        if kind == "bint":
-            return self._truth(node)
-        found = self._expression(node)
+        found = self._truth(node) if kind == "bint" else self._expression(node)
         if kind == "double" and found.kind in (kind, *INTEGERS):
             return found
         if kind in INTEGERS and found.kind in INTEGERS:

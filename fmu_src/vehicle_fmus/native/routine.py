@@ -183,9 +183,9 @@ class Routine(Expressions):
             raise self._wrong(node, "a loop goes over a range")
         assert isinstance(call, ast.Call)
         name = node.target.id
-        kind = self.kinds.get(name, "")
+        kind = self.kinds.setdefault(name, "int")
         if kind not in INTEGERS:
-            raise self._wrong(node, f"{name} must be declared as int")
+            raise self._wrong(node, f"{name} is no integer before")
         if name in self._loops:
             raise self._wrong(node, f"{name} is the variable of a loop around")
         given = [self._as(kind, x) for x in call.args]
@@ -301,11 +301,7 @@ class Routine(Expressions):
             if node.id in self._loops:
                 raise self._wrong(node, "the variable of a loop is assigned")
             if node.id not in self.kinds:
-                # declared nowhere: a double, as for the compiler of the kernel
-                found = self._expression(value) if value is not None else None
-                if found is None or found.kind != "double":
-                    raise self._wrong(node, "its type is not declared")
-                self.kinds[node.id] = "double"
+                self.kinds[node.id] = self._kind_of(node, value)
             if node.id not in self.definition.types.parameters:
                 self._assigned.add(node.id)
             self._stale.discard(node.id)
@@ -322,6 +318,15 @@ class Routine(Expressions):
         if value is not None and target.is_array:
             self._note_change(value)  # through the other name
         return target, target if value is None else self._as(target.kind, value)
+
+    def _kind_of(self, node: ast.Name, value: ast.expr | None) -> str:
+        """Return the type that a variable has by its first value."""
+        if value is None:
+            raise self._wrong(node, "it has no value yet")
+        found = self._expression(value)
+        if not (found.is_array or found.kind in NUMBERS):
+            raise self._wrong(node, "a variable is a number or an array")
+        return f"{found.item}*" if found.is_array else found.kind
 
 
 def declared(kind: str, kernel: Sources, *names: str) -> str:

@@ -34,7 +34,6 @@ class Reader:
         self.count = 0
 """
 DECLARED = """
-@cython.locals(i=int)
 cdef void fill(double *numbers, int count) noexcept nogil
 
 cdef class Owner:
@@ -42,7 +41,6 @@ cdef class Owner:
     cdef double rate, noted
     cdef double *table, *filled, *written, *first, *second
     cdef Reader reader
-    @cython.locals(i=int)
     cdef void step(self) noexcept nogil
 
 cdef class Reader:

@@ -14,72 +14,63 @@ import pytest
 from phaseplane.vehicle_fmus.native.kernel_sources import sources
 from phaseplane.vehicle_fmus.native.translate import NotTranslatableError, translated
 
-# of each construct: what is declared of local variables, the lines of a function of x, y, i, j (i and j
-# from 0 to 5), and `numbers`, an array of eight
+# of each construct the lines of a function of x, y, i, j (i and j from 0 to 5), and `numbers`, an array
+# of eight
 CONSTRUCTS = {
-    "order of sums": ("", "return x - (y - x) - y * (x + y) + (x + (y + 0.1))"),
-    "order of products": ("", "return x * (y * 0.3) * x / (y * y + 1.0) / 7.0"),
-    "division of integers": ("", "return (i + 1) / (j + 2) + x"),
-    "whole division": ("", "return (7 * i) // (j + 1) + (9 * i) % (j + 1)"),
-    "signs": ("", "return -x - -y + -(-x * y) - -(i - 7)"),
-    "constants": ("", "return 1e300 * x + 0.1 + _FACTOR * y + _COUNT"),
-    "maths": ("", "return sqrt(fabs(x)) + exp(-y * y) + tanh(x) + log1p(x * x) + sin(x) * cos(y)"),
-    "more maths": ("", "return floor(x) + ceil(y) + pow(fabs(x), 0.3) + sinh(y) + isfinite(x)"),
-    "least and largest": ("", "return min(x, y) + max(x, y, 0.5) + min(i, j) + max(i, 2)"),
-    "zeros": ("", "return min(0.0 * x, -0.0) + max(-0.0, 0.0)"),
-    "comparisons": ("", "return 1.0 if x < y <= 1.5 or i == j != 3 else 2.0"),
-    "conditions": ("", "return 1.0 if (x < y or i > j) and not (x > 0.5 and y > 0.5) else 2.0"),
-    "truth of numbers": ("", "return 1.0 if x and i else 2.0"),
-    "nested choices": ("", "return (x if x > y else y if i > 2 else 0.25) * (2.0 if x else 3.0)"),
-    "one among": ("", "return 1.0 if i in (1, _COUNT, 5) else 2.0 if j not in (0, 2) else 3.0"),
-    "integers that and joins": ("k=int", "k = i and j\nreturn k"),
+    "order of sums": "return x - (y - x) - y * (x + y) + (x + (y + 0.1))",
+    "order of products": "return x * (y * 0.3) * x / (y * y + 1.0) / 7.0",
+    "division of integers": "return (i + 1) / (j + 2) + x",
+    "whole division": "return (7 * i) // (j + 1) + (9 * i) % (j + 1)",
+    "signs": "return -x - -y + -(-x * y) - -(i - 7)",
+    "constants": "return 1e300 * x + 0.1 + _FACTOR * y + _COUNT",
+    "maths": "return sqrt(fabs(x)) + exp(-y * y) + tanh(x) + log1p(x * x) + sin(x) * cos(y)",
+    "more maths": "return floor(x) + ceil(y) + pow(fabs(x), 0.3) + sinh(y) + isfinite(x)",
+    "least and largest": "return min(x, y) + max(x, y, 0.5) + min(i, j) + max(i, 2)",
+    "zeros": "return min(0.0 * x, -0.0) + max(-0.0, 0.0)",
+    "comparisons": "return 1.0 if x < y <= 1.5 or i == j != 3 else 2.0",
+    "conditions": "return 1.0 if (x < y or i > j) and not (x > 0.5 and y > 0.5) else 2.0",
+    "truth of numbers": "return 1.0 if x and i else 2.0",
+    "nested choices": "return (x if x > y else y if i > 2 else 0.25) * (2.0 if x else 3.0)",
+    "one among": "return 1.0 if i in (1, _COUNT, 5) else 2.0 if j not in (0, 2) else 3.0",
+    "integers that and joins": "k = i and j\nreturn k",
     "loops": (
-        "k=int, m=int, s=double",
         "s = 0.0\nfor k in range(i):\n    for m in range(k, j + 3):\n"
-        "        s = s * 0.7 + numbers[m] * x\nreturn s",
+        "        s = s * 0.7 + numbers[m] * x\nreturn s"
     ),
     "loops backwards": (
-        "k=int, s=double",
         "s = 0.0\nfor k in range(7, -1, -1):\n    s = s * y + numbers[k]\n"
-        "for k in range(-3, 4, 2):\n    s += k * x\nreturn s",
+        "for k in range(-3, 4, 2):\n    s += k * x\nreturn s"
     ),
     "a range is evaluated once": (
-        "k=int, m=int, s=double",
-        "s = 0.0\nm = 3\nfor k in range(m):\n    m += i\n    s += x * m\nreturn s",
+        "s = 0.0\nm = 3\nfor k in range(m):\n    m += i\n    s += x * m\nreturn s"
     ),
     "a name of loops and otherwise": (
-        "k=int, s=double",
-        "s = 0.0\nfor k in range(4):\n    s += numbers[k]\nk = j\ns += numbers[k]\nreturn s",
+        "s = 0.0\nfor k in range(4):\n    s += numbers[k]\nk = j\ns += numbers[k]\nreturn s"
     ),
     "while, break, continue": (
-        "k=int, s=double",
         "s = 0.0\nk = 0\nwhile True:\n    k += 1\n    if k == i:\n        continue\n"
-        "    if k > 7:\n        break\n    s += x / k\nwhile k > j:\n    k -= 1\n    s *= y\nreturn s",
+        "    if k > 7:\n        break\n    s += x / k\nwhile k > j:\n    k -= 1\n    s *= y\nreturn s"
     ),
     "if, elif, else": (
-        "s=double",
         "if i == 0:\n    s = x\nelif i == 1:\n    s = y\nelif x > y:\n    s = 3.0\nelse:\n    s = 4.0\n"
-        "return s",
+        "return s"
     ),
-    "several at once": ("a=double, b=double", "a, b = x, y\na, b = b, a + b\na, b = b, a\nreturn a - b"),
+    "several at once": "a, b = x, y\na, b = b, a + b\na, b = b, a\nreturn a - b",
     "items change places": (
-        "",
-        "numbers[i], numbers[j] = numbers[j], numbers[i]\nreturn numbers[i] * 3.0 + numbers[j]",
+        "numbers[i], numbers[j] = numbers[j], numbers[i]\nreturn numbers[i] * 3.0 + numbers[j]"
     ),
-    "a chain": ("a=double", "numbers[i] = a = x * y\nreturn a + numbers[i] + numbers[j]"),
+    "a chain": "numbers[i] = a = x * y\nreturn a + numbers[i] + numbers[j]",
     "changes in place": (
-        "a=double, k=int",
         "a = x\na += y\na -= 0.3\na *= y\na /= 1.7\nk = i\nk += 2\nk *= 3\nk -= j\nk //= 2\nk %= 5\n"
-        "return a + k",
+        "return a + k"
     ),
-    "a name for an array": ('a="double[::1]"', "a = numbers\na[i] = x\nreturn numbers[i] + a[j]"),
-    "calls": ("", "return square(x) + square(y - x) * square(square(0.5))"),
-    "recursion": ("", "return powers(x, i) + powers(y, j)"),
-    "C's own words": ("short=double, auto=int", "short = x\nauto = i\nreturn short * auto"),
-    "not declared, a double": ("", "later = x * 0.5\nreturn later + y"),
+    "a name for an array": "a = numbers\na[i] = x\nreturn numbers[i] + a[j]",
+    "calls": "return square(x) + square(y - x) * square(square(0.5))",
+    "recursion": "return powers(x, i) + powers(y, j)",
+    "C's own words": "short = x\nauto = i\nreturn short * auto",
+    "a name for a value": "later = x * 0.5\nreturn later + y",
     "not a number": (
-        "a=double",
-        "a = x * 1e308 * 10.0\na = a - a\nreturn max(a, 1.0) + (2.0 if a else 1.0)",
+        "a = x * 1e308 * 10.0\na = a - a\nreturn max(a, 1.0) + (2.0 if a else 1.0)"
     ),
 }  # fmt: skip
 HELPERS = """
@@ -99,14 +90,13 @@ cdef double powers(double x, int k) noexcept nogil
 GIVEN = "double x, double y, int i, int j, double[::1] numbers"
 
 
-def written(folder: Path, functions: dict[str, tuple[str, str]]) -> tuple[Path, dict[str, Any]]:
+def written(folder: Path, functions: dict[str, str]) -> tuple[Path, dict[str, Any]]:
     """A module of functions with its declarations, and the functions as Python has them."""
     source, declared = ["_FACTOR, _COUNT = 0.7, 3", HELPERS], [HELPERS_DECLARED]
-    for name, (variables, body) in functions.items():
+    for name, body in functions.items():
         lines = "\n".join(f"    {line}" for line in body.splitlines())
         source.append(f"def {name}(x, y, i, j, numbers):\n{lines}\n")
-        locals_ = f"@cython.locals({variables})\n" if variables else ""
-        declared.append(f"{locals_}cdef double {name}({GIVEN}) noexcept nogil\n")
+        declared.append(f"cdef double {name}({GIVEN}) noexcept nogil\n")
     folder.joinpath("module.py").write_text("\n".join(source))
     folder.joinpath("module.pxd").write_text(
         "cdef double _FACTOR\ncdef int _COUNT\n" + "\n".join(declared)
@@ -158,35 +148,36 @@ def test_each_construct_gives_the_same_bits(
 
 
 REFUSED = {
-    "a string": ("", "return 'x'", "this constant"),
-    "a list": ("", "return [x][0]", "this expression"),
-    "a power": ("", "return x**2", "this operation"),
-    "an exception": ("", "raise ValueError(x)", "this statement"),
-    "a try": ("", "try:\n    return x\nfinally:\n    pass", "this statement"),
-    "a with": ("", "with x:\n    return y", "this statement"),
-    "a loop over items": ("a=double", "for a in numbers:\n    return a\nreturn x", "over a range"),
-    "an else of a loop": ("k=int", "for k in range(3):\n    pass\nelse:\n    x = y\nreturn x", "range"),
-    "the variable of a loop after it": ("k=int", "for k in range(3):\n    pass\nreturn k", "no value"),
-    "the variable of a loop assigned": ("k=int", "for k in range(3):\n    k = 1\nreturn x", "assigned"),
-    "a step that is not known": ("k=int", "for k in range(0, 9, i):\n    x += k\nreturn x", "written"),
-    "a double for an integer": ("k=int", "k = x\nreturn k", "double where int"),
-    "an integer not declared": ("", "k = i\nreturn k", "not declared"),
-    "an unknown name": ("", "return z", "not declared"),
-    "an unknown function": ("", "return len(numbers)", "not in the language"),
-    "an argument too many": ("", "return square(x, y)", "1 arguments"),
-    "an argument by name": ("", "return square(x=y)", "by position"),
-    "a slice": ("a=double", "a = numbers[1:]\nreturn x", "this expression"),
-    "an index from the end": ("", "return numbers[-1]", "from the end"),
-    "a field of a number": ("", "return x.real", "not a record"),
-    "remainders of doubles": ("", "return x % y", "for integers"),
-    "or as a value": ("k=int", "k = i or j\nreturn k", "joins conditions only"),
-    "no value at the end": ("", "if x > y:\n    return x", "without a value"),
-    "a nested function": ("", "def g():\n    pass\nreturn x", "this statement"),
-    "a lambda": ("", "return (lambda: x)()", "cannot be called"),
-    "a comprehension": ("", "return max(z for z in numbers)", "this expression"),
-    "an order that C leaves open": ("", "return double(numbers) + numbers[0]", "order of evaluation"),
-    "an expression alone": ("", "x + y\nreturn x", "only a call"),
-    "more names than values": ("a=double, b=double", "a, b = numbers\nreturn a", "as many targets"),
+    "a string": ("return 'x'", "this constant"),
+    "a list": ("return [x][0]", "this expression"),
+    "a power": ("return x**2", "this operation"),
+    "an exception": ("raise ValueError(x)", "this statement"),
+    "a try": ("try:\n    return x\nfinally:\n    pass", "this statement"),
+    "a with": ("with x:\n    return y", "this statement"),
+    "a loop over items": ("for a in numbers:\n    return a\nreturn x", "over a range"),
+    "an else of a loop": ("for k in range(3):\n    pass\nelse:\n    x = y\nreturn x", "range"),
+    "the variable of a loop after it": ("for k in range(3):\n    pass\nreturn k", "no value"),
+    "the variable of a loop assigned": ("for k in range(3):\n    k = 1\nreturn x", "assigned"),
+    "a step that is not known": ("for k in range(0, 9, i):\n    x += k\nreturn x", "written"),
+    "a double for an integer": ("k = 0\nk = x\nreturn k", "double where int"),
+    "a change before the first value": ("k += 1\nreturn k", "no value yet"),
+    "a truth that becomes a number": ("k = x < y\nk = x\nreturn k", "double where bint"),
+    "an unknown name": ("return z", "not declared"),
+    "an unknown function": ("return len(numbers)", "not in the language"),
+    "an argument too many": ("return square(x, y)", "1 arguments"),
+    "an argument by name": ("return square(x=y)", "by position"),
+    "a slice": ("a = numbers[1:]\nreturn x", "this expression"),
+    "an index from the end": ("return numbers[-1]", "from the end"),
+    "a field of a number": ("return x.real", "not a record"),
+    "remainders of doubles": ("return x % y", "for integers"),
+    "or as a value": ("k = i or j\nreturn k", "joins conditions only"),
+    "no value at the end": ("if x > y:\n    return x", "without a value"),
+    "a nested function": ("def g():\n    pass\nreturn x", "this statement"),
+    "a lambda": ("return (lambda: x)()", "cannot be called"),
+    "a comprehension": ("return max(z for z in numbers)", "this expression"),
+    "an order that C leaves open": ("return double(numbers) + numbers[0]", "order of evaluation"),
+    "an expression alone": ("x + y\nreturn x", "only a call"),
+    "more names than values": ("a, b = numbers\nreturn a", "as many targets"),
 }  # fmt: skip
 CHANGING = "\ndef double(numbers):\n    numbers[0] *= 2.0\n    return numbers[0]\n"
 
@@ -195,8 +186,8 @@ CHANGING = "\ndef double(numbers):\n    numbers[0] *= 2.0\n    return numbers[0]
 def test_what_is_not_in_the_language_is_refused_with_file_and_line(
     what: str, tmp_path: Path
 ) -> None:
-    variables, body, why = REFUSED[what]
-    written(tmp_path, {"wrong": (variables, body)})
+    body, why = REFUSED[what]
+    written(tmp_path, {"wrong": body})
     with tmp_path.joinpath("module.py").open("a") as file:
         file.write(CHANGING)
     with tmp_path.joinpath("module.pxd").open("a") as file:
