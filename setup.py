@@ -113,7 +113,7 @@ MODULES = (
     "handover", "integrator", "rest", "inputs", "contacts", "account", "run", "lines",
 )  # fmt: skip
 
-INTEGERS = re.compile(r"^cdef int ([_A-Z0-9, ]+)$", re.MULTILINE)
+FUNCTIONS = re.compile(r"^    from math import (.+)$", re.MULTILINE)  # where uncompiled
 ROUTINE = re.compile(r"( *)cdef (?!class )(?:inline )?[\w ]+?\**(\w+)\(.*")
 
 
@@ -132,20 +132,24 @@ def staged() -> str:
     sources = [KERNEL / f"{module}.py" for module in MODULES]
     types = [path.with_suffix(".pxd") for path in sources if path.with_suffix(".pxd").exists()]
     texts = [with_types_of_locals(path) for path in types]
-    integers = {
-        name for text in texts for names in INTEGERS.findall(text) for name in names.split(", ")
-    }
     target = STAGE / "integrator.py"
-    source, values = one_source(sources, integers)
+    source, constants = one_source(sources)
     target.write_text(source, encoding="utf-8")
-    target.with_suffix(".pxd").write_text(one_set_of_types(texts, values), encoding="utf-8")
+    functions = {
+        name
+        for path in sources
+        for names in FUNCTIONS.findall(path.read_text(encoding="utf-8"))
+        for name in names.split(", ")
+    }
+    declared = one_set_of_types(texts, constants, functions)
+    target.with_suffix(".pxd").write_text(declared, encoding="utf-8")
     return str(target)
 
 
-def one_source(paths: list[Path], integers: set[str]) -> tuple[str, dict[str, str]]:
-    """All modules one after the other, and the values of the integers, which C has as constants.
+def one_source(paths: list[Path]) -> tuple[str, dict[str, int | float]]:
+    """All modules one after the other, and their constants.
 
-    Left out is what modules import from each other or uncompiled.
+    Left out is what modules import from each other or uncompiled, and integers, which C has as constants.
 
     Raises
     ------
@@ -170,7 +174,7 @@ def one_source(paths: list[Path], integers: set[str]) -> tuple[str, dict[str, st
                     for name, value in pairs:
                         if known.setdefault(name, value) != value:
                             raise ValueError(f"{path.name}: {name} = {value}, not {known[name]}")
-                    kinds = {name in integers for name, _ in pairs}
+                    kinds = {isinstance(number(value), int) for _, value in pairs}
                     if len(kinds) > 1:
                         raise ValueError(f"{path.name}: integers stand apart: {written}")
                     if kinds == {False}:
@@ -189,7 +193,41 @@ def one_source(paths: list[Path], integers: set[str]) -> tuple[str, dict[str, st
             for line in range(node.lineno - 1, node.end_lineno):
                 lines[line] = ""
         bodies.append("\n".join(lines))
-    return "\n".join([*imports, *bodies]), {name: known[name] for name in sorted(integers)}
+    constants = {name: x for name, value in known.items() if (x := number(value)) is not None}
+    return "\n".join([*imports, *bodies]), constants
+
+
+def number(text: str) -> int | float | None:
+    """The value of an expression of numbers; None if it is another one."""
+    try:
+        value = eval(text, {"__builtins__": {}})
+    except NameError:
+        return None
+    return value if type(value) in (int, float) else None
+
+
+def assigned(node: ast.Assign) -> list[tuple[str, str]]:
+    """The names that an assignment gives values, each with its own."""
+    target, value = node.targets[0], node.value
+    if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
+        pairs = zip(target.elts, value.elts, strict=True)
+        return [(ast.unparse(name), ast.unparse(x)) for name, x in pairs]
+    return [(ast.unparse(target), ast.unparse(value))]
+
+
+def one_set_of_types(
+    texts: list[str], constants: dict[str, int | float], functions: set[str]
+) -> str:
+    """All declarations of C types, and those of constants and mathematical functions."""
+    doubles = ", ".join(name for name, x in constants.items() if isinstance(x, float))
+    integers = [f"    {name} = {x}" for name, x in constants.items() if isinstance(x, int)]
+    head = [
+        "cimport cython",
+        f"from libc.math cimport {', '.join(sorted(functions))}",
+        f"cdef double {doubles}",
+    ]
+    bodies = [text.replace("cimport cython\n", "") for text in texts]
+    return "\n".join([*head, "cdef enum:", *integers, *bodies])
 
 
 def with_types_of_locals(path: Path) -> str:
@@ -239,32 +277,6 @@ def is_condition(node: ast.expr) -> bool:
         case ast.BoolOp(values=values):
             return any(map(is_condition, values))
     return False
-
-
-def assigned(node: ast.Assign) -> list[tuple[str, str]]:
-    """The names that an assignment gives values, each with its own."""
-    target, value = node.targets[0], node.value
-    if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
-        pairs = zip(target.elts, value.elts, strict=True)
-        return [(ast.unparse(name), ast.unparse(x)) for name, x in pairs]
-    return [(ast.unparse(target), ast.unparse(value))]
-
-
-def one_set_of_types(texts: list[str], integers: dict[str, str]) -> str:
-    """All declarations of C types, those of constants once each, integers with their values."""
-    taken: dict[str, set[str]] = {}
-    bodies = []
-    for text in texts:
-        for source, names in re.findall(r"^from (\S+) cimport (.+)$", text, re.MULTILINE):
-            if not source.startswith("."):
-                taken.setdefault(f"from {source} cimport", set()).update(names.split(", "))
-        for names in re.findall(r"^cdef double ([_A-Z0-9, ]+)$", text, re.MULTILINE):
-            taken.setdefault("cdef double", set()).update(names.split(", "))
-        once = r"^(from \S+ cimport .+|cimport cython|cdef (int|double) [_A-Z0-9, ]+)$"
-        bodies.append(re.sub(once, "", text, flags=re.MULTILINE))
-    head = [f"{what} {', '.join(sorted(names))}" for what, names in taken.items()]
-    values = [f"    {name} = {value}" for name, value in integers.items()]
-    return "\n".join(["cimport cython", *head, "cdef enum:", *values, *bodies])
 
 
 def translated(source: str) -> str:

@@ -56,30 +56,58 @@ def test_two_meanings_of_one_name_are_refused(
     installer: Any, tmp_path: Path, first: str, second: str
 ) -> None:
     with pytest.raises(ValueError, match=r"part1\.py: _(same|Same|SAME) "):
-        installer.one_source(modules(tmp_path, first, second), set())
+        installer.one_source(modules(tmp_path, first, second))
 
 
 def test_modules_follow_one_another(installer: Any, tmp_path: Path) -> None:
     parts = modules(
         tmp_path,
-        "from math import sqrt\n_N = 2\ndef root(): return sqrt(_N)",
-        "from .part0 import root\n_N = 2\ndef twice(): return 2.0 * root()",
+        "from math import sqrt\n_N = 2.0\ndef root(): return sqrt(_N)",
+        "from .part0 import root\n_N = 2.0\ndef twice(): return 2.0 * root()",
     )
     found: dict[str, Any] = {}
-    source, integers = installer.one_source(parts, set())
+    source, constants = installer.one_source(parts)
     exec(source, found)
     assert found["twice"]() == pytest.approx(2.0 * 2.0**0.5)
-    assert not integers
+    assert constants == {"_N": 2.0}
 
 
 def test_integers_of_the_kernel_are_constants_of_c(installer: Any, tmp_path: Path) -> None:
     parts = modules(tmp_path, "_N, _M = 2, 3\n_X = 0.5", "from .part0 import _N\n_N = 2")
-    source, integers = installer.one_source(parts, {"_N", "_M"})
-    assert integers == {"_M": "3", "_N": "2"}
+    source, constants = installer.one_source(parts)
+    assert constants == {"_N": 2, "_M": 3, "_X": 0.5}
     assert [line for line in source.splitlines() if line] == ["_X = 0.5"]
-    assert "    _M = 3\n    _N = 2" in installer.one_set_of_types([], integers)
+    types = installer.one_set_of_types([], constants, {"sin", "cos"})
+    assert (
+        "from libc.math cimport cos, sin\ncdef double _X\ncdef enum:\n    _N = 2\n    _M = 3"
+        in types
+    )
     with pytest.raises(ValueError, match="integers stand apart"):
-        installer.one_source(modules(tmp_path, "_N, _X = 2, 0.5"), {"_N"})
+        installer.one_source(modules(tmp_path, "_N, _X = 2, 0.5"))
+
+
+def test_loops_and_conditions_have_their_c_types(installer: Any, tmp_path: Path) -> None:
+    (source,) = modules(
+        tmp_path,
+        """
+class Sum:
+    def add(self, n):
+        x = 0.0
+        some = n > 1 and self.open
+        for i in range(n):
+            x += i
+        for block in self.blocks:
+            x += block
+        return x if some else 0.0
+""",
+    )
+    types = source.with_suffix(".pxd")
+    types.write_text("cdef class Sum:\n    cdef bint open\n    cdef double add(self, int n) nogil")
+    typed = installer.with_types_of_locals(types).splitlines()
+    assert typed[2:] == [
+        "    @cython.locals(some=bint, i=int)",
+        "    cdef double add(self, int n) nogil",
+    ]
 
 
 def test_methods_of_one_class_alone_are_called_by_name(installer: Any) -> None:

@@ -1,10 +1,5 @@
 cimport cython
-from libc.math cimport fabs
-from .arrays cimport Memory
-from .integrator cimport Integrator
 
-cdef int _FIRST_LOOK
-cdef double _DRIFT, _LEAST_DRIFT
 
 @cython.final
 cdef class Account:

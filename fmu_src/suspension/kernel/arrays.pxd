@@ -2,7 +2,6 @@ cimport cython
 from cpython.buffer cimport PyBUF_C_CONTIGUOUS, PyBUF_FORMAT, PyBUF_WRITABLE, PyBuffer_Release, PyObject_GetBuffer
 from cpython.bytearray cimport PyByteArray_AsString
 
-cdef int _LINE, _BLOCK, _SIZE_OF_DOUBLE, _SIZE_OF_INTEGER, _DOUBLE
 
 @cython.final
 cdef class Memory:

@@ -1,9 +1,5 @@
 cimport cython
-from .bends cimport Bends
-from .linear cimport solve
-from .network cimport Network
 
-cdef int MOST_COORDINATES, MOST_ROWS
 
 @cython.final
 cdef class Balance:

@@ -1,7 +1,5 @@
 cimport cython
-from libc.math cimport fabs
 
-cdef double _CLOSE
 
 @cython.final
 cdef class Crossing:

@@ -1,8 +1,3 @@
-from libc.math cimport fabs
-from .elements cimport Elements
-
-cdef double _CREEP
-
 cdef class Branches(Elements):
     cdef readonly int laws_size
     cdef double *opening, *breakaway, *initial_set

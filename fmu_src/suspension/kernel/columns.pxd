@@ -1,11 +1,5 @@
 cimport cython
-from libc.math cimport isfinite
-from .balance cimport Balance, multiply, resist
-from .inverses cimport Inverses
-from .iteration cimport Iteration
-from .network cimport Network
 
-cdef int _SUBSTEPS
 
 @cython.final
 cdef class Columns:

@@ -1,8 +1,5 @@
 cimport cython
-from .arrays cimport Memory
-from .integrator cimport Integrator
 
-cdef int _WAITING, _NONE
 
 @cython.final
 cdef class Contacts:

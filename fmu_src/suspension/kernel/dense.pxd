@@ -1,7 +1,5 @@
 cimport cython
-from .arrays cimport Memory
 
-cdef int _SEPTIC
 
 @cython.final
 cdef class Dense:

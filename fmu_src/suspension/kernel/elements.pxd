@@ -1,8 +1,5 @@
 cimport cython
-from .laws cimport Laws
-from .series_springs cimport SeriesSprings
 
-cdef int ELASTIC
 
 cdef class Elements(Laws):
     # the system

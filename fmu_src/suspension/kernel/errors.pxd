@@ -1,12 +1,5 @@
 cimport cython
-from libc.math cimport fabs, pow
-from .balance cimport Balance
-from .linear cimport decompose, solve
-from .modes cimport Modes
-from .motion cimport Motion
-from .network cimport Network
 
-cdef double ROUNDING_OF_RATES, _SHARE, _OF_SPEED, _LOW_ORDER, _ROUNDING, _LEAST_LENGTH, _READ_SHARE, _READ_PHASE, _NEGLIGIBLE, _MISSED, _LONG_PHASE, _STRONG
 
 @cython.final
 cdef class Errors:

@@ -1,11 +1,5 @@
 cimport cython
-from libc.math cimport cos, fabs, isfinite, sin
-from .linear cimport solve
-from .method cimport Method
-from .network cimport Network
 
-cdef int _TERMS, _POWERS
-cdef double _SHORT, _FINER
 
 @cython.final
 cdef class Propagator:

@@ -1,9 +1,3 @@
-from libc.math cimport fabs
-from .columns cimport Columns
-from .method cimport Method
-
-cdef double _SLOW_PHASE, _MOST_BETTER, _BENT_BETTER, _STIFF_PHASE, ROUNDING_OF_RATES
-
 cdef class Extrapolated(Method):
     cdef Columns columns
 

@@ -31,7 +31,7 @@ _STIFF_PHASE = 100.0  # phase of the fastest motion beyond which jerks do not de
 # error of a step, over its share of the tolerance, up to which it is not repeated: few steps have it, and
 # to repeat them costs more than to take all a little shorter
 _EXCESS = 2.5
-_FINE = 1e-4  # tolerance below which order 8 is faster than order 6
+_FINE_TOLERANCE = 1e-4  # tolerance below which order 8 is faster than order 6
 _LINK = 1e4  # times the fastest frequency; a damper with a decay this fast acts like a rigid link
 # By order: the damping with which no mode grows up to a phase of 6, and with 1.8 times as much up to
 # one of 8.4 (see `modes`; a single column takes no longer steps), and the largest omega h at which an
@@ -55,7 +55,7 @@ class Extrapolated(Method):
     def order_of(system, step, tolerance, order):
         if order:
             return order
-        return 8 if tolerance < _FINE or step > 0.0 or _is_stiffly_damped(system) else 6
+        return 8 if tolerance < _FINE_TOLERANCE or step > 0.0 or _is_stiffly_damped(system) else 6
 
     @staticmethod
     def limit_of(order):

@@ -1,7 +1,4 @@
 cimport cython
-from libc.math cimport fabs
-from .motion cimport Motion
-from .network cimport Network
 
 @cython.final
 cdef class Handover:

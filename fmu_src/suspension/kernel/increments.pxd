@@ -1,10 +1,5 @@
 cimport cython
-from libc.math cimport fabs, isfinite
-from .extrapolated cimport Extrapolated
-from .linear cimport decompose, solve
-from .network cimport Network
 
-cdef int _MOST_MEANS
 
 @cython.final
 cdef class Increments:

@@ -1,9 +1,5 @@
 cimport cython
-from libc.math cimport fabs
-from .arrays cimport Memory
 
-cdef int _SAMPLES
-cdef double _LONGEST
 
 @cython.final
 cdef class Inputs:

@@ -1,11 +1,6 @@
 cimport cython
 from cpython.exc cimport PyErr_CheckSignals
-from libc.math cimport sqrt
-from .arrays cimport Lent, Memory
-from .handover cimport Handover
-from .time_loop cimport TimeLoop
 
-cdef int _ENOUGH_STEPS, _MOST_STEPS
 
 @cython.final
 cdef class Integrator(TimeLoop):

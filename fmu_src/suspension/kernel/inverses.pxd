@@ -1,8 +1,5 @@
 cimport cython
-from .balance cimport Balance
-from .network cimport Network
 
-cdef double _DEPENDENT
 
 @cython.final
 cdef class Inverses:

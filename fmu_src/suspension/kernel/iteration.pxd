@@ -1,10 +1,5 @@
 cimport cython
-from libc.math cimport fabs
-from .bends cimport Bends
-from .inverses cimport Inverses
 
-cdef int _ITERATIONS
-cdef double LEAST_SHARE, _ENDLESS, _EPSILON, _SMALL, _AHEAD, _MOST_SECOND
 
 @cython.final
 cdef class Iteration:

@@ -1,13 +1,5 @@
 cimport cython
-from libc.math cimport fabs, pow
-from .bernstein cimport Crossing
-from .motion cimport Motion
-from .network cimport Network
-from .stepper cimport Stepper
-from .switches cimport Switches
 
-cdef int _COARSE
-cdef double _MISSED_JUMP, _MOST_EFFECT, _LIKELY, _LEAST_KNOT, _CLOSE_KNOT, _SHORT_OF_KNOT, _NEAR_KNOT, _BEYOND_END
 
 @cython.final
 cdef class Knots:

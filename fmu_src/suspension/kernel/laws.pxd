@@ -1,9 +1,3 @@
-from libc.math cimport exp, fabs, log1p, pow, sinh
-from .signals cimport Signals
-
-cdef int _FORCE, _SLOPE, _INTEGRAL
-cdef double _SMALL_ARGUMENT, _LOG_2, _NEAR, _FARTHEST, _SMOOTH
-
 cdef class Laws(Signals):
     cdef double *piece
     cdef int *first, *count  # of the pieces of law k of element e, at index LAWS e + k

@@ -1,13 +1,5 @@
 cimport cython
-from libc.math cimport fabs
-from .balance cimport Balance
-from .dense cimport Dense
-from .network cimport Network
-from .potential cimport Potential
-from .state cimport KernelState
-from .step_readings cimport StepReadings
 
-cdef double _TIMES, _LEAST
 
 @cython.final
 cdef class Ledger:

@@ -1,11 +1,5 @@
 cimport cython
-from libc.math cimport cos, sin
-from .arrays cimport Memory
-from .integrator cimport Integrator
-from .network cimport Network
-from .run cimport Run
 
-cdef int _Q, _V, _A
 
 @cython.final
 cdef class Lines:

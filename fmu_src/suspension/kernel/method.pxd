@@ -1,9 +1,3 @@
-from .balance cimport Balance
-from .errors cimport Errors
-from .modes cimport Modes
-from .motion cimport Motion
-from .network cimport Network
-
 cdef class Method:
     cdef Motion motion
     cdef Balance balance

@@ -1,9 +1,5 @@
 cimport cython
-from libc.math cimport fabs, sqrt
-from .balance cimport Balance
-from .network cimport Network
 
-cdef double _SAFE_PHASE, _DAMPED_PHASE, _LONGEST_PHASE, _MORE_DAMPING
 
 @cython.final
 cdef class Modes:

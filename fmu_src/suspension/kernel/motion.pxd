@@ -1,7 +1,4 @@
 cimport cython
-from libc.math cimport fabs
-from .network cimport Network
-from .state cimport KernelState
 
 @cython.final
 cdef class Motion:

@@ -1,11 +1,5 @@
 cimport cython
-from libc.math cimport fabs
-from .arrays cimport Lent
-from .branches cimport Branches
-from .linear cimport decompose, solve
 
-cdef int _NEWTON
-cdef double SLAVED, _HIGH, _CORNER, _PARTS
 
 @cython.final
 cdef class Network(Branches):

@@ -1,5 +1,4 @@
 cimport cython
-from .network cimport Network
 
 @cython.final
 cdef class Potential:

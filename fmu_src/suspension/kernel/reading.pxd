@@ -1,6 +1,4 @@
 cimport cython
-from .dense cimport Dense
-from .network cimport Network
 
 @cython.final
 cdef class Reading:

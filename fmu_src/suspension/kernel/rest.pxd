@@ -1,9 +1,5 @@
 cimport cython
-from libc.math cimport fabs, isfinite
-from .network cimport Network
 
-cdef int _MOST_TRIALS
-cdef double _FREE
 
 @cython.final
 cdef class Rest:

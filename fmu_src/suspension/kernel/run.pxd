@@ -1,12 +1,5 @@
 cimport cython
-from .account cimport Account
-from .arrays cimport Lent, Memory
-from .contacts cimport Contacts
-from .inputs cimport Inputs
-from .integrator cimport Integrator
-from .rest cimport Rest
 
-cdef int _NONE, _CHANGED, _SUCCESSIVELY
 
 @cython.final
 cdef class Run:

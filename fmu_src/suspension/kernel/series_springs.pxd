@@ -1,5 +1,4 @@
 cimport cython
-from .arrays cimport Memory
 
 @cython.final
 cdef class SeriesSprings:

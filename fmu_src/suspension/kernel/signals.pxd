@@ -1,9 +1,3 @@
-from .arrays cimport Memory
-from .state cimport KernelState
-from libc.math cimport cos, fabs, sin
-
-cdef double ROAD_PHASE
-
 cdef class Signals:
     cdef Memory memory
     cdef KernelState state

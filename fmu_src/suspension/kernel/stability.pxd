@@ -1,11 +1,6 @@
 cimport cython
-from libc.math cimport fabs, floor, sqrt
-from .modes cimport Modes
-from .network cimport Network
 
 
-cdef int _REFUSE, _ALLOW, _SWEEPS
-cdef double _BELOW
 
 @cython.final
 cdef class StabilityMonitor:

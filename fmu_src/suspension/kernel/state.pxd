@@ -1,6 +1,5 @@
 cimport cython
 from libc.string cimport memcpy
-from .arrays cimport Memory
 
 @cython.final
 cdef class KernelState:

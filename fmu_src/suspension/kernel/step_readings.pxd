@@ -1,9 +1,5 @@
 cimport cython
-from .dense cimport Dense
-from .network cimport Network
 
-cdef int POINTS, ENDS
-cdef double _THIRD, _TWO_THIRDS
 
 @cython.final
 cdef class StepReadings:

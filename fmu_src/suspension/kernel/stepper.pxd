@@ -1,11 +1,4 @@
 cimport cython
-from .balance cimport Balance
-from .dense cimport Dense
-from .errors cimport Errors
-from .method cimport Method
-from .modes cimport Modes
-from .motion cimport Motion
-from .network cimport Network
 
 @cython.final
 cdef class Stepper:

@@ -1,7 +1,5 @@
 cimport cython
-from .arrays cimport Memory
 
-cdef int CAPACITY
 
 @cython.final
 cdef class SwitchLog:

@@ -1,13 +1,5 @@
 cimport cython
-from libc.math cimport fabs
-from .bernstein cimport Crossing
-from .motion cimport Motion
-from .network cimport Network
-from .stepper cimport Stepper
-from .straight_tyres cimport StraightTyres
 
-cdef int _STRETCHES
-cdef double _NEVER, ROUNDING_OF_RATES
 
 @cython.final
 cdef class Switches:

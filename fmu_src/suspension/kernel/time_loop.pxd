@@ -1,24 +1,3 @@
-from libc.math cimport fabs, sqrt
-from .dense cimport Dense
-from .knots cimport Knots
-from .ledger cimport Ledger
-from .limited cimport Limited
-from .method cimport Method
-from .motion cimport Motion
-from .network cimport Network
-from .reading cimport Reading
-from .state cimport KernelState
-from .stepper cimport Stepper
-from .switch_log cimport SwitchLog
-from .switches cimport Switches
-from .stability cimport StabilityMonitor
-from .trial cimport Trial
-
-cdef int _AT_SWITCHES, _AT_STEPS
-cdef int _AGAIN, _STALLS, _FLIPS, _STALLED, _KNOTS
-cdef int _OVERRUNS, _PAUSE
-cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _DECAY_PHASE, _SHORT_PHASE, _NEAR_END, _NEAR_PHASE, _AFTER_KNOT
-
 cdef class TimeLoop:
     cdef Network net
     cdef Stepper stepper

@@ -1,7 +1,3 @@
-from libc.math cimport isfinite
-from .columns cimport Columns
-from .method cimport Method
-
 cdef class Wilson(Method):
     cdef Columns columns
     cdef double *start_a

@@ -60,19 +60,20 @@ class Record:
 class Declared:
     """What one module declares."""
 
-    constants: dict[str, str] = field(default_factory=dict)
     functions: dict[str, Routine] = field(default_factory=dict)
     records: dict[str, Record] = field(default_factory=dict)
 
 
 def read(path: Path) -> Declared:
-    """Read the declarations of one module.
+    """Read the declarations of one module, if it has any.
 
     Raises
     ------
     ValueError : a line that is no known declaration, with file and line.
     """
     found = Declared()
+    if not path.exists():
+        return found
     record: Record | None = None
     for number, line in _logical_lines(path.read_text("utf-8")):
         text = line.strip()
@@ -86,8 +87,8 @@ def read(path: Path) -> Declared:
             found.records[record.name] = record
         elif routine := _routine(text):
             (record.methods if record else found.functions)[routine.name] = routine
-        elif names := _fields(text):
-            (record.fields if record else found.constants).update(names)
+        elif record and (names := _fields(text)):
+            record.fields.update(names)
         else:
             raise ValueError(f"{path}, line {number}: no known declaration: {text}")
     return found

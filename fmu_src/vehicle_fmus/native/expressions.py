@@ -184,7 +184,8 @@ class Expressions:
                 raise self._wrong(node, f"{name} has no value here that C and Python agree on")
             return C(self._name(name), self.kinds[name])
         if name in self.kernel.constants:
-            return C(constant(name), self.kernel.constants[name])
+            kind = "int" if isinstance(self.kernel.constants[name], int) else "double"
+            return C(constant(name), kind)
         raise self._wrong(node, f"{name} is not declared")
 
     def _of_attribute(self, node: ast.Attribute) -> C:

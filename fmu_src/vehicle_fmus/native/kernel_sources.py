@@ -116,8 +116,9 @@ class Sources:
         return {f: k for f, k in self.fields[name].items() if (name, f) not in self.fixed}
 
     @cached_property
-    def constants(self) -> dict[str, str]:
-        return {k: v for m in self.modules for k, v in m.declared.constants.items()}
+    def constants(self) -> dict[str, int | float]:
+        """The numbers that modules name in capital letters; in C they are of the type of their value."""
+        return numbers_of([m.tree for m in self.modules])
 
     @cached_property
     def routines(self) -> dict[tuple[str, str], Definition]:
@@ -162,14 +163,30 @@ def sources(folder: Path = KERNEL, used: Iterable[str] = ()) -> Sources:
     folder : where the modules are
     used : of classes that stand for each other, such as the methods, the names of those in use
     """
-    paths = [path.with_suffix(".py") for path in sorted(folder.glob("*.pxd"))]
     return Sources(
         tuple(
             Module(path, read(path.with_suffix(".pxd")), ast.parse(path.read_text("utf-8")))
-            for path in paths
+            for path in sorted(folder.glob("*.py"))
         ),
         frozenset(used),
     )
+
+
+def numbers_of(trees: Iterable[ast.Module]) -> dict[str, int | float]:
+    """Return the constants of modules: names in capital letters with numbers as their values."""
+    found: dict[str, int | float] = {}
+    for node in (node for tree in trees for node in tree.body if isinstance(node, ast.Assign)):
+        (target,) = node.targets
+        try:
+            values = eval(ast.unparse(node.value), {"__builtins__": {}})
+        except NameError:  # no numbers
+            continue
+        several = isinstance(target, ast.Tuple)
+        names = target.elts if isinstance(target, ast.Tuple) else [target]
+        for name, value in zip(names, values if several else [values], strict=True):
+            if type(value) in (int, float) and ast.unparse(name).isupper():
+                found[ast.unparse(name)] = value
+    return found
 
 
 @cache
@@ -186,12 +203,3 @@ def plain_module(name: str) -> ModuleType:
 def plain_integrator() -> Any:
     """Return the class `Integrator`, uncompiled: its fields can be read."""
     return plain_module("integrator").Integrator
-
-
-def values_of_constants(kernel: Sources) -> dict[str, Any]:
-    """Return the value of every declared constant of this project's kernel."""
-    return {
-        name: getattr(plain_module(module.path.stem), name)
-        for module in kernel.modules
-        for name in module.declared.constants
-    }

@@ -38,7 +38,7 @@ from phaseplane.suspension.variables import (
 )
 
 from .image import image
-from .kernel_sources import plain_integrator, plain_module, sources, values_of_constants
+from .kernel_sources import plain_integrator, plain_module, sources
 from .statements import Statement, constants, written
 from .structure import specialised
 from .translate import needed, translated
@@ -160,7 +160,7 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
     setting = _set_up(tape, row, laws, starts, (read, rates), fields, references, tunable)
     continuous = frozenset(declared[k].name for k in read if _is_continuous(declared[k], system))
     parts = [
-        translated(kernel, values_of_constants(kernel), needed(kernel, _ROOTS), _HOST),
+        translated(kernel, needed(kernel, _ROOTS), _HOST),
         machine.text,
         conduct.text,
         _tables(declared, references, parameters, inputs, system),

@@ -12,7 +12,7 @@ fixes an order of evaluation that C leaves open, an expression in which it could
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -44,7 +44,6 @@ def needed(kernel: Sources, roots: Iterable[tuple[str, str]]) -> list[tuple[str,
 
 def translated(
     kernel: Sources,
-    values: Mapping[str, int | float],
     routines: Sequence[tuple[str, str]] | None = None,
     host: str = "",
 ) -> str:
@@ -53,7 +52,6 @@ def translated(
     Parameters
     ----------
     kernel : the sources
-    values : the value of every constant
     routines : class in C and name of each; None for all
     host : C that is compiled with it, and may use the constants
 
@@ -66,7 +64,7 @@ def translated(
     used = {word for text in (host, *(b.code for b in bodies)) for word in re.findall(r"\w+", text)}
     parts = [
         "#include <math.h>\n#include <stddef.h>\n",
-        _constants(kernel, values, used),
+        _constants(kernel, used),
         *_records(kernel, used),
         _CHOOSING,
         "\n".join(f"static {body.head};" for body in bodies) + "\n",
@@ -89,9 +87,12 @@ static inline int max_of_integers(int a, int b) { return b > a ? b : a; }
 """
 
 
-def _constants(kernel: Sources, values: Mapping[str, int | float], used: Collection[str]) -> str:
+def _constants(kernel: Sources, used: Collection[str]) -> str:
     """Return the definitions of the constants that are used, and of what one system fixes."""
-    of_kernel = [(constant(name), k, values[name]) for name, k in kernel.constants.items()]
+    of_kernel = [
+        (constant(name), "int" if isinstance(x, int) else "double", x)
+        for name, x in kernel.constants.items()
+    ]
     fixed = [(called(*at), kernel.fields[at[0]][at[1]], x) for at, x in kernel.fixed.items()]
     lines, integers = [], []
     for name, kind, value in of_kernel + fixed:

@@ -15,7 +15,6 @@ from phaseplane.vehicle_fmus.native.image import image
 from phaseplane.vehicle_fmus.native.kernel_sources import (
     plain_integrator,
     sources,
-    values_of_constants,
 )
 from phaseplane.vehicle_fmus.native.structure import specialised
 from phaseplane.vehicle_fmus.native.translate import check, needed, number, translated
@@ -78,7 +77,7 @@ def test_the_same_bits_as_the_compiled_kernel(
     main = MAIN % (", ".join(map(number, plain.row(system, rest, rest))), plain.n)
     if is_specialised:
         kernel = specialised(kernel, plain, main)
-    code = translated(kernel, values_of_constants(kernel), needed(kernel, ROOTS), main)
+    code = translated(kernel, needed(kernel, ROOTS), main)
     code += image(plain, "integrator", kernel, "Memory").text + main
     tmp_path.joinpath("kernel.c").write_text(code)
     flags = ["-std=c99", "-O1", "-ffp-contract=off", "-Wall", "-Werror", "-shared", "-fPIC"]

@@ -74,7 +74,7 @@ def test_what_nothing_changes_is_constant(kernel: Sources) -> None:
         ("Owner", "rate"): 0.5,
         ("Owner", "table"): array("d", [3.0, 4.0]),
     }
-    code = translated(found, {})
+    code = translated(found)
     assert "enum {\n    Owner_count = 2,\n};" in code
     assert "#define Owner_rate 0.5" in code
     assert "static const double Owner_table[2] = {\n    3.0, 4.0,\n};" in code
@@ -85,7 +85,7 @@ def test_what_nothing_changes_is_constant(kernel: Sources) -> None:
 def test_arrays_of_one_owner_lie_in_its_record_and_others_stay_pointers(kernel: Sources) -> None:
     found = specialised(kernel, an_owner(), host="")
     assert found.lengths == {("Owner", "filled"): 2, ("Owner", "written"): 1}
-    code = translated(found, {})
+    code = translated(found)
     assert "    double filled[2];" in code
     # one that is seen under two names is not constant under the one that nothing writes to
     assert "    double *shared;" in code

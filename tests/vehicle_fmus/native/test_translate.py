@@ -98,16 +98,14 @@ def written(folder: Path, functions: dict[str, str]) -> tuple[Path, dict[str, An
         source.append(f"def {name}(x, y, i, j, numbers):\n{lines}\n")
         declared.append(f"cdef double {name}({GIVEN}) noexcept nogil\n")
     folder.joinpath("module.py").write_text("\n".join(source))
-    folder.joinpath("module.pxd").write_text(
-        "cdef double _FACTOR\ncdef int _COUNT\n" + "\n".join(declared)
-    )
+    folder.joinpath("module.pxd").write_text("\n".join(declared))
     names: dict[str, Any] = {**vars(math)}
     exec("\n".join(source), names)
     return folder, names
 
 
 def in_c(folder: Path, target: Path, compiler: str) -> ctypes.CDLL:
-    code = translated(sources(folder), {"_FACTOR": 0.7, "_COUNT": 3})
+    code = translated(sources(folder))
     target.with_suffix(".c").write_text(code.replace("static double", "double"))
     flags = ["-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror",
              "-Wno-unused", "-Wno-missing-prototypes", "-shared", "-fPIC"]  # fmt: skip
@@ -193,12 +191,12 @@ def test_what_is_not_in_the_language_is_refused_with_file_and_line(
     with tmp_path.joinpath("module.pxd").open("a") as file:
         file.write("\ncdef double double(double[::1] numbers) noexcept nogil\n")
     with pytest.raises(NotTranslatableError, match=why) as refused:
-        translated(sources(tmp_path), {"_FACTOR": 0.7, "_COUNT": 3})
+        translated(sources(tmp_path))
     assert "module.py, line 1" in str(refused.value)
 
 
 def test_a_declaration_that_is_none_is_refused_with_its_line(tmp_path: Path) -> None:
     tmp_path.joinpath("module.py").write_text("")
-    tmp_path.joinpath("module.pxd").write_text("cdef int a\nctypedef int what\n")
+    tmp_path.joinpath("module.pxd").write_text("cimport cython\nctypedef int what\n")
     with pytest.raises(ValueError, match=r"module\.pxd, line 2: no known declaration"):
         sources(tmp_path)
