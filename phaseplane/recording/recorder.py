@@ -44,6 +44,7 @@ from .steps import (
     send_text,
 )
 
+_PATIENCE = 60.0  # s; once its writer has failed, rerun may wait for it for ever
 MOST_ROWS = 4000
 """Rows of a run that are drawn in its planes."""
 
@@ -142,7 +143,7 @@ class Recorder:
         self.steps(0, len(drawing.frames) if drawing is not None else 0)
         self.run({name: np.asarray(c, float) for name, c in self.content.histories.items()})
         self.story()
-        self.recording.flush()
+        self.recording.flush(timeout_sec=_PATIENCE)
 
     def begin(self) -> None:
         """Log everything that is known before a run: axes, curves, shapes, names."""
@@ -183,7 +184,8 @@ class Recorder:
                 cursors = np.array([self.chart.cursor(t) for t in self.clock.times[start:end]])
                 send_cursor(self.recording, cursors, self.clock, start)
             send_readings(self.recording, self.content, self.clock, start, end)
-            self.recording.flush()  # what has been encoded is written, so that memory does not grow
+            # what has been encoded is written, so that memory does not grow
+            self.recording.flush(timeout_sec=_PATIENCE)
 
     def run(self, histories: dict[str, np.ndarray]) -> None:
         """Log the motion given by the columns of a run, or by some of their rows."""
