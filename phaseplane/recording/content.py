@@ -73,8 +73,8 @@ class Content:
 
         Raises
         ------
-        ValueError : if a detail, a view or the scheme of a step is unknown, there are neither steps
-            nor columns, or columns lack `time` or differ in length.
+        ValueError : if a detail, a view, a staged step or the scheme of a step is unknown, there are
+            neither steps nor columns, or columns lack `time` or differ in length.
         """
         if self.detail not in DETAILS:
             raise ValueError(f"detail {self.detail!r} is unknown; details are {', '.join(DETAILS)}")
@@ -86,6 +86,12 @@ class Content:
                 raise ValueError(f"{self.title!r} has neither steps nor columns: nothing to record")
         else:
             _check_drawing(self.drawing)
+            steps = len(self.drawing.frames)
+            for step in self.staged:
+                if not 0 <= step < steps:
+                    raise ValueError(
+                        f"step {step} cannot be staged: there are steps 0 to {steps - 1}"
+                    )
         _check_histories(self.histories)
         for name in (name for pair in self.pairs for name in pair):
             if self.histories and name not in self.histories:

@@ -181,11 +181,14 @@ def replay_construction(
         except ArithmeticError as error:
             raise RunError(f"the construction cannot be drawn: {error}") from None
         title = scene.title or scene.name
-        shown = partial(of_scene, scene, drawing, columns)
-    if save is not None:
-        recording.record(shown(), save)
-    if viewer:
-        show_in(shown(), viewer)
+        shown = partial(of_scene, scene, drawing, columns, shown={"staged": scene.show.staged})
+    try:
+        if save is not None:
+            recording.record(shown(), save)
+        if viewer:
+            show_in(shown(), viewer)
+    except ValueError as error:
+        raise InputError(f"{what}: {error}") from None
     last = len(drawing.frames) - 1
     if at_step is not None and not 0 <= at_step <= last:
         raise InputError(f"--at-step {at_step}: the drawing has steps 0 to {last}")

@@ -247,6 +247,10 @@ def test_a_view_that_is_not_wanted_is_not_logged(tmp_path: Path, view: str) -> N
         ({"views": ("plans",)}, "'plans' is unknown; views are planes"),
         ({"histories": {}}, "neither steps nor columns"),
         ({"pairs": (("body", "no"),)}, "no column 'no' for a phase plane"),
+        (
+            {"drawing": drawing(5), "staged": (2, 5)},
+            "step 5 cannot be staged: there are steps 0 to 4",
+        ),
     ],
 )
 def test_unusable_contents(tmp_path: Path, change: dict[str, object], message: str) -> None:
