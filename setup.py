@@ -99,7 +99,7 @@ DIRECTIVES = {
     "cdivision": True,
     "initializedcheck": False,
     "auto_pickle": False,  # two fifths of the machine code, which nothing called
-    "infer_types": True,
+    "infer_types": True,  # local variables have the type of their first value
     "binding": False,  # methods as CPython's own: under the limited API they are called faster
     "warn.multiple_declarators": False,  # arrays of one kind are declared together
 }
