@@ -7,7 +7,7 @@ import shutil
 import subprocess
 import zipfile
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
@@ -242,6 +242,26 @@ def test_inputs_and_start_times_that_are_not_finite_are_refused(
         with pytest.raises(Exception, match="status 3"):
             one.exitInitializationMode()
     assert why in capfd.readouterr().out
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_after_a_refused_step_no_output_looks_right(
+    fmi: int, native_fmu: Packer, slave: Any, tmp_path: Path, capfd: Any
+) -> None:
+    names = [v.name for v in variables("QuarterCar")]
+    with slave(native_fmu("QuarterCar", fmi=fmi), tmp_path) as one:
+        one.setupExperiment(startTime=0.0)
+        one.enterInitializationMode()
+        one.exitInitializationMode()
+        one.doStep(0.0, 0.1)
+        assert one.getBoolean([names.index("ok")]) == [True]
+        with suppress(Exception):  # it may be refused at once
+            one.setReal([names.index("damper.rebound_rate")], [-5.0])
+        with pytest.raises(Exception, match="status [23]"):
+            one.doStep(0.1, 0.1)
+        assert one.getBoolean([names.index("ok")]) == [False]
+        assert np.isnan(one.getReal([names.index("body_displacement")])).all()
+    assert "damper.rebound_rate = -5" in capfd.readouterr().out
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

@@ -277,11 +277,8 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Bo
     int status = 1;
     (void) no_return;
     *event = *terminate = *early = fmi3False;
-    if (misplaced(host, "fmi3DoStep", STEP)) {
-    } else if (one->refusal[0]) {
-        fail(one, "%s", one->refusal);
-    } else {
-        status = advance(one, until);
+    if (!misplaced(host, "fmi3DoStep", STEP)) {
+        status = one->refusal[0] ? fail(one, "%s", one->refusal) : advance(one, until);
         if (status) one->now.ok = 0;
     }
     *reached = one->now.conduct.run.time;
