@@ -10,6 +10,7 @@ import re
 import shutil
 import sys
 import sysconfig
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 from setuptools import Extension, find_packages, setup
@@ -103,16 +104,7 @@ DIRECTIVES = {
     "binding": False,  # methods as CPython's own: under the limited API they are called faster
     "warn.multiple_declarators": False,  # arrays of one kind are declared together
 }
-# in the order in which they need each other
-MODULES = (
-    "layout", "outcomes", "arrays", "state", "linear", "bernstein", "signals", "laws",
-    "series_springs", "elements", "branches", "network", "dense", "bends", "balance", "inverses",
-    "iteration", "columns", "motion", "modes", "errors", "method", "extrapolated", "increments",
-    "wilson", "exact", "methods", "stepper", "straight_tyres", "switches", "knots", "step_readings",
-    "potential", "ledger", "stability", "reading", "switch_log", "limited", "trial", "time_loop",
-    "handover", "integrator", "rest", "inputs", "contacts", "account", "run", "lines",
-)  # fmt: skip
-
+CLASS = re.compile(r"^cdef class (\w+)", re.MULTILINE)
 FUNCTIONS = re.compile(r"^    from math import (.+)$", re.MULTILINE)  # where uncompiled
 ROUTINE = re.compile(r"( *)cdef (?!class )(?:inline )?[\w ]+?\**(\w+)\(.*")
 
@@ -129,9 +121,8 @@ def staged() -> str:
     shutil.rmtree(STAGE.parent, ignore_errors=True)
     STAGE.mkdir(parents=True)
     (STAGE / "__init__.py").touch()
-    sources = [KERNEL / f"{module}.py" for module in MODULES]
-    types = [path.with_suffix(".pxd") for path in sources if path.with_suffix(".pxd").exists()]
-    texts = [with_types_of_locals(path) for path in types]
+    sources = modules()
+    texts = [with_types_of_locals(path) for path in sources]
     target = STAGE / "integrator.py"
     source, constants = one_source(sources)
     target.write_text(source, encoding="utf-8")
@@ -144,6 +135,23 @@ def staged() -> str:
     declared = one_set_of_types(texts, constants, functions)
     target.with_suffix(".pxd").write_text(declared, encoding="utf-8")
     return str(target)
+
+
+def modules() -> list[Path]:
+    """The modules of the kernel, each after those whose classes are among its types."""
+    types = {path: declarations(path) for path in sorted(KERNEL.glob("[a-z]*.py"))}
+    owners = {name: path for path, text in types.items() for name in CLASS.findall(text)}
+    needed = {
+        path: {owners[name] for name in re.findall(r"\w+", text) if name in owners} - {path}
+        for path, text in types.items()
+    }
+    return list(TopologicalSorter(needed).static_order())
+
+
+def declarations(path: Path) -> str:
+    """The C types beside a module, if it has any."""
+    types = path.with_suffix(".pxd")
+    return types.read_text(encoding="utf-8") if types.exists() else ""
 
 
 def one_source(paths: list[Path]) -> tuple[str, dict[str, int | float]]:
@@ -235,7 +243,7 @@ def with_types_of_locals(path: Path) -> str:
 
     It takes conditions for objects, and variables of loops for long integers, which cost time.
     """
-    tree = ast.parse(path.with_suffix(".py").read_text(encoding="utf-8"))
+    tree = ast.parse(path.read_text(encoding="utf-8"))
     owners = {"": tree} | {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
     routines = {
         (owner, node.name): node
@@ -244,7 +252,7 @@ def with_types_of_locals(path: Path) -> str:
         if isinstance(node, ast.FunctionDef)
     }
     owner, lines = "", []
-    for line in path.read_text(encoding="utf-8").splitlines():
+    for line in declarations(path).splitlines():
         if line.startswith("cdef class "):
             owner = re.split(r"\W+", line)[2]
         if found := ROUTINE.fullmatch(line):
