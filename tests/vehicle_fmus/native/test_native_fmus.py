@@ -257,7 +257,7 @@ def test_after_a_refused_step_no_output_looks_right(
         assert one.getBoolean([names.index("ok")]) == [True]
         with suppress(Exception):  # it may be refused at once
             one.setReal([names.index("damper.rebound_rate")], [-5.0])
-        with pytest.raises(Exception, match="status [23]"):
+        with pytest.raises(Exception, match=r"status [23]"):
             one.doStep(0.1, 0.1)
         assert one.getBoolean([names.index("ok")]) == [False]
         assert np.isnan(one.getReal([names.index("body_displacement")])).all()
