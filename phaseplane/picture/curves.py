@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from phaseplane.constructions.primitives import Curve, Plane
+from phaseplane.constructions.primitives import Curve, Drawing, Plane
 
 from .items import VALUE, Arrow, Text, value_text
 from .page import Page
@@ -20,6 +20,8 @@ CURVES = ("auxiliary", "line", "shortcut", "trail")
 another start."""
 _PLACES = 12  # for the label of a curve on each of its segments
 _STRAIGHT = 0.01  # em: how far a thinned curve may be from the whole one
+_LEVELS = 9  # at which auxiliary curves are compared
+_SAME = 1e-3  # of the width of their family: distance of curves that coincide
 _RECENT = 200  # steps of a long motion that are drawn in full
 
 
@@ -47,6 +49,37 @@ def draw_curves(page: Page, roles: Sequence[str] | None = CURVES) -> None:
             page.dots(curve.role, [curve.vertices[place]])
             starts = [motion[0] for motion in page.subject.motions]
             page.letter([(curve.vertices[place], words, curve.role)], VALUE, others=starts)
+
+
+def curve_through(drawing: Drawing, plane: Plane, point: complex) -> list[Strip]:
+    """Return the auxiliary curve through a point between those that are drawn.
+
+    There is none if one that is drawn leads through it, or if they do not follow from each other by a
+    shift along the axis of displacement, as they do where the damper does not depend on it; nor where
+    a spring yields, with curves for each of its branches.
+    """
+    named = [curve for curve in drawing.curves if curve.role == "auxiliary" and curve.label]
+    of_plane = [
+        curve for curve in named if curve.label.startswith(f"{plane.displacement.label} = ")
+    ]
+    if len(of_plane) < 2 or not all(" = " in curve.label for curve in named):
+        return []
+    family = [
+        np.array(curve.vertices)[np.argsort(np.imag(curve.vertices), kind="stable")]
+        for curve in of_plane
+    ]
+    heights = np.linspace(
+        max(curve[0].imag for curve in family), min(curve[-1].imag for curve in family), _LEVELS
+    )
+    places = np.array([np.interp(heights, curve.imag, curve.real) for curve in family])
+    apart = places - places[0]
+    near = _SAME * (np.ptp(places) or 1.0)
+    shifts = point.real - np.array(
+        [np.interp(point.imag, curve.imag, curve.real) for curve in family]
+    )
+    if np.ptp(apart, axis=1).max() > near or abs(shifts).min() <= near:
+        return []
+    return [tuple(family[0] + shifts[0])]
 
 
 def _name_line(page: Page, curve: Curve, *, above: bool) -> None:

@@ -14,7 +14,7 @@ from phaseplane.constructions.storage import Frame
 from phaseplane.suspension.units import counted
 
 from . import dimensions
-from .curves import CURVES, draw_curves, draw_trails, words_at_end
+from .curves import CURVES, curve_through, draw_curves, draw_trails, words_at_end
 from .items import TYPE, Arrow
 from .letters import text_box
 from .page import Page
@@ -269,6 +269,10 @@ def _tick(
     frame = drawing.frames[index]
     scheme = drawing.schemes[frame.scheme]
     page = _page(stays, index)
+    for plane in drawing.planes:
+        found = f"A{plane.number}"
+        if any(mark.point == found and mark.stage <= stage for mark in scheme.marks):
+            page.lines("auxiliary", curve_through(drawing, plane, frame.points[found]))
     draw_step(page, frame, stage=stage, repeated=True)
     states = [frame.points[plane.state] for plane in drawing.planes]
     arrives = any(mark.stage == stage and mark.role == "successor" for mark in scheme.marks)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import asdict
 from functools import cache
 from itertools import combinations, pairwise, product
@@ -23,6 +24,7 @@ from phaseplane.constructions.primitives import Drawing
 from phaseplane.figures.canvas import new_page
 from phaseplane.figures.planes import step_page
 from phaseplane.figures.style import PLAIN
+from phaseplane.picture.curves import curve_through
 from phaseplane.picture.items import Arrow
 from phaseplane.picture.letters import NEAR
 from phaseplane.picture.page import Page
@@ -309,3 +311,29 @@ def test_letters_that_move_are_shown_only_where_they_are_free() -> None:
     z = np.array([[0j, 0j], [0j, 10 * stays.em + 0j]])
     free = free_letters(z, ["A", "B"], stays.em, stays.view, [])
     assert free.tolist() == [[True, False], [True, True]]
+
+
+@pytest.mark.parametrize("name", ["crest_jump", "h83_example23", "speed_bump", "ap57"])
+def test_every_auxiliary_point_is_on_a_curve_that_is_drawn(name: str) -> None:
+    """On one of the fixed curves, or on its own for the y of P, which lies between them."""
+    drawing = drawing_of(name)
+    fixed = [c.vertices for c in drawing.curves if c.role == "auxiliary"]
+    own = 0
+    for frame in list(drawing.frames)[:: max(1, len(drawing.frames) // 40)]:
+        for plane in drawing.planes:
+            point = frame.points.get(f"A{plane.number}")
+            if point is None:
+                continue
+            through = curve_through(drawing, plane, point)
+            own += len(through)
+            gaps = [distance(point, strip) for strip in (*fixed, *through)]
+            assert min(gaps) < 2e-3 * max(abs(strip[-1] - strip[0]) for strip in fixed)
+    assert bool(own) == (name != "ap57")
+
+
+def distance(point: complex, strip: Sequence[complex]) -> float:
+    """How far a point is from a polyline."""
+    a, b = np.array(strip[:-1]), np.array(strip[1:])
+    way = b - a
+    part = np.clip(((point - a) * way.conjugate()).real / np.maximum(abs(way) ** 2, 1e-300), 0, 1)
+    return float(abs(point - (a + part * way)).min())
