@@ -138,7 +138,9 @@ def markdown(text: str) -> str:
 
 @lru_cache(maxsize=4096)
 def _row(name: str) -> str:
-    return markdown(in_words(name))
+    """Return the name of a row; the control of a body follows its motion, and is named after it."""
+    control = name.startswith("control_")
+    return markdown(in_words(name.removeprefix("control_")) + " (control)" * control)
 
 
 def readings_table(readings: Mapping[str, float], quantities: Mapping[str, Quantity | None]) -> str:
