@@ -64,6 +64,7 @@ def test_draws_reach_everything() -> None:
     assert all(draws.draw(d.seed) == d for d in drawn[:20])
 
 
+@pytest.mark.slow
 def test_what_is_wrong_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """Runs of a car a hundredth of a per cent heavier are off, without an excuse."""
     real = judging.run
@@ -160,6 +161,7 @@ def test_a_kerb_is_the_limit_of_ramps_that_are_short_beside_the_decay_of_a_tyre(
     assert apart < judging.MOST * symmetries.TOLERANCE
 
 
+@pytest.mark.slow
 def test_a_campaign_goes_on_where_it_was(tmp_path: Path) -> None:
     results = tmp_path / "results.jsonl"
     command = [sys.executable, "-P", str(HERE), "--to", str(results)]

@@ -341,6 +341,7 @@ def test_a_motion_with_switches_ends_where_its_steps_lead_nowhere() -> None:
     assert len(line) < 1000
 
 
+@pytest.mark.slow
 def test_no_curve_ends_in_mid_air() -> None:
     """End stops with little damping, a limit cycle, dry friction."""
     stops = of(lambda v, x: 0.1 * v + x + 20.0 * (x - np.clip(x, -1.0, 1.0)))
@@ -425,6 +426,7 @@ def test_a_window_ends_before_a_pole_and_holds_the_motions_from_its_starts() -> 
         assert window.right >= 3.0
 
 
+@pytest.mark.slow
 def test_a_window_holds_limit_cycles_and_starts() -> None:
     relaxing = of(lambda v, x: 10.0 * (x**2 - 1.0) * v + x)
     for starts in ([(0.5, 0.0)], [(0.0, 0.0)]):

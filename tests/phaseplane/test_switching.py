@@ -349,6 +349,7 @@ def test_the_limit_cycle_of_negative_damping_and_dry_friction():
     assert cycle.kind == "repels"
 
 
+@pytest.mark.slow
 def test_the_section_of_a_driven_mass_with_friction_is_den_hartogs():
     """J. P. Den Hartog, Trans. ASME 53 (1931): without stops, x at the turn from the closed form."""
     friction, force, w = 0.1, 0.5, 0.8

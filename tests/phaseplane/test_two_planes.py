@@ -338,6 +338,7 @@ def integral(segment: roads.Segment, start: float, end: float) -> float:
     return half * float(weights @ values)
 
 
+@pytest.mark.slow
 @given(segments, segments, st.floats(-1.0, 1.0), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_integral_of_a_road_over_a_joint(before, after, joint, back, ahead):
     road = roads.Signal((before, after._replace(start=joint)))

@@ -223,6 +223,7 @@ def test_the_help_names_the_test_problems() -> None:
     assert {*PROBLEMS} <= {*words}
 
 
+@pytest.mark.slow
 def test_the_command_leaves_data_tables_and_a_picture(monkeypatch: pytest.MonkeyPatch) -> None:
     known = {s.name: s for s in solvers(with_peers=False)}
     construction = known["tangent"]

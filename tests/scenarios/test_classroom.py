@@ -36,6 +36,7 @@ def asked(what: str, scene: str = OWN, **fields: str) -> Any:
     return json.loads(answered(json.dumps({"what": what, "scene": scene, **fields})))
 
 
+@pytest.mark.slow
 def test_every_scene_of_the_page_can_be_drawn_and_run() -> None:
     told = asked("catalogue")
     assert {OWN, "ap57", "van_der_pol", "h83_example23"} <= told["scenes"].keys()

@@ -53,6 +53,7 @@ def test_a_mass_on_a_moving_belt_rests_where_friction_stretches_its_spring() -> 
     assert "equilibrium  0: centre" in of_equation("tan(x)").stdout
 
 
+@pytest.mark.slow
 def test_a_driven_pendulum_that_goes_round_is_shown_once_round() -> None:
     """Period 1 by turns of 2 pi, which is one attractor; and the chaotic one stays in view."""
     told = json.loads(of_equation("0.2*v + sin(x) - 0.5*cos(0.7*t)", "--json").stdout)

@@ -35,6 +35,7 @@ def test_what_damps_forgets_and_hard_stops_magnify() -> None:
     assert magnification("QuarterCar", hard) > 10.0
 
 
+@pytest.mark.slow
 def test_it_is_that_of_the_true_motion() -> None:
     """Within what other instants and other signs of the kicks make of it."""
     given = {"road.height": 0.1, "bump_stop.stiffness": 1e7, "bump_stop.gap": 0.02}

@@ -94,6 +94,7 @@ for command in (["build", "MassOnSpring", "-o", "fmus"], ["run", "scene.toml", "
 """
 
 
+@pytest.mark.slow
 def test_a_model_that_is_added_as_a_file_is_listed_packed_and_run(tmp_path: Path) -> None:
     package = Path(shutil.copytree(FOLDER.parent, tmp_path / "package"))
     (package / "models" / "mass_on_spring.py").write_text(ADDED)

@@ -250,6 +250,7 @@ def test_stops_and_yielding_are_events(native_fmu: Packer, tmp_path: Path) -> No
     assert len(flows.events) > 2
 
 
+@pytest.mark.slow
 def test_the_next_corner_of_the_road_is_told(native_fmu: Packer, tmp_path: Path) -> None:
     host = Awake(
         native_fmu("Road", ("road.shape", "plank"), ("road.ramp_length", 0.1), fmi=3), tmp_path
