@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ from phaseplane.suspension.models import build
 from phaseplane.suspension.variables import MODELS, Value
 
 from phaseplane import recording
+from phaseplane.constructions.yielding import FLOWS
 from phaseplane.picture.quantities import rate_of
 
 from .. import draw
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from phaseplane.suspension.systems import Axle, System
 
     from phaseplane.constructions.primitives import Drawing
+    from phaseplane.constructions.storage import Frame
     from phaseplane.recording import Content, Vehicle
 
     from ..results.folder import Results
@@ -90,7 +92,7 @@ def content(
 
 
 def readings(drawing: Drawing) -> dict[str, npt.NDArray[np.float64]]:
-    """Return the readings of a construction up to its end, except those that check it.
+    """Return the readings of a construction up to its end, except those that check it, and its switches.
 
     Without the rates of its planes: with them, they would be drawn as the motion of a run.
     """
@@ -102,7 +104,18 @@ def readings(drawing: Drawing) -> dict[str, npt.NDArray[np.float64]]:
     return {
         "time": np.array([frame.time for frame in instants]),
         **{n: np.array([frame.readings[n] for frame in instants]) for n in names},
+        **_switches(instants),
     }
+
+
+def _switches(instants: Sequence[Frame]) -> dict[str, npt.NDArray[np.float64]]:
+    """Return where each wheel is off the road and where the spring yields, by the names of a run."""
+    forces = [n for n in instants[0].readings if n.endswith("contact_force")]
+    found = {
+        name.replace("contact_force", "airborne"): [frame.readings[name] == 0.0 for frame in instants]
+        for name in forces
+    } | {"yielding": [frame.scheme in FLOWS for frame in instants]}
+    return {name: np.array(states, float) for name, states in found.items() if any(states)}
 
 
 def default_pairs(units: Mapping[str, str]) -> list[tuple[str, str]]:

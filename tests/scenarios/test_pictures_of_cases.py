@@ -37,6 +37,7 @@ from phaseplane.picture.views import frame_at, gathered, motion_points, view_of
 from phaseplane.recording import Content
 from phaseplane.recording.columns import legible
 from phaseplane.recording.histories import panels
+from phaseplane.recording.lanes import lanes_of
 from phaseplane.recording.layout import blueprint
 from phaseplane.recording.motion import pages_of, state_planes
 from phaseplane.recording.recorder import Recorder
@@ -171,6 +172,29 @@ def test_a_replay_has_a_chart_of_the_displacements_of_its_planes(name: str) -> N
     drawn = [set(panel.drawn) for panel in panels(shown)]
     assert any(of_planes <= names for names in drawn)
     assert state_planes(shown) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "lanes"),
+    [
+        ("ap57", {"wheel": ("lift_off", "touchdown")}),
+        ("half_car_pitch", {f"{axle} wheel": (f"{axle}_lift_off", f"{axle}_touchdown")
+                            for axle in ("front", "rear")}),
+        ("h83_example40", {"spring": ("yielding", "unloading")}),
+    ],
+)  # fmt: skip
+def test_a_replay_has_lanes_that_change_with_its_events(
+    name: str, lanes: dict[str, tuple[str, ...]]
+) -> None:
+    drawing = drawing_of(name)
+    shown = Content(name, drawing, readings(drawing))
+    times = np.asarray(shown.histories["time"])
+    found = {lane: times[1:][np.diff(active)] for lane, (*_, active) in lanes_of(shown).items()}
+    happened = {
+        lane: [frame.time for frame in drawing.frames if frame.event in events]
+        for lane, events in lanes.items()
+    }
+    assert {lane: list(when) for lane, when in found.items()} == happened
 
 
 def test_a_motion_that_goes_round_leaves_room_for_the_construction() -> None:
