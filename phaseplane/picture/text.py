@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from decimal import Decimal
 from functools import lru_cache
 from textwrap import wrap
 from unicodedata import normalize
@@ -23,6 +24,7 @@ _BAR, _DOT, _DOTS = "\N{COMBINING MACRON}", "\N{COMBINING DOT ABOVE}", "\N{COMBI
 _INDICES = {ord(plain): index for plain, index in zip("0123456789m", "₀₁₂₃₄₅₆₇₈₉ₘ", strict=True)}
 _GREEK = {"dtau": "Δτ", "tau": "τ", "xi": "ξ", "Omega": "Ω", "kappa": "κ"}
 _LETTER = re.compile("(?!I+[₀-₉]*$)([A-Za-zξ]|Δτ)[₀-₉ₘ]*\N{PRIME}?\\*?")
+_EXPONENT = re.compile(r"\d[\d.]*e[+-]\d+")
 _LEVEL = re.compile(r"[a-z]\d* = (-?[\d.e+-]+)(?: (\w+))?")
 # A letter that stands alone, with its number and its rates: P1', xi''/Omega^2, x2st.
 _SYMBOL = re.compile(
@@ -98,8 +100,13 @@ def level_text(label: str, unit: str, factor: float) -> str:
 
 
 def number(value: float, digits: int = 6) -> str:
-    """Return a number as text, with a minus sign."""
-    return f"{value + 0.0:.{digits}g}".replace("-", MINUS)
+    """Return a number as text, with a minus sign and without an exponent."""
+    return _printed(f"{value + 0.0:.{digits}g}")
+
+
+def _printed(text: str) -> str:
+    """Return a text with its numbers as they are printed: 12000 for 1.2e+04, with minus signs."""
+    return _EXPONENT.sub(lambda found: f"{Decimal(found[0]):f}", text).replace("-", MINUS)
 
 
 def _seen(value: float) -> float:
@@ -149,7 +156,7 @@ def readings_table(readings: Mapping[str, float], quantities: Mapping[str, Quant
         return ""
     head, form, order, factors = _table_form(tuple((n, quantities.get(n)) for n in readings))
     values = (f * readings[name] for f, name in zip(factors, order, strict=True))
-    return head + (form % tuple(map(_seen, values))).replace("-", MINUS)
+    return head + _printed(form % tuple(map(_seen, values)))
 
 
 @lru_cache

@@ -360,6 +360,15 @@ def test_there_is_no_negative_zero() -> None:
     assert number(-0.0) == "0"
 
 
+@pytest.mark.parametrize(
+    ("value", "text"), [(11_512.3, "11510"), (-2.0061e-05, "\u22120.00002006"), (3.0e7, "30000000")]
+)
+def test_numbers_are_printed_without_exponents(value: float, text: str) -> None:
+    assert number(value, 4) == text
+    (force,) = (q for q in QUANTITIES if q.name == "force")
+    assert f"| {text} " in readings_table({"contact_force": value}, {"contact_force": force})
+
+
 def test_all_columns_of_a_chart_are_named_in_its_view() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=10)
     names = tuple(f"{axle}_suspension_deflection_{i}" for axle in ("front", "rear") for i in "12")

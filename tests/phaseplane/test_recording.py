@@ -119,7 +119,7 @@ def test_views_show_what_is_there(recorded: Recorded) -> None:
         "displacement [cm], 0 to 40": "/histories/displacement",
         "velocity [m/s], 0 to 2": "/histories/velocity",
         "acceleration [m/s\N{SUPERSCRIPT TWO}], 0 to 20": "/histories/acceleration",
-        "force [N], 0 to 2e+03": "/histories/force",
+        "force [N], 0 to 2000": "/histories/force",
         "construction step": "/words",
     }
     paths = {"/" + path.split("/")[1] for path in recorded.rows}
