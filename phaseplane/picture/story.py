@@ -126,7 +126,8 @@ def story_of(
     last = drawing.frames[-1]
     page = _page(stays, len(drawing.frames))
     mark_events(page)
-    page.dots("state", [motion[-1] for motion in stays.subject.motions], 1.6)
+    for role in MOVING_POINT:
+        page.dots(role, [motion[-1] for motion in stays.subject.motions], 1.2)
     read = readings_table((drawing.end or last).readings, quantities)
     count = len(drawing.frames)
     told = [f"**The whole motion**: {counted(count, 'step')}. {_FURTHER}", *_drift(stays), read]

@@ -369,6 +369,14 @@ def test_numbers_are_printed_without_exponents(value: float, text: str) -> None:
     assert f"| {text} " in readings_table({"contact_force": value}, {"contact_force": force})
 
 
+def test_the_end_of_a_motion_stands_out_from_its_trail() -> None:
+    made = drawing()
+    *_, last = story_of(made, pages_of(content())[0], arms_page(made), {})
+    ends = [motion[-1] for motion in last.page.subject.motions]
+    discs = {dots.role: list(dots.points) for dots in last.page.of(Dots)}
+    assert [discs.get(role) for role in MOVING_POINT] == [ends] * len(MOVING_POINT)
+
+
 def test_all_columns_of_a_chart_are_named_in_its_view() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=10)
     names = tuple(f"{axle}_suspension_deflection_{i}" for axle in ("front", "rear") for i in "12")
