@@ -34,10 +34,17 @@ class Graduation:
     factor: float
 
 
-def graduation_of(axis: Axis, motion: Points, least: float = 0.0) -> Graduation:
-    """Return round values over the range of the motion, at least `least` m of paper apart."""
+def graduation_of(
+    axis: Axis, motion: Points, least: float = 0.0, along: Axis | None = None
+) -> Graduation:
+    """Return round values over the range of the motion, at least `least` m of paper apart.
+
+    Parameters
+    ----------
+    along : the axis whose range decides on the display unit; default: this one
+    """
     low, high = reach_of(axis, motion)
-    unit, factor = display_unit(axis.unit, high - low)
+    unit, factor = display_unit(axis.unit, float(np.ptp(reach_of(along or axis, motion))))
     span = max((high - low) / 6.0, least / axis.scale) * factor
     interval = round_step(span or 1.0, 1)
     first, last = ceil(low * factor / interval - 0.6), floor(high * factor / interval + 0.6)
@@ -49,7 +56,7 @@ def draw_axes(page: Page) -> None:
     """Draw the axes with arrows, ticks, values and names."""
     known = [
         (plane, motion, graduation_of(plane.displacement, motion, 2.2 * page.em),
-         graduation_of(plane.scaled_velocity, motion, 1.5 * page.em))
+         graduation_of(plane.scaled_velocity, motion, 1.5 * page.em, plane.displacement))
         for plane in page.drawing.planes for motion in (page.motion(plane),)
     ]  # fmt: skip
     for plane, motion, _, up in known if _in_columns(page) else ():

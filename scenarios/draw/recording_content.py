@@ -112,7 +112,9 @@ def _switches(instants: Sequence[Frame]) -> dict[str, npt.NDArray[np.float64]]:
     """Return where each wheel is off the road and where the spring yields, by the names of a run."""
     forces = [n for n in instants[0].readings if n.endswith("contact_force")]
     found = {
-        name.replace("contact_force", "airborne"): [frame.readings[name] == 0.0 for frame in instants]
+        name.replace("contact_force", "airborne"): [
+            frame.readings[name] == 0.0 for frame in instants
+        ]
         for name in forces
     } | {"yielding": [frame.scheme in FLOWS for frame in instants]}
     return {name: np.array(states, float) for name, states in found.items() if any(states)}

@@ -197,6 +197,17 @@ def test_a_replay_has_lanes_that_change_with_its_events(
     assert {lane: list(when) for lane, when in found.items()} == happened
 
 
+@pytest.mark.parametrize("name", ["high_bump_at_speed", "iso8608_c"])
+def test_both_axes_of_a_plane_are_in_one_unit(name: str) -> None:
+    drawing = drawing_of(name)
+    stays, *_ = pages_of(Content(name, drawing))
+    names = [text.text for text in stays.texts if text.kind == "name"]
+    for plane in drawing.planes:
+        unit, _ = stays.units[plane.name]
+        for axis in (plane.displacement, plane.scaled_velocity):
+            assert any(name.endswith(f"{typeset(axis.label)} [{unit}]") for name in names), names
+
+
 def test_a_motion_that_goes_round_leaves_room_for_the_construction() -> None:
     """Example 23 has a start from which the pendulum turns over six times, to 40 rad."""
     drawing = drawing_of("h83_example23", 6.0)
