@@ -35,7 +35,7 @@ from .text import (
 )
 from .views import room_for_letters
 
-VERTICES = 4000
+VERTICES = 16_000
 """Most vertices of a motion in a plane."""
 FEWEST, MOST = 40, 60
 """Ticks of a story, where the schemes allow it."""
