@@ -42,7 +42,8 @@ from phaseplane.constructions.two_planes_schemes import axle_scheme
 from phaseplane.suspension.characteristics import Characteristic, linear
 from phaseplane.suspension.roads import Signal
 
-_STUCK = "_sticking"  # after the scheme of a strut that dry friction holds
+STUCK = "_sticking"
+"""After the scheme of a strut that dry friction holds."""
 _SENSES = {1: "+", -1: "-", 0: "0"}
 _NUMBERS = {text: sense for sense, text in _SENSES.items()}
 
@@ -158,7 +159,7 @@ class QuarterCarPlanes(Construction):
         """Figure 7 (contact) and figure 10 (flight) in the order of drawing; both also while sticking."""
         linear_tyre = self.axle.linear_tyre
         return {
-            mode + _STUCK * sticks: axle_scheme(
+            mode + STUCK * sticks: axle_scheme(
                 flies=mode == FLIGHT, linear_tyre=linear_tyre, sticks=sticks
             )
             for sticks in ((False, True) if self.friction else (False,))
@@ -245,7 +246,7 @@ class QuarterCarPlanes(Construction):
     def scheme_of(self, mode: str) -> str:
         """Return the scheme of a mode: figure 7 or 10, or that of a strut that sticks."""
         contact = FLIGHT if _flies(mode) else CONTACT
-        return contact + _STUCK * bool(self.friction and not _sense(mode))
+        return contact + STUCK * bool(self.friction and not _sense(mode))
 
     def event(self, mode: str, successor: str) -> str:
         """Return lift-off (U), touchdown (V), or `sticking` where that begins."""

@@ -1,4 +1,4 @@
-"""Contact, yielding and stops over time, as lanes of coloured bands under the plots."""
+"""Contact, yielding, dry friction and stops over time, as lanes of coloured bands under the sheet."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def lanes_of(content: Content) -> dict[str, tuple[str, str, Hue, npt.NDArray[np.
     histories = {
         name: np.asarray(column, float)
         for name, column in content.histories.items()
-        if name.endswith(("airborne", "yielding", "displacement"))
+        if name.endswith(("airborne", "yielding", "sticking", "displacement"))
     }
     found = {}
     for name, column in histories.items():
@@ -34,6 +34,8 @@ def lanes_of(content: Content) -> dict[str, tuple[str, str, Hue, npt.NDArray[np.
             found[wheel] = ("on the road", "off the road", RED, column > 0.5)
         elif name.endswith("yielding"):
             found["spring"] = ("elastic", "yielding", ORANGE, column > 0.5)
+        elif name.endswith("sticking"):
+            found["dry friction"] = ("slips", "sticks", ORANGE, column > 0.5)
     axles = content.vehicle.axles if content.vehicle else ()
     for axle in axles:
         if axle.body not in histories or axle.wheel not in histories:

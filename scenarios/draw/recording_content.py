@@ -11,6 +11,7 @@ from phaseplane.suspension.models import build
 from phaseplane.suspension.variables import MODELS, Value
 
 from phaseplane import recording
+from phaseplane.constructions.two_planes import STUCK
 from phaseplane.constructions.yielding import FLOWS
 from phaseplane.picture.quantities import rate_of
 
@@ -109,14 +110,20 @@ def readings(drawing: Drawing) -> dict[str, npt.NDArray[np.float64]]:
 
 
 def _switches(instants: Sequence[Frame]) -> dict[str, npt.NDArray[np.float64]]:
-    """Return where each wheel is off the road and where the spring yields, by the names of a run."""
+    """Return where each wheel is off the road, the spring yields or dry friction sticks.
+
+    The columns are named like those of a run, if it has them.
+    """
     forces = [n for n in instants[0].readings if n.endswith("contact_force")]
     found = {
         name.replace("contact_force", "airborne"): [
             frame.readings[name] == 0.0 for frame in instants
         ]
         for name in forces
-    } | {"yielding": [frame.scheme in FLOWS for frame in instants]}
+    } | {
+        "yielding": [frame.scheme in FLOWS for frame in instants],
+        "sticking": [frame.scheme.endswith(STUCK) for frame in instants],
+    }
     return {name: np.array(states, float) for name, states in found.items() if any(states)}
 
 
