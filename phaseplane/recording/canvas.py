@@ -17,6 +17,7 @@ from phaseplane.picture.paper import Points, Strip
 from phaseplane.picture.styles import style_of
 
 from .columns import (
+    LETTERS_FIRST,
     LINE_UP,
     UPRIGHT,
     Integers,
@@ -36,6 +37,8 @@ RECENT = 200
 """Steps of a curve that are drawn in full, more than a block."""
 PARTS = ("lines", "points", "letters")
 """The entities of a page."""
+# the draw order of the lines of each page; those of `stage` have neighbouring depths
+_ORDER = {"paper": 11.0, "story": 13.0, "events": 21.0}
 _FAINT = 0.35  # opacity of older steps
 _HEAD = 0.5  # length of the head of an arrow, em
 
@@ -107,35 +110,42 @@ class Viewer(Canvas):
 
     def _send(self, name: str, pages: Sequence[Page], times: Sequence[rr.TimeColumn]) -> None:
         """Log pages, each at one of these times; without times it stays."""
-        of = (_lines(pages), _points(pages), _letters(pages))
+        lines = _ORDER[name]
+        of = (_lines(pages, lines), _points(pages, lines + 1.0), _letters(pages))
         for part, columns in zip(PARTS, of, strict=True):
             self.recording.send_columns(f"{self.root}/{name}/{part}", times, columns)
 
 
-def _lines(pages: Sequence[Page]) -> rr.ComponentColumnList:
-    """Return the lines of pages, a row for each, the arrows behind all others."""
+def _lines(pages: Sequence[Page], order: float) -> list[Any]:
+    """Return the lines of pages, a row for each, the arrows behind all others; and their draw order."""
     rows = [
         [(strip, i.role, i.weight, i.strength) for i in page.of(Lines) for strip in i.strips]
         + [(strip, i.role, 1.0, 1.0) for i in page.of(Arrow) for strip in _arrow(i, page.em)]
         for page in pages
     ]
     every = list(chain.from_iterable(rows))
-    return rr.LineStrips2D.columns(
-        strips=ragged([strip for strip, *_ in every]),
-        colors=colours([rgba(style_of(role).hue, strength) for _, role, _, strength in every]),
-        radii=radii([style_of(role).width * weight for _, role, weight, _ in every]),
-    ).partition([len(row) for row in rows])
+    return [
+        *rr.LineStrips2D.columns(
+            strips=ragged([strip for strip, *_ in every]),
+            colors=colours([rgba(style_of(role).hue, strength) for _, role, _, strength in every]),
+            radii=radii([style_of(role).width * weight for _, role, weight, _ in every]),
+        ).partition([len(row) for row in rows]),
+        *rr.LineStrips2D.columns(draw_order=[order] * len(rows)),
+    ]
 
 
-def _points(pages: Sequence[Page]) -> rr.ComponentColumnList:
-    """Return the points of pages, a row for each."""
+def _points(pages: Sequence[Page], order: float) -> list[Any]:
+    """Return the points of pages, a row for each, and their draw order."""
     rows = [[(z, dots) for dots in page.of(Dots) for z in dots.points] for page in pages]
     every = list(chain.from_iterable(rows))
-    return rr.Points2D.columns(
-        positions=xy([z for z, _ in every]).reshape(-1, 2),
-        colors=colours([rgba(style_of(dots.role).hue, dots.strength) for _, dots in every]),
-        radii=radii([style_of(dots.role).size * dots.weight for _, dots in every]),
-    ).partition([len(row) for row in rows])
+    return [
+        *rr.Points2D.columns(
+            positions=xy([z for z, _ in every]).reshape(-1, 2),
+            colors=colours([rgba(style_of(dots.role).hue, dots.strength) for _, dots in every]),
+            radii=radii([style_of(dots.role).size * dots.weight for _, dots in every]),
+        ).partition([len(row) for row in rows]),
+        *rr.Points2D.columns(draw_order=[order] * len(rows)),
+    ]
 
 
 def _letters(pages: Sequence[Page]) -> list[Any]:
@@ -156,7 +166,11 @@ def _letters(pages: Sequence[Page]) -> list[Any]:
             colors=colours([rgba(style_of(text.role).hue) for text in every]),
             labels=[legible(text.text) for text in every],
         ).partition([len(row) for row in rows]),
-        *rr.Points2D.columns(radii=[0.0] * len(rows), show_labels=[True] * len(rows)),
+        *rr.Points2D.columns(
+            radii=[0.0] * len(rows),
+            show_labels=[True] * len(rows),
+            draw_order=[LETTERS_FIRST] * len(rows),
+        ),
     ]
 
 

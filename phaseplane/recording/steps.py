@@ -20,6 +20,7 @@ from phaseplane.picture.text import end_text, step_text, typeset
 
 from .canvas import placed_letters
 from .columns import (
+    LETTERS_FIRST,
     Clock,
     Integers,
     Reals,
@@ -126,7 +127,9 @@ def _send_letters(
         some = np.zeros(len(shown), np.int64)
         some[shown > 0] = counts
         hues = colours([rgba(style_of(role).hue)])
-        style = rr.Points2D.from_fields(colors=hues, radii=[0.0], show_labels=True)
+        style = rr.Points2D.from_fields(
+            colors=hues, radii=[0.0], show_labels=True, draw_order=LETTERS_FIRST
+        )
         recording.log(f"{path}/{role}", style, static=True)
         recording.send_columns(f"{path}/{role}", columns, letters.partition(some))
 
