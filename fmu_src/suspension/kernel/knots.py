@@ -33,7 +33,7 @@ class Knots:
 
     Parameters
     ----------
-    switches : reads the rows at both ends of an attempt
+    switches : knows the polynomials of their quantities over an attempt
     """
 
     def __init__(self, switches):
@@ -48,7 +48,7 @@ class Knots:
         coarse = self.stepper.method.order <= _COARSE
         self.most_effect = _MOST_EFFECT if coarse else 0.5 * _MOST_EFFECT
         # where the attempt should end, and whether that is just before a point: its value, that of
-        # `switches.row` which passes it, and whether the table ends there
+        # `rows.row` which passes it, and whether the table ends there
         self.at = self.value = 0.0
         self.row = 0
         self.lands = self.ends_table = False
@@ -92,8 +92,8 @@ class Knots:
         """
         if not self.lands or self.stepper.method.order <= _COARSE or self.stepper.errors.own_jerks:
             return h
-        self.switches.read_attempt(self.motion.state.time, h)
-        row, at = self.switches.row, self.row + 4
+        self.stepper.rows.read(self.motion.state.time, h)
+        row, at = self.stepper.rows.row, self.row + 4
         third = 0.0 if at % 2 else row[at + 3]  # of a rate it is not known
         way = 0.0
         for _iteration in range(4):
@@ -117,12 +117,12 @@ class Knots:
         the error allowed in such a step. Passages before the fraction `least` do not count.
         """
         self.at = 2.0
-        self.switches.read_attempt(self.motion.state.time, h)
+        self.stepper.rows.read(self.motion.state.time, h)
         for i in range(self.count):
             e, kind, p = self.element[i], self.kind[i], self.piece[i]
             first, last = self.net.run_first[p], self.net.run_last[p]
             row = 8 * self.net.element_row[e] + (1 if kind == DAMPER else 0)
-            k = self.net.place(p, self.switches.row[row])
+            k = self.net.place(p, self.stepper.rows.row[row])
             degree = self.switches.polynomial(e, kind, h)
             self.crossing.extent(degree)
             unit = -1.0
@@ -149,7 +149,7 @@ class Knots:
     def _effect(self, e, kind, h):
         """Return the error that the attempt makes where the second derivative of a law jumps by 1, m."""
         n, r = self.net.n, self.net.element_row[e]
-        row, at = self.switches.row, 8 * r + (1 if kind == DAMPER else 0)
+        row, at = self.stepper.rows.row, 8 * r + (1 if kind == DAMPER else 0)
         rate = max(fabs(row[at + 1]), fabs(row[at + 5]), fabs(row[at + 4] - row[at]) / h)
         most = 0.0
         for i in range(n):

@@ -4,6 +4,7 @@ cimport cython
 @cython.final
 cdef class Ledger:
     cdef Balance balance
+    cdef Rows rows
     cdef Network net
     cdef KernelState state
     cdef Dense dense
@@ -13,11 +14,13 @@ cdef class Ledger:
     cdef double *work, *brought, *part, *kept, *until, *scratch
     cdef double *loss, *loss_rate
     cdef int dissipating
+    cdef bint moving
     cdef int *curved, *element, *lossy, *needs_points
     cdef double kinetic, stored
 
     cdef void start(self) noexcept nogil
     cdef void enter(self) noexcept nogil
+    cdef void read_rows(self, double t, double h) noexcept nogil
     cdef void book(self) noexcept nogil
     cdef void _book_parts(self, double h, bint moving) noexcept nogil
     cdef void _book_element(self, int e, double h) noexcept nogil

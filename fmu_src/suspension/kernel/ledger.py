@@ -29,11 +29,12 @@ class Ledger:
     Parameters
     ----------
     balance : equation of motion of the present branches
+    rows : the rows at both ends of a step
     dense : dense output of the last step
     """
 
-    def __init__(self, balance, dense):
-        self.balance, self.dense = balance, dense
+    def __init__(self, balance, rows, dense):
+        self.balance, self.rows, self.dense = balance, rows, dense
         self.net = self.balance.net
         elements, rows = self.net.elements, max(self.net.rows, 1)
         self.works = elements + self.net.signals
@@ -53,7 +54,8 @@ class Ledger:
         self.dissipating, self.element = 0, memory.marks(elements)  # how many dissipate, and which
         # of each row: whether it dissipates, and by a curved law
         self.lossy, self.needs_points = memory.marks(rows), memory.marks(rows)
-        self.readings = StepReadings(self.net, dense)
+        self.moving = False  # whether any signal changes within the step
+        self.readings = StepReadings(self.rows, dense)
         self.potential = Potential(self.net)
         self.start()
 
@@ -97,21 +99,26 @@ class Ledger:
                 self.element[self.dissipating] = e
                 self.dissipating += 1
 
+    def read_rows(self, t, h):
+        """Read the rows at both ends of the attempt that becomes the last step, unless signals change."""
+        self.moving = not (self.balance.loads_hold or self.net.still())
+        if not (self.moving or self.rows.end_known):
+            self.rows.read(t, h)
+
     def book(self):
         """Add the works of the last step, with its branches; leave the signals at its end."""
         h = self.dense.end - self.dense.start
         for i in range(self.net.elements, self.works):
             self.brought[i] = 0.0
-        moving = not (self.balance.loads_hold or self.net.still())
-        if h > 0.0 and moving:
+        if h > 0.0 and self.moving:
             if self.net.stuck:
                 self._book_points()
             else:
                 self.readings.read_signals(h)
-        if moving:
+        if self.moving:
             self.net.all_signals(self.dense.end)
-        if h > 0.0 and not (moving and self.net.stuck):
-            self._book_parts(h, moving)
+        if h > 0.0 and not (self.moving and self.net.stuck):
+            self._book_parts(h, self.moving)
 
     def _book_parts(self, h, moving):
         """Add the works of elements, roads and loads one by one, with the signals read before."""

@@ -19,12 +19,13 @@ class StepReadings:
 
     Parameters
     ----------
-    network : network of the system
+    rows : the rows at both ends of the step
     dense : dense output of the last step
     """
 
-    def __init__(self, network, dense):
-        self.net, self.dense = network, dense
+    def __init__(self, rows, dense):
+        self.rows, self.dense = rows, dense
+        self.net, self.row = self.rows.net, self.rows.row
         memory = self.net.memory
         rows, signals = max(self.net.rows, 1), max(self.net.signals, 1)
         self.point, self.weight = memory.doubles(_POINT), memory.doubles(_WEIGHT)
@@ -62,6 +63,16 @@ class StepReadings:
                 self.ends[5] += b * self.dense.vb[i]
                 self.ends[6] += b * self.dense.ab[i]
                 self.ends[7] += b * self.dense.jb[i]
+        self._scale_ends(h)
+
+    def _take_ends(self, r, h):
+        """Set `ends` likewise to those of row r, on a road that does not move."""
+        for k in range(ENDS):
+            self.ends[k] = self.row[ENDS * r + k]
+        self._scale_ends(h)
+
+    def _scale_ends(self, h):
+        """Multiply derivatives by powers of h."""
         for k in range(1, 4):
             for m in range(k, 4):
                 self.ends[m] *= h
@@ -69,8 +80,12 @@ class StepReadings:
 
     def read_row(self, r, h, moving):
         """Find deflection and rate of a row at the points."""
-        self.read_ends(self.net.row_direction, self.net.n * r, h)
-        s = self.net.row_signal[r]
+        s = -1
+        if moving:
+            s = self.net.row_signal[r]
+            self.read_ends(self.net.row_direction, self.net.n * r, h)
+        else:
+            self._take_ends(r, h)
         way = 0.0
         square = 0.0
         for k in range(POINTS):
@@ -80,11 +95,9 @@ class StepReadings:
                 d += self.value[ENDS * k + m] * self.ends[m]
                 w += self.rate[ENDS * k + m] * self.ends[m]
             w /= h
-            if s >= 0 and moving:
+            if s >= 0:
                 d -= self.u[POINTS * s + k]
                 w -= self.du[POINTS * s + k]
-            elif s >= 0:
-                d -= self.net.road[4 * s]
             self.d[POINTS * r + k] = d
             self.w[POINTS * r + k] = w
             way += self.weight[k] * w
@@ -96,7 +109,7 @@ class StepReadings:
         if self.dense.cubic:
             self._sum_cubic(r, h)
             return
-        self.read_ends(self.net.row_direction, self.net.n * r, h)
+        self._take_ends(r, h)
         square = 0.0
         for k in range(POINTS):
             w = 0.0
@@ -107,19 +120,10 @@ class StepReadings:
 
     def _sum_cubic(self, r, h):
         """Find them for a cubic, whose rate is c1 + c2 x + c3 x^2."""
-        n = self.net.n
-        way = 0.0
-        c1 = 0.0
-        c2 = 0.0
-        c3 = 0.0
-        for i in range(n):
-            b = self.net.row_direction[n * r + i]
-            way += b * (self.dense.qb[i] - self.dense.qa[i])
-            c1 += b * self.dense.va[i]
-            c2 += b * self.dense.aa[i]
-            c3 += b * self.dense.ab[i]
-        c2 *= h
-        c3 = 3.0 * (way / h - c1 - 0.5 * c2) if self.dense.to_end else 0.5 * (h * c3 - c2)
+        at = ENDS * r
+        way, c1 = self.row[at + 4] - self.row[at], self.row[at + 1]
+        c2, c3 = h * self.row[at + 2], h * self.row[at + 6]
+        c3 = 3.0 * (way / h - c1 - 0.5 * c2) if self.dense.to_end else 0.5 * (c3 - c2)
         square = c1 * (c1 + c2 + _TWO_THIRDS * c3) + c2 * (_THIRD * c2 + 0.5 * c3) + 0.2 * c3 * c3
         self.way[r], self.square[r] = way, h * square
 

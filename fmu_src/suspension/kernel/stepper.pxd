@@ -7,6 +7,7 @@ cdef class Stepper:
     cdef Balance balance
     cdef Modes modes
     cdef Errors errors
+    cdef Rows rows
     cdef Method method
     cdef int n
 

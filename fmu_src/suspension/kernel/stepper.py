@@ -6,6 +6,7 @@ from .balance import MOST_COORDINATES, MOST_ROWS, Balance
 from .errors import Errors
 from .modes import Modes
 from .motion import Motion
+from .rows import Rows
 
 
 class Stepper:
@@ -35,6 +36,7 @@ class Stepper:
         self.balance = Balance(network, method.instants(order, theta))
         self.modes = Modes(self.balance)
         self.errors = Errors(self.motion, self.balance, self.modes, tolerance)
+        self.rows = Rows(self.motion, self.balance, self.errors)
         self.method = method(self.motion, self.balance, self.modes, self.errors, order, theta)
 
     def start(self):
@@ -53,12 +55,14 @@ class Stepper:
 
     def attempt(self, t, h):
         """Step from t to t + h with all branches fixed; write the end to qb, vb, ab, jb."""
+        self.rows.end_known = False
         self.errors.time, self.errors.step = t, h
         self.errors.order = self.method.order - 1
         return self.method.attempt(t, h)
 
     def shift_end(self, t, late):
         """Move the end of the attempt slightly, to t, along its Taylor series."""
+        self.rows.end_known = False
         for i in range(self.n):
             a, j = self.motion.ab[i], self.motion.jb[i]
             v = self.motion.vb[i]
@@ -71,6 +75,7 @@ class Stepper:
 
     def stop_within(self, t, dense):
         """End the attempt at t, on the septic `dense` through its ends."""
+        self.rows.end_known = False
         dense.read(t)
         for i in range(self.n):
             self.motion.qb[i], self.motion.vb[i] = dense.q[i], dense.v[i]

@@ -5,23 +5,18 @@ cimport cython
 cdef class Switches:
     cdef Stepper stepper
     cdef Motion motion
+    cdef Rows rows
     cdef Network net
     cdef Crossing crossing
     cdef StraightTyres tyres
     cdef int watched, element, kind, side
-    cdef bint roads_known, start_known, own_jerks, recedes, across, only_opens
+    cdef bint recedes, across, only_opens
     cdef double at, miss
     cdef int *watched_element, *watched_kind
-    cdef double *low, *high, *row, *road, *point
+    cdef double *low, *high, *row, *point
 
     cdef void enter_branches(self) noexcept nogil
-    cdef void read_attempt(self, double t, double h) noexcept nogil
     cdef double first(self, double t, double h) noexcept nogil
-    cdef void carry_on(self) noexcept nogil
-    cdef void _read_roads(self, double t, double h) noexcept nogil
-    cdef void _read_end(self, double t) noexcept nogil
-    cdef void _note_road(self, int end) noexcept nogil
-    cdef void _read_row(self, int r, int end) noexcept nogil
     cdef bint _stays_far(self, int k, double h) noexcept nogil
     cdef bint _rate_stays_far(self, int k, double h) noexcept nogil
     cdef bint _force_stays_far(self, int k, int e, double h) noexcept nogil

@@ -34,20 +34,15 @@ class Switches:
     def __init__(self, stepper):
         self.stepper = stepper
         self.net, self.motion = self.stepper.net, self.stepper.motion
+        self.rows, self.row = self.stepper.rows, self.stepper.rows.row
         self.crossing = Crossing()
         most = len(KINDS) * self.net.elements
         memory = self.net.memory
         self.watched = 0
         self.watched_element, self.watched_kind = memory.marks(most), memory.marks(most)
         self.low, self.high = memory.zeros(most), memory.zeros(most)
-        # for each row and each road, four numbers at the start of the attempt and four at its end
-        self.row = memory.zeros(8 * max(self.net.rows, 1))
-        self.road = memory.zeros(8 * max(self.net.signals, 1))
-        # four numbers of a row, as in `row`, at the ends of all parts
+        # four numbers of a row, as in `rows`, at the ends of all parts
         self.point = memory.zeros(4 * (_STRETCHES + 1))
-        self.roads_known = 0
-        self.start_known = 0
-        self.own_jerks = False  # whether the attempt last read had jerks of its own
         self.tyres = StraightTyres(self.net)
         self.at = 2.0
         self.element = self.kind = self.side = 0
@@ -59,8 +54,7 @@ class Switches:
     def enter_branches(self):
         """List the watched quantities, after a change of branch."""
         self.watched = 0
-        self.roads_known = 0
-        self.start_known = 0
+        self.rows.forget()
         for m in range(self.net.switchable):
             e = self.net.switch_element[m]
             kind = self.net.switch_kind[m]
@@ -82,7 +76,7 @@ class Switches:
         self.at = 2.0
         if self.watched == 0:
             return 2.0
-        self.read_attempt(t, h)
+        self.rows.read(t, h)
         for k in range(self.watched):
             e, kind = self.watched_element[k], self.watched_kind[k]
             if kind == CONTACT:
@@ -100,80 +94,6 @@ class Switches:
             if self.crossing.high > self.high[k]:
                 self._search(k, 1, self.high[k], degree, h)
         return self.at
-
-    def read_attempt(self, t, h):
-        """Read signals and rows at both ends of the attempt just made."""
-        if not (self.roads_known and self.stepper.balance.loads_hold):
-            self._read_roads(t, h)
-        # an attempt with jerks of its own does not start with those at the end of the last one
-        known = self.start_known and not (self.own_jerks or self.stepper.errors.own_jerks)
-        self.own_jerks = self.stepper.errors.own_jerks
-        for r in range(self.net.rows):
-            if not known:
-                self._read_row(r, 0)
-            self._read_row(r, 1)
-        self.start_known = 1
-
-    def carry_on(self):
-        """After the last attempt was accepted, take its end as the start of the next one."""
-        if self.start_known:
-            for r in range(self.net.rows):
-                for k in range(8 * r, 8 * r + 4):
-                    self.row[k] = self.row[k + 4]
-            if not self.stepper.balance.loads_hold:
-                for s in range(self.net.signals):
-                    for k in range(8 * s, 8 * s + 4):
-                        self.road[k] = self.road[k + 4]
-
-    def _read_roads(self, t, h):
-        """Read signals at both ends of the attempt just made, and leave them as they are at its end."""
-        self._read_end(t + h)
-        if not self.start_known:
-            self.net.all_signals(t)
-            self._note_road(0)
-            self.net.all_signals(t + h)
-        self.roads_known = 1
-
-    def _read_end(self, t):
-        """Read signals at the end of the attempt just made or shortened."""
-        if self.stepper.balance.loads_hold:
-            self.net.all_signals(t)
-        self._note_road(1)  # otherwise the attempt has left the signals evaluated there
-
-    def _note_road(self, end):
-        for s in range(self.net.signals):
-            for k in range(4):
-                self.road[8 * s + 4 * end + k] = self.net.road[4 * s + k]
-
-    def _read_row(self, r, end):
-        """Find the deflection of row r and three derivatives at the start or end of the attempt."""
-        n = self.net.n
-        if end:
-            q, v, a, j = self.motion.qb, self.motion.vb, self.motion.ab, self.motion.end_jerk
-        else:
-            q, v, a, j = self.motion.q, self.motion.v, self.motion.a, self.motion.jerk
-        d0 = 0.0
-        d1 = 0.0
-        d2 = 0.0
-        d3 = 0.0
-        for i in range(n):
-            b = self.net.row_direction[r * n + i]
-            if b != 0.0:
-                d0 += b * q[i]
-                d1 += b * v[i]
-                d2 += b * a[i]
-                d3 += b * j[i]
-        if self.net.row_signal[r] >= 0:
-            at = 8 * self.net.row_signal[r] + 4 * end
-            d0 -= self.road[at]
-            d1 -= self.road[at + 1]
-            d2 -= self.road[at + 2]
-            d3 -= self.road[at + 3]
-        at = 8 * r + 4 * end
-        self.row[at] = d0
-        self.row[at + 1] = d1
-        self.row[at + 2] = d2
-        self.row[at + 3] = d3
 
     def _stays_far(self, k, h):
         """Return whether all coefficients of a deflection's septic are within its bounds."""
@@ -397,9 +317,7 @@ class Switches:
         """
         e, kind = self.element, self.kind
         at = 8 * self.net.element_row[e]
-        if not self.stepper.balance.loads_hold:
-            self._read_end(t)
-        self._read_row(self.net.element_row[e], 1)
+        self.rows.read_end(self.net.element_row[e], t)
         bound = self.net.bound(e, kind, self.side)
         if self.across:
             value, rate, bound = self.row[at + 4], self.row[at + 5], self.net.opening[e]

@@ -108,7 +108,7 @@ class TimeLoop:
         self.n = n = self.net.n
         memory = self.net.memory
         self.dense = Dense(memory, self.state.memory, n, self.method.cubic, self.method.to_end)
-        self.ledger = Ledger(self.stepper.balance, self.dense)
+        self.ledger = Ledger(self.stepper.balance, self.stepper.rows, self.dense)
         self.fixed_step = step
         self.landing, self.energy = landing, energy
         self.halts = 0  # set by a host that must see every switch, or every step
@@ -497,7 +497,6 @@ class TimeLoop:
                 self.trial.length -= self.trial.length / sqrt(excess)
                 return _AGAIN
         self.trial.lands = not (self.switches.recedes or self.switches.only_opens)
-        self.switches.start_known = 0  # the step has been shortened
         self.trial.to_end = (
             self.trial.to_end and self.state.time + self.trial.length >= self.trial.end
         )
@@ -511,7 +510,7 @@ class TimeLoop:
             self.trial.length,
             self.trial.end if self.trial.to_end else self.state.time + self.trial.length,
         )
-        self.switches.carry_on()
+        self.stepper.rows.carry_on()
         if self.trial.lands:
             self._switch(self.switches.element, self.switches.kind, self.switches.side)
         if self.trial.to_end and self.trial.end == self.trial.joint:
@@ -567,6 +566,8 @@ class TimeLoop:
 
     def _accept(self, h, t):
         """Make the attempt the last step."""
+        if self.energy:
+            self.ledger.read_rows(self.state.time, h)
         if self.stepper.errors.controlled:
             self.state.speed = self.motion.speed_in(h)
         for i in range(self.n):
