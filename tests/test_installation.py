@@ -23,10 +23,9 @@ INSTALLED_AS = {  # where the packages lie in the tree
 }
 
 
-@pytest.fixture(scope="module")
-def installer() -> Any:
-    """The module setup.py, which sets up nothing when it is imported."""
-    spec = spec_from_file_location("installer", ROOT / "setup.py")
+def module_at(path: Path) -> Any:
+    """A module that lies beside the packages; setup.py sets up nothing when it is imported."""
+    spec = spec_from_file_location(path.stem, path)
     assert spec is not None
     assert spec.loader is not None
     module = module_from_spec(spec)
@@ -34,6 +33,16 @@ def installer() -> Any:
     spec.loader.exec_module(module)
     sys.path[:] = before
     return module
+
+
+@pytest.fixture(scope="module")
+def installer() -> Any:
+    return module_at(ROOT / "setup.py")
+
+
+@pytest.fixture(scope="module")
+def kernel_source() -> Any:
+    return module_at(ROOT / "fmu_src" / "kernel_source.py")
 
 
 def modules(folder: Path, *texts: str) -> list[Path]:
@@ -53,40 +62,40 @@ def modules(folder: Path, *texts: str) -> list[Path]:
     ],
 )
 def test_two_meanings_of_one_name_are_refused(
-    installer: Any, tmp_path: Path, first: str, second: str
+    kernel_source: Any, tmp_path: Path, first: str, second: str
 ) -> None:
     with pytest.raises(ValueError, match=r"part1\.py: _(same|Same|SAME) "):
-        installer.one_source(modules(tmp_path, first, second))
+        kernel_source.one_source(modules(tmp_path, first, second))
 
 
-def test_modules_follow_one_another(installer: Any, tmp_path: Path) -> None:
+def test_modules_follow_one_another(kernel_source: Any, tmp_path: Path) -> None:
     parts = modules(
         tmp_path,
         "from math import sqrt\n_N = 2.0\ndef root(): return sqrt(_N)",
         "from .part0 import root\n_N = 2.0\ndef twice(): return 2.0 * root()",
     )
     found: dict[str, Any] = {}
-    source, constants = installer.one_source(parts)
+    source, constants = kernel_source.one_source(parts)
     exec(source, found)
     assert found["twice"]() == pytest.approx(2.0 * 2.0**0.5)
     assert constants == {"_N": 2.0}
 
 
-def test_integers_of_the_kernel_are_constants_of_c(installer: Any, tmp_path: Path) -> None:
+def test_integers_of_the_kernel_are_constants_of_c(kernel_source: Any, tmp_path: Path) -> None:
     parts = modules(tmp_path, "_N, _M = 2, 3\n_X = 0.5", "from .part0 import _N\n_N = 2")
-    source, constants = installer.one_source(parts)
+    source, constants = kernel_source.one_source(parts)
     assert constants == {"_N": 2, "_M": 3, "_X": 0.5}
     assert [line for line in source.splitlines() if line] == ["_X = 0.5"]
-    types = installer.one_set_of_types([], constants, {"sin", "cos"})
+    types = kernel_source.one_set_of_types([], constants, {"sin", "cos"})
     assert (
         "from libc.math cimport cos, sin\ncdef double _X\ncdef enum:\n    _N = 2\n    _M = 3"
         in types
     )
     with pytest.raises(ValueError, match="integers stand apart"):
-        installer.one_source(modules(tmp_path, "_N, _X = 2, 0.5"))
+        kernel_source.one_source(modules(tmp_path, "_N, _X = 2, 0.5"))
 
 
-def test_loops_and_conditions_have_their_c_types(installer: Any, tmp_path: Path) -> None:
+def test_loops_and_conditions_have_their_c_types(kernel_source: Any, tmp_path: Path) -> None:
     (source,) = modules(
         tmp_path,
         """
@@ -103,7 +112,7 @@ class Sum:
     )
     types = source.with_suffix(".pxd")
     types.write_text("cdef class Sum:\n    cdef bint open\n    cdef double add(self, int n) nogil")
-    typed = installer.with_types_of_locals(source).splitlines()
+    typed = kernel_source.with_types_of_locals(source).splitlines()
     assert typed[2:] == [
         "    @cython.locals(some=bint, i=int)",
         "    cdef double add(self, int n) nogil",
@@ -127,9 +136,9 @@ static double __pyx_f_1k_10integrator_6Wilson_attempt(struct s *);
     assert installer.called_by_name(source) == "".join(lines)
 
 
-def test_every_module_of_the_kernel_is_compiled(installer: Any) -> None:
+def test_every_module_of_the_kernel_is_compiled(installer: Any, kernel_source: Any) -> None:
     there = {path.stem for path in installer.KERNEL.glob("*.py")}
-    order = [path.stem for path in installer.modules()]
+    order = [path.stem for path in kernel_source.modules(installer.KERNEL)]
     assert set(order) == there - {"__init__"}
     assert order.index("method") < order.index("extrapolated") < order.index("increments")
 
@@ -177,8 +186,8 @@ def pure_wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     tree = tmp_path_factory.mktemp("tree")
     for folder in INSTALLED_AS:
         shutil.copytree(ROOT / folder, tree / folder, ignore=shutil.ignore_patterns("__pycache__"))
-    for file in ("pyproject.toml", "setup.py", "README.md", "LICENSE"):
-        shutil.copy2(ROOT / file, tree)
+    for file in ("pyproject.toml", "setup.py", "fmu_src/kernel_source.py", "README.md", "LICENSE"):
+        shutil.copy2(ROOT / file, tree / file)
     left = tree / "build" / "lib" / "phaseplane" / "of_before.py"
     left.parent.mkdir(parents=True)
     left.touch()
