@@ -72,7 +72,7 @@ class Bends:
                 self.first[self.count] = count
 
     def _add_thirds(self, first, last):
-        """Find the largest third derivatives of the next row, which has the curved laws from `first` on."""
+        """Find the largest third derivatives of the next row, whose curved laws are `first` to `last`."""
         self.third_k[self.count] = self.third_c[self.count] = 0.0
         for i in range(first, last):
             p = self.piece[i]

@@ -107,10 +107,12 @@ class Laws(Signals):
         return at + PIECE * (last - first)
 
     def _third_derivative(self, at):
-        """Return the largest third derivative of the piece at `at`, or a huge number if it is not known."""
+        """Return the largest third derivative of the piece at `at`, a huge number if it is not known."""
         if self.piece[at + POWER] != 0.0 or self.piece[at + OWN] != 0.0:
             return _UNKNOWN
-        scale = self.piece[at + SCALE]  # the third derivative of tanh is -2 at 0, and smaller elsewhere
+        scale = self.piece[
+            at + SCALE
+        ]  # the third derivative of tanh is -2 at 0, and smaller elsewhere
         return 6.0 * fabs(self.piece[at + C3]) + 2.0 * fabs(self.piece[at + SATURATION]) / (
             scale * scale * scale
         )
