@@ -94,7 +94,7 @@ def one_source(paths: list[Path]) -> tuple[str, dict[str, int | float]]:
                     pass
                 case _:
                     continue
-            for line in range(node.lineno - 1, node.end_lineno):
+            for line in range(node.lineno - 1, node.end_lineno or node.lineno):
                 lines[line] = ""
         bodies.append("\n".join(lines))
     constants = {name: x for name, value in known.items() if (x := number(value)) is not None}
