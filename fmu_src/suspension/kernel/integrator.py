@@ -41,18 +41,21 @@ __all__ = [
 
 # Why a run of steps ended early, and after the semicolon what to try.
 FAILURES = {
-    2: "the motion has diverged; shorten solver.step, or look for forces that add energy",
+    2: "the motion has diverged; shorten a fixed solver.step, or look for forces that add energy",
     3: "the step has become too small; increase solver.tolerance, or look for extreme parameters",
-    4: "no equilibrium was found at the end of a step; shorten solver.step, or set it to 0",
-    5: "the matrix of a step is not positive definite; shorten solver.step, or set it to 0",
+    4: "no equilibrium was found at the end of a step; "
+    "shorten a fixed solver.step, or look for extreme parameters",
+    5: "the matrix of a step is not positive definite; "
+    "shorten a fixed solver.step, or look for extreme parameters",
     6: "solver.step is longer than the largest stable step; shorten it, or set it to 0",
-    7: "energy grows without external work; shorten solver.step, or reduce solver.tolerance",
+    7: "energy grows without external work; "
+    "shorten a fixed solver.step, or reduce solver.tolerance",
     8: "switches follow one another without time between them; "
-    "shorten solver.step, or look for extreme parameters",
+    "shorten a fixed solver.step, or look for extreme parameters",
     9: "the run needs more than 30 million steps; shorten the run, or look for extreme parameters",
     10: "the mass matrix must be symmetric and positive definite; check masses and inertias",
     11: "the energy balance is off by more than all energy stored or supplied; "
-    "shorten solver.step, or reduce solver.tolerance",
+    "shorten a fixed solver.step, or reduce solver.tolerance",
     12: "the run was interrupted; run it to its end for complete results",
 }
 
