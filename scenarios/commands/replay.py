@@ -181,7 +181,7 @@ def replay_construction(
         except ArithmeticError as error:
             raise RunError(f"the construction cannot be drawn: {error}") from None
         title = scene.title or scene.name
-        shown = partial(of_scene, scene, drawing, columns, shown={"staged": scene.show.staged})
+        shown = partial(of_scene, scene, drawing, columns)
     try:
         if save is not None:
             recording.record(shown(), save)

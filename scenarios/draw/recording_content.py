@@ -220,7 +220,10 @@ def of_scene(
     *,
     live: bool = False,
 ) -> Content:
-    """Return the content of the recording of a scene, by default with the readings of its drawing."""
+    """Return the content of the recording of a scene.
+
+    By default with the readings of its drawing, and the steps and views that the scene chooses.
+    """
     if columns is None:
         columns = {} if drawing is None else readings(drawing)
     return content(
@@ -231,7 +234,7 @@ def of_scene(
         columns=columns,
         units=units or {},
         duration=scene.duration,
-        shown=shown or {},
+        shown=shown or {"staged": scene.show.staged, "views": scene.show.views},
         live=live,
     )
 

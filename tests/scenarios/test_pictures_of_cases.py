@@ -14,7 +14,7 @@ import pytest
 import rerun as rr
 from phaseplane.scenarios.draw.constructions import draw_construction
 from phaseplane.scenarios.draw.planes import CONSTRUCTED
-from phaseplane.scenarios.draw.recording_content import readings
+from phaseplane.scenarios.draw.recording_content import of_scene, readings
 from phaseplane.scenarios.errors import DrawingError, InputError
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.names import case_names
@@ -371,3 +371,10 @@ def distance(point: complex, strip: Sequence[complex]) -> float:
     way = b - a
     part = np.clip(((point - a) * way.conjugate()).real / np.maximum(abs(way) ** 2, 1e-300), 0, 1)
     return float(abs(point - (a + part * way)).min())
+
+
+def test_a_pendulum_is_not_shown_as_a_vehicle() -> None:
+    scene = load_scene("h83_example28", [], expect=False)
+    shown = of_scene(scene, drawing_of("h83_example28"))
+    assert shown.vehicle is None
+    assert shown.constructed is not None
