@@ -183,7 +183,9 @@ def told_steps(drawing: Drawing, steps: Sequence[int] = ()) -> list[int]:
         later = [i for i in of_kind if i > max(found, default=-1)]
         found += ([] if found else _away(drawing, later)[:1]) or later[:1]
     schemes = drawing.frames.schemes
-    ordinary = [i for i, key in enumerate(schemes) if key == schemes[0] and i not in found]
+    told = {schemes[i] for i in found}
+    usual = next((key for key in schemes if key not in told), schemes[0])
+    ordinary = [i for i, key in enumerate(schemes) if key == usual and i not in found]
     ordinary = _moving(drawing, ordinary or found)
     ordinary = ordinary[:: ceil(len(ordinary) / _CANDIDATES)]
     room = room_for_letters(drawing, drawing.frames.at(ordinary))

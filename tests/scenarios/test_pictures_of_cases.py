@@ -226,6 +226,13 @@ def test_no_step_is_told_whose_points_lie_on_one_another() -> None:
     assert min(size[step] for step in told_steps(drawing)) > 0.2 * max(size)
 
 
+def test_steps_are_told_with_and_without_what_an_event_begins() -> None:
+    """The leaf spring sticks in its first step, but slips most of the time."""
+    drawing = drawing_of("leaf_spring")
+    schemes = {drawing.frames[step].scheme for step in told_steps(drawing)}
+    assert schemes == {"contact", "contact_sticking"}
+
+
 def test_a_frame_that_yields_is_told_where_it_yields() -> None:
     drawing = drawing_of("h83_example40")
     assert "yielding_up" in {drawing.frames[step].scheme for step in told_steps(drawing)}
