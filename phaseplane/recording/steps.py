@@ -13,7 +13,7 @@ from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture.layers import Layer, is_main, layers_of
 from phaseplane.picture.letters import text_box
 from phaseplane.picture.page import Page
-from phaseplane.picture.paper import Box, Boxes, Points, table
+from phaseplane.picture.paper import Boxes, Points, table
 from phaseplane.picture.quantities import Quantity
 from phaseplane.picture.styles import MOVING_POINT, style_of
 from phaseplane.picture.text import end_text, step_text, typeset
@@ -39,6 +39,11 @@ WORDS = "/words"
 SLICE = 4096
 """Steps that are encoded at once."""
 _REPEATED = 0.4  # opacity of what a rule repeats
+# places of letters beside their points, em, the best ones first
+_SIDES = {
+    "state": (0.9 + 1.3j, -0.9 + 1.3j, 0.9 - 1.3j, -0.9 - 1.3j),
+    "normal": (-1.3j, 1.3j),
+}
 
 
 def send_steps(
@@ -102,7 +107,7 @@ def _send_letters(
     recording: rr.RecordingStream, path: str, drawing: Drawing, layers: Sequence[Layer],
     page: Page, columns: list[rr.TimeColumn], shown: Integers,
 ) -> None:  # fmt: skip
-    """Log the letters of P and D, those that do not lie on another one."""
+    """Log the letters of P and D, wherever they do not lie on another one."""
     kept = [
         (layer, i)
         for layer in layers
@@ -113,10 +118,9 @@ def _send_letters(
     if not kept:
         return
     texts = [typeset(layer.labels[i]) for layer, i in kept]
-    centres = np.stack([layer.vertices[:, i, 0] for layer, i in kept], 1)
-    above = [1.0 if layer.roles[i] == "state" else -1.0 for layer, i in kept]
-    centres = centres + np.array([0.9 * (a > 0.0) + 1.3j * a for a in above]) * page.em
-    free = free_letters(centres, texts, page.em, page.view, page.taken)
+    points = np.stack([layer.vertices[:, i, 0] for layer, i in kept], 1)
+    sides = [_SIDES[layer.roles[i]] for layer, i in kept]
+    centres, free = free_letters(points, sides, texts, page)
     for role in ("state", "normal"):
         chosen = [i for i, (layer, k) in enumerate(kept) if layer.roles[k] == role]
         if not chosen:
@@ -135,18 +139,34 @@ def _send_letters(
 
 
 def free_letters(
-    centres: Points, texts: Sequence[str], em: float, view: Box, taken: Sequence[Box]
-) -> npt.NDArray[np.bool_]:
-    """Return which letters are legible: in view and not covered by another; shape as centres."""
-    halves = np.array([text_box(0j, text, em).half for text in texts])
-    boxes = Boxes(centres, halves)
-    free = boxes.within(view)
-    fixed = Boxes.of(taken)
-    for i in range(len(texts)):
-        mine = Boxes(centres[:, i, None], halves[i])
-        over = mine.overlap(Boxes(centres[:, :i], halves[:i])) * free[:, :i]
-        free[:, i] &= ~(over > 0.0).any(axis=1) & ~(mine.overlap(fixed) > 0.0).any(axis=1)
-    return free
+    points: Points, sides: Sequence[Sequence[complex]], texts: Sequence[str], page: Page
+) -> tuple[Points, npt.NDArray[np.bool_]]:
+    """Return the places of letters, each on the first side of its point on which it is legible.
+
+    That is in view, and not covered by another letter or a text on the page.
+
+    Parameters
+    ----------
+    points : shape (steps, letters)
+    sides : the places of each letter beside its point, em
+
+    Returns
+    -------
+    the places, and which letters are legible, shapes as points
+    """
+    halves = np.array([text_box(0j, text, page.em).half for text in texts])
+    centres, free = points.copy(), np.zeros(points.shape, bool)
+    fixed = Boxes.of(page.taken)
+    for i, half in enumerate(halves):
+        for side in sides[i]:
+            place = points[:, i] + side * page.em
+            mine = Boxes(place[:, None], half)
+            over = mine.overlap(Boxes(centres[:, :i], halves[:i])) * free[:, :i]
+            clear = mine.within(page.view)[:, 0] & ~free[:, i] & ~(over > 0.0).any(axis=1)
+            clear &= ~(mine.overlap(fixed) > 0.0).any(axis=1)
+            centres[clear, i] = place[clear]
+            free[:, i] |= clear
+    return centres, free
 
 
 def send_here(

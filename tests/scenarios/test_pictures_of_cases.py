@@ -346,12 +346,16 @@ def test_the_turn_angles_leave_the_sheet_to_the_planes(name: str) -> None:
     assert np.ptp(planes.imag) > 0.4 * 2.0 * view.half.imag
 
 
-def test_letters_that_move_are_shown_only_where_they_are_free() -> None:
-    drawing = drawing_of("ap57")
-    stays, *_ = pages_of(Content("ap57", drawing))
-    z = np.array([[0j, 0j], [0j, 10 * stays.em + 0j]])
-    free = free_letters(z, ["A", "B"], stays.em, stays.view, [])
-    assert free.tolist() == [[True, False], [True, True]]
+def test_a_letter_of_a_moving_step_stands_where_no_other_is() -> None:
+    """On the first of its sides that is free; there is none for the last one."""
+    stays, *_ = pages_of(Content("ap57", drawing_of("ap57")))
+    stays.taken.clear()
+    sides = [(2.0j, -2.0j)] * 3
+    z = np.array([[0j, 0j, 0j], [0j, 10 * stays.em + 0j, 1e3 + 0j]])
+    centres, free = free_letters(z, sides, ["A", "B", "C"], stays)
+    assert free.tolist() == [[True, True, False], [True, True, False]]
+    places = (centres - z)[free] / stays.em
+    assert places == pytest.approx(np.array([2.0j, -2.0j, 2.0j, 2.0j]))
 
 
 @pytest.mark.parametrize("name", ["crest_jump", "h83_example23", "speed_bump", "ap57"])
