@@ -36,7 +36,7 @@ LETTERS_FIRST = 0.0
 It gives each entity a depth of its own, in their order. In a browser without WebGPU these depths shift
 lines and points against each other, those that are farther apart in their order by more: by up to 2 %.
 """
-_BENEATH = 19.0  # other lines have 20, points 30
+_BENEATH, _LINES, _POINTS = 19.0, 20.0, 30.0  # draw orders of a run, other lines, and points
 _SCREEN = 1.25  # points on a screen for a point on paper
 _INSTEAD = {0x2098: "m", 0x209B: "s", 0x209C: "t", 0x2009: " "}  # of indices and a thin space
 
@@ -142,7 +142,7 @@ def line_style(
     return rr.LineStrips2D.from_fields(
         colors=colours([rgba(style_of(r).hue, s) for r, s in zip(roles, strengths, strict=True)]),
         radii=radii([weight * style_of(role).width for role in roles]),
-        draw_order=_BENEATH if beneath else None,
+        draw_order=_BENEATH if beneath else _LINES,
     )
 
 
@@ -151,6 +151,7 @@ def point_style(roles: Sequence[str], weight: float = 1.0) -> rr.Points2D:
     return rr.Points2D.from_fields(
         colors=colours([rgba(style_of(role).hue) for role in roles]),
         radii=radii([weight * style_of(role).size for role in roles]),
+        draw_order=_POINTS,
     )
 
 

@@ -461,17 +461,19 @@ def test_one_plane(tmp_path: Path) -> None:
 
 
 def test_what_is_seen_together_on_the_sheet_has_neighbouring_depths(recorded: Recorded) -> None:
-    """The viewer orders lines and points by their draw order, by default 20 and 30."""
-    orders = {}
+    """And the moving point is above all else."""
+    orders: dict[str, float] = {}
     for path in {path for path in {*recorded.rows, *recorded.static} if path.startswith("/sheet/")}:
-        names: dict[str, Any] = {}
         for row in (recorded.static.get(path, {}), *recorded.rows.get(path, [])[:1]):
-            names |= row
-        for kind, default in (("LineStrips2D", 20.0), ("Points2D", 30.0)):
-            if any(name.startswith(kind) for name in names):
-                (orders[path],) = names.get(f"{kind}:draw_order") or [default]
+            for name in row:
+                if name.endswith(":draw_order"):
+                    (orders[path],) = row[name]
     ordered = sorted(orders, key=orders.__getitem__)
     letters = [path for path in ordered if "/letters" in path]
     assert set(ordered[: len(letters)]) == set(letters)
     pages = [f"/sheet/{page}/{part}" for page in ("paper", "story") for part in ("lines", "points")]
     assert ordered[len(letters) : len(letters) + len(pages)] == pages
+    highest = max(orders.values())
+    assert {path for path, order in orders.items() if order == highest} == {
+        "/sheet/steps/here", "/sheet/steps/contact/points", "/sheet/steps/flight/points"
+    }  # fmt: skip
