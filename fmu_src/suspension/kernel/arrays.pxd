@@ -5,7 +5,7 @@ from cpython.bytearray cimport PyByteArray_AsString
 
 @cython.final
 cdef class Memory:
-    cdef list blocks, used
+    cdef list blocks, codes, used
     cdef double *free
     cdef Py_ssize_t left, block
 
