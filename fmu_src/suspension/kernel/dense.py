@@ -18,15 +18,16 @@ class Dense:
     Parameters
     ----------
     place, kept : the memory for its numbers, and for those at the ends of the step
-    n : number of coordinates
+    motion : the motion whose attempts it reads
     cubic : whether the third derivative is constant within the step
     to_end : whether that derivative follows from the displacement at the end; steps by increments end
         with the acceleration of the equation of motion, which is not that of their cubic
     """
 
-    def __init__(self, place, kept, n, cubic, to_end):
-        self.memory, self.n, self.cubic, self.to_end = place, n, cubic, to_end
-        memory = self.memory
+    def __init__(self, place, kept, motion, cubic, to_end):
+        self.memory, self.motion, self.cubic, self.to_end = place, motion, cubic, to_end
+        memory, self.n = self.memory, self.motion.n
+        n = self.n
         self.start = self.end = 0.0
         self.ends = kept
         self.qa, self.va = self.ends.zeros(n), self.ends.zeros(n)
@@ -38,6 +39,16 @@ class Dense:
         self.q, self.v, self.a = memory.zeros(n), memory.zeros(n), memory.zeros(n)
         self.terms = memory.zeros(_SEPTIC * n)
         self.known = 0  # whether the terms have been found for the present ends
+
+    def take_attempt(self, start, end, jerk, end_jerk):
+        """Become the attempt from `start` to `end`, read with the given jerks at its ends."""
+        q, v, a = self.motion.q, self.motion.v, self.motion.a
+        qb, vb, ab = self.motion.qb, self.motion.vb, self.motion.ab
+        for i in range(self.n):
+            self.qa[i], self.va[i], self.aa[i], self.ja[i] = q[i], v[i], a[i], jerk[i]
+            self.qb[i], self.vb[i], self.ab[i], self.jb[i] = qb[i], vb[i], ab[i], end_jerk[i]
+        self.start, self.end = start, end
+        self.known = 0
 
     def _find_terms(self):
         """Find c0 to c3 from the start, and s0 to s3 from the remainder at the end."""

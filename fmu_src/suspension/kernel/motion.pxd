@@ -11,6 +11,7 @@ cdef class Motion:
 
     cdef void start(self) noexcept nogil
     cdef void count_from_here(self) noexcept nogil
+    cdef inline void move_on(self) noexcept nogil
     cdef double reach_at(self, double *q) noexcept nogil
     cdef double speed_in(self, double h) noexcept nogil
     cdef void foresee(self, double h) noexcept nogil

@@ -50,6 +50,13 @@ class Motion:
         for i in range(self.n):
             self.origin[i] = self.q[i]
 
+    def move_on(self):
+        """Let the end of the attempt be now."""
+        for i in range(self.n):
+            self.q[i], self.v[i] = self.qb[i], self.vb[i]
+            self.a[i], self.j[i] = self.ab[i], self.jb[i]
+            self.drift[i] = self.drift_end[i]
+
     def reach_at(self, q):
         """Return the largest motion so far, including that at displacements q, m."""
         reach = self.state.reach

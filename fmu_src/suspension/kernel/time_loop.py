@@ -105,9 +105,11 @@ class TimeLoop:
         if beyond_stable not in POLICIES:
             raise ValueError(f"beyond_stable {beyond_stable!r} is not one of {', '.join(POLICIES)}")
         self.monitor = StabilityMonitor(self.stepper.modes, beyond_stable, self.method.limit)
-        self.n = n = self.net.n
+        self.n = self.net.n
         memory = self.net.memory
-        self.dense = Dense(memory, self.state.memory, n, self.method.cubic, self.method.to_end)
+        self.dense = Dense(
+            memory, self.state.memory, self.motion, self.method.cubic, self.method.to_end
+        )
         self.ledger = Ledger(self.stepper.balance, self.stepper.rows, self.dense)
         self.fixed_step = step
         self.landing, self.energy = landing, energy
@@ -115,7 +117,7 @@ class TimeLoop:
         self.stepper.errors.controlled = self.method.controls and step == 0.0
         self.stepper.errors.full_growth_error = (0.9 / 4.0) ** (order + 1)
         # an attempt in which a switch is located
-        self.whole = Dense(memory, memory, n, False, False)
+        self.whole = Dense(memory, memory, self.motion, False, False)
         # the result at the last sampled instant
         self.reading = Reading(self.net)
         self.limited = Limited(
@@ -570,17 +572,8 @@ class TimeLoop:
             self.ledger.read_rows(self.state.time, h)
         if self.stepper.errors.controlled:
             self.state.speed = self.motion.speed_in(h)
-        for i in range(self.n):
-            self.dense.qa[i] = self.motion.q[i]
-            self.dense.va[i] = self.motion.v[i]
-            self.dense.aa[i] = self.motion.a[i]
-            self.dense.ja[i] = self.motion.jerk[i]
-            self.dense.qb[i] = self.motion.q[i] = self.motion.qb[i]
-            self.dense.vb[i] = self.motion.v[i] = self.motion.vb[i]
-            self.dense.ab[i] = self.motion.a[i] = self.motion.ab[i]
-            self.dense.jb[i] = self.motion.end_jerk[i]
-            self.motion.j[i] = self.motion.jb[i]
-            self.motion.drift[i] = self.motion.drift_end[i]
+        self.dense.take_attempt(self.state.time, t, self.motion.jerk, self.motion.end_jerk)
+        self.motion.move_on()
         self.state.reach = self.motion.reach_at(self.motion.q)
         self.limited.add_step(h)
         # an element that has just switched stays marked while others switch at the same time
@@ -590,9 +583,7 @@ class TimeLoop:
         if self.net.stuck:
             self.motion.keep_multipliers()
         self.state.in_step = True
-        self.dense.start = self.state.step_start = self.state.time
-        self.dense.end = self.state.time = t
-        self.dense.known = 0
+        self.state.step_start, self.state.time = self.state.time, t
         self.state.step_count += 1
         if self.energy:
             self.ledger.book()
@@ -653,13 +644,7 @@ class TimeLoop:
         return min(_NEAR_END * h, _NEAR_PHASE / (self.stepper.modes.quickest + 1.0))
 
     def _keep_attempt(self, h):
-        for i in range(self.n):
-            self.whole.qa[i], self.whole.qb[i] = self.motion.q[i], self.motion.qb[i]
-            self.whole.va[i], self.whole.vb[i] = self.motion.v[i], self.motion.vb[i]
-            self.whole.aa[i], self.whole.ab[i] = self.motion.a[i], self.motion.ab[i]
-            self.whole.ja[i], self.whole.jb[i] = self.motion.j[i], self.motion.jb[i]
-        self.whole.start, self.whole.end = self.state.time, self.state.time + h
-        self.whole.known = 0
+        self.whole.take_attempt(self.state.time, self.state.time + h, self.motion.j, self.motion.jb)
 
     def _switch(self, e, kind, side):
         """Move element e to the neighbouring branch at the present time, and log the switch."""
