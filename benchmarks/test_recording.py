@@ -26,7 +26,7 @@ from worked_example import ap57
 from phaseplane.constructions import construct_motion, delta
 from phaseplane.constructions.primitives import Drawing, Frame
 from phaseplane.picture.layers import layers_at
-from phaseplane.picture.quantities import read_off
+from phaseplane.picture.subject import read_off
 from phaseplane.picture.text import step_text
 from phaseplane.recording import DETAILS, Content, new_recording, record, serving
 from phaseplane.recording.columns import xy
@@ -65,7 +65,7 @@ def log_one_by_one(drawing: Drawing) -> int:
 
 
 def _log_frame(recording: rr.RecordingStream, drawing: Drawing, frame: Frame) -> None:
-    quantities = read_off(drawing, 0.05)
+    quantities = read_off(drawing)
     for plane in drawing.planes:
         segment = [frame.points[plane.state], frame.points[plane.state + "'"]]
         recording.log(f"/sheet/trail/{plane.name}", rr.LineStrips2D([xy(segment)]))

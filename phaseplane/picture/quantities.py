@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from phaseplane.constructions.primitives import Drawing
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,11 +29,11 @@ class Quantity:
 
 
 _DEGREES = 57.29577951308232
-_CENTIMETRES = Quantity(
+CENTIMETRES = Quantity(
     "displacement", "cm", 100.0, "m", ("displacement", "deflection", "elevation", "drift", "_set")
 )
 QUANTITIES = (
-    _CENTIMETRES,
+    CENTIMETRES,
     Quantity("velocity", "m/s", 1.0, "m/s", ("velocity", "_rate")),
     Quantity("acceleration", "m/s²", 1.0, "m/s2", ("acceleration",)),
     Quantity("force", "N", 1.0, "N", ("force",)),
@@ -78,34 +74,13 @@ def quantity_of(name: str, units: Mapping[str, str] | None = None) -> Quantity |
         known = next((quantity for quantity in QUANTITIES if quantity.si == unit), None)
         named = unit not in ("", "1")
         return known or (Quantity(unit_text(unit), unit_text(unit), 1.0, unit) if named else None)
-    return _by_ending(name)
+    return by_ending(name)
 
 
 @cache
-def _by_ending(name: str) -> Quantity | None:
+def by_ending(name: str) -> Quantity | None:
+    """Return the quantity of a variable by the end of its name."""
     return next((quantity for quantity in QUANTITIES if name.endswith(quantity.endings)), None)
-
-
-def read_off(drawing: Drawing, span: float) -> dict[str, Quantity | None]:
-    """Return the quantities of the readings of a construction.
-
-    Lengths are in the unit of the axes; those of a plain equation may be angles or have no unit.
-
-    Parameters
-    ----------
-    span : of the displacements on the axes
-    """
-    axis = drawing.planes[0].displacement
-    unit, factor = display_unit(axis.unit, span)
-    found = {name: _by_ending(name) for name in drawing.frames[0].readings}
-    if axis.unit == "m":
-        length = replace(_CENTIMETRES, unit=unit, factor=factor)
-        return {name: length if q is _CENTIMETRES else q for name, q in found.items()}
-    plain = {q.si: rate_unit(axis.unit, order) for order, q in enumerate(QUANTITIES[:3])}
-    return {
-        name: q and replace(q, unit=plain.get(q.si, q.unit), factor=1.0)
-        for name, q in found.items()
-    }
 
 
 def rate_unit(unit: str, order: int) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,6 +14,7 @@ from phaseplane.constructions.storage import Frame
 
 from .layers import Layer, layers_at
 from .paper import Points, arcs, columns, table, telling_vertices
+from .quantities import CENTIMETRES, QUANTITIES, Quantity, by_ending, display_unit, rate_unit
 
 
 @dataclass
@@ -115,6 +116,25 @@ def reach_of(axis: Axis, motion: Points) -> tuple[float, float]:
     values = ((motion - axis.origin) * axis.direction.conjugate()).real / axis.scale
     values = values[np.isfinite(values)]
     return float(values.min(initial=0.0)), float(values.max(initial=0.0))
+
+
+def read_off(drawing: Drawing) -> dict[str, Quantity | None]:
+    """Return the quantities of the readings of a construction.
+
+    Lengths are in the unit of the axes; those of a plain equation may be angles or have no unit.
+    """
+    axis = drawing.planes[0].displacement
+    low, high = reach_of(axis, motions_of(drawing)[0])
+    unit, factor = display_unit(axis.unit, high - low)
+    found = {name: by_ending(name) for name in drawing.frames[0].readings}
+    if axis.unit == "m":
+        length = replace(CENTIMETRES, unit=unit, factor=factor)
+        return {name: length if q is CENTIMETRES else q for name, q in found.items()}
+    plain = {q.si: rate_unit(axis.unit, order) for order, q in enumerate(QUANTITIES[:3])}
+    return {
+        name: q and replace(q, unit=plain.get(q.si, q.unit), factor=1.0)
+        for name, q in found.items()
+    }
 
 
 def joined(way: Points) -> Points:

@@ -7,14 +7,13 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.picture.canvas import Canvas
 from phaseplane.picture.items import Arrow, Dots, Lines
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Points, Strip
-from phaseplane.picture.styles import style_of
+from phaseplane.picture.styles import MOVING_POINT, style_of
 
 from .columns import (
     LETTERS_FIRST,
@@ -24,6 +23,7 @@ from .columns import (
     colours,
     legible,
     line_style,
+    point_style,
     radii,
     ragged,
     rgba,
@@ -44,13 +44,7 @@ _HEAD = 0.5  # length of the head of an arrow, em
 
 
 class Viewer(Canvas):
-    """A canvas of the viewer, under the path `root`.
-
-    Parameters
-    ----------
-    recording : to which it is logged
-    root : path of its entities
-    """
+    """A canvas of the viewer, whose entities are under the path `root`."""
 
     def __init__(self, recording: rr.RecordingStream, root: str) -> None:
         self.recording, self.root = recording, root
@@ -97,6 +91,21 @@ class Viewer(Canvas):
         self.recording.send_columns(
             f"{path}/past", columns(first + ends), rr.LineStrips2D.columns(strips=ragged(blocks))
         )
+
+    def move(self, name: str, z: Points, times: Sequence[rr.TimeColumn]) -> None:
+        """Log moving points, shape (times, points)."""
+        roles = [role for role in MOVING_POINT for _ in range(z.shape[1])]
+        discs = rr.Points2D.columns(positions=xy(np.tile(z, len(MOVING_POINT)).ravel()))
+        self.recording.log(f"{self.root}/{name}", point_style(roles, 1.2), static=True)
+        self.recording.send_columns(
+            f"{self.root}/{name}", times, discs.partition([len(roles)] * len(z))
+        )
+
+    def line(self, name: str, role: str, z: Points, times: Sequence[rr.TimeColumn]) -> None:
+        """Log a moving line, shape (times, vertices)."""
+        self.recording.log(f"{self.root}/{name}", line_style([role]), static=True)
+        columns = rr.LineStrips2D.columns(strips=strips(z))
+        self.recording.send_columns(f"{self.root}/{name}", times, columns)
 
     def mark(self, pages: Sequence[Page], times: Sequence[rr.TimeColumn]) -> None:
         """Log marks that stay once their time has come, a page for each time."""
@@ -172,18 +181,6 @@ def _letters(pages: Sequence[Page]) -> list[Any]:
             draw_order=[LETTERS_FIRST] * len(rows),
         ),
     ]
-
-
-def placed_letters(
-    centres: Points, shown: npt.NDArray[np.bool_], texts: Sequence[str], em: float
-) -> tuple[Any, Any]:
-    """Return the columns of letters that move with the steps, and how many there are in each."""
-    place = (centres + LINE_UP * 1j * em)[shown]
-    labels = np.broadcast_to(np.array([legible(text) for text in texts], object), centres.shape)
-    return (
-        rr.Points2D.columns(positions=xy(place), labels=labels[shown].tolist()),
-        shown.sum(axis=1),
-    )
 
 
 def _arrow(arrow: Arrow, em: float) -> list[Strip]:

@@ -18,7 +18,7 @@ import pyarrow as pa
 import rerun as rr
 
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.picture.paper import Points, Strip
+from phaseplane.picture.paper import Points, Strip, vertices
 from phaseplane.picture.styles import GREY, Hue, style_of
 
 Integers = npt.NDArray[np.int64]
@@ -157,8 +157,7 @@ def point_style(roles: Sequence[str], weight: float = 1.0) -> rr.Points2D:
 
 def xy(points: npt.ArrayLike) -> npt.NDArray[np.float32]:
     """Return complex points as pairs x, y, in an additional last dimension."""
-    z = np.ascontiguousarray(points, complex)
-    return z.view(float).reshape(*z.shape, 2).astype(np.float32)
+    return vertices(points).astype(np.float32)
 
 
 def strips(z: Points) -> pa.Array:
@@ -172,8 +171,8 @@ def ragged(polylines: Sequence[Strip]) -> pa.Array:
     return _strips(np.concatenate([np.zeros(0, complex), *polylines]), offsets)
 
 
-def _strips(vertices: Points, offsets: npt.NDArray[np.int32]) -> pa.Array:
-    batch = rr.encodings.Vec2DBatch(xy(vertices).reshape(-1, 2))
+def _strips(points: Points, offsets: npt.NDArray[np.int32]) -> pa.Array:
+    batch = rr.encodings.Vec2DBatch(xy(points).reshape(-1, 2))
     return pa.ListArray.from_arrays(offsets, batch.as_arrow_array(), type=_STRIPS)
 
 

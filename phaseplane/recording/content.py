@@ -59,6 +59,15 @@ class Content:
         return view in self.views
 
     @property
+    def times(self) -> npt.NDArray[np.float64]:
+        """The times of the columns, s; none before a run."""
+        return np.asarray(self.histories.get("time", ()), float)
+
+    def column(self, name: str) -> npt.NDArray[np.float64]:
+        """Return a column as numbers."""
+        return np.asarray(self.histories[name], float)
+
+    @property
     def constructed(self) -> Drawing | None:
         """The drawing, if its planes are shown."""
         return self.drawing if self.shows("planes") else None

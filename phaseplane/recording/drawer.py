@@ -83,10 +83,7 @@ class Drawer:
             return
         try:
             self.viewer.get_state()
-        except (
-            RuntimeError,
-            ConnectionError,
-        ):  # such as a server of recordings, which draws nothing
+        except (RuntimeError, ConnectionError):  # a server of recordings draws nothing
             self.viewer = None
 
     def _construct(self, time: float) -> None:

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 import rerun as rr
 
-from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.storage import StoredFrames
 from phaseplane.picture.paper import readings
-from phaseplane.picture.quantities import QUANTITIES, RADIANS, Quantity, quantity_of, read_off
+from phaseplane.picture.quantities import QUANTITIES, RADIANS, Quantity, quantity_of
 from phaseplane.picture.styles import hue_of, strength_of
-from phaseplane.picture.subject import motions_of, reach_of
+from phaseplane.picture.subject import read_off
 from phaseplane.picture.text import in_words
 
 from .columns import Clock, Reals, colours, legible, rgba, seconds
@@ -30,13 +28,7 @@ _POINTS = "drawn"  # name of the entity with the points of the construction, und
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """The columns of one quantity.
-
-    Parameters
-    ----------
-    names : of the columns
-    drawn : readings of the construction, those of the run's columns first
-    """
+    """The columns of one quantity by name, and those that the construction has, too."""
 
     quantity: Quantity
     names: tuple[str, ...]
@@ -59,15 +51,9 @@ class Panel:
             return f"[{quantity.unit}]"
         return f"{quantity.name} [{quantity.unit}]" if quantity.unit else quantity.name
 
-    def values(self, histories: Mapping[str, npt.ArrayLike], name: str) -> Reals:
+    def values(self, content: Content, name: str) -> Reals:
         """Return a column in the display unit."""
-        return self.quantity.factor * np.asarray(histories[name], float)
-
-
-def quantities_of(drawing: Drawing) -> dict[str, Quantity | None]:
-    """Return the quantities of the readings of a construction, lengths in the unit of its axes."""
-    low, high = reach_of(drawing.planes[0].displacement, motions_of(drawing)[0])
-    return read_off(drawing, high - low)
+        return self.quantity.factor * content.column(name)
 
 
 def panels(content: Content) -> list[Panel]:
@@ -76,7 +62,7 @@ def panels(content: Content) -> list[Panel]:
     Without a construction, those of more than `MOST_NAMED` columns are split by the part of the car.
     """
     drawing = content.drawing
-    known = quantities_of(drawing) if drawing is not None else {}
+    known = read_off(drawing) if drawing is not None else {}
     read = {quantity.name: quantity for quantity in known.values() if quantity is not None}
     axes = (
         [plane.displacement.unit for plane in drawing.planes]
@@ -122,25 +108,24 @@ def _by_part(
 
 def send_histories(recording: rr.RecordingStream, content: Content) -> None:
     """Send curves over `t` as given."""
-    times = np.asarray(content.histories.get("time", ()), float)
-    for panel in panels(content) if len(times) else ():
-        for name in panel.names:
-            values = rr.Scalars.columns(scalars=panel.values(content.histories, name))
-            recording.send_columns(panel.entity(name), [seconds(times)], values)
+    for path, values in _curves(content):
+        scalars = rr.Scalars.columns(scalars=values)
+        recording.send_columns(path, [seconds(content.times)], scalars)
 
 
 def send_at_ticks(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
     """Send the curves of a whole run over `step` and `stage`, at their ticks."""
-    times = np.asarray(content.histories.get("time", ()), float)
-    for panel in panels(content) if len(times) else ():
+    for path, values in _curves(content):
+        for when, columns in ((clock.times, clock.counted()), (clock.ticks, clock.staged())):
+            if len(when):
+                at = np.interp(when, content.times, values, left=np.nan, right=np.nan)
+                recording.send_columns(path, columns, rr.Scalars.columns(scalars=at))
+
+
+def _curves(content: Content) -> Iterator[tuple[str, Reals]]:
+    for panel in panels(content) if len(content.times) else ():
         for name in panel.names:
-            values = panel.values(content.histories, name)
-            for when, columns in ((clock.times, clock.counted()), (clock.ticks, clock.staged())):
-                if len(when):
-                    at = np.interp(when, times, values, left=np.nan, right=np.nan)
-                    recording.send_columns(
-                        panel.entity(name), columns, rr.Scalars.columns(scalars=at)
-                    )
+            yield panel.entity(name), panel.values(content, name)
 
 
 def send_readings(
@@ -166,21 +151,15 @@ def log_series(recording: rr.RecordingStream, panel: Panel, content: Content) ->
     several = content.drawing is not None and len(content.drawing.frames) > _MOST_MARKED
     size = 0.8 if several else 2.5
     for number, name in enumerate(panel.names):
+        path, words = panel.entity(name), legible(in_words(name))
         colour = colours([rgba(hue_of(name, number), strength_of(name))])
-        words = legible(in_words(name))
-        recording.log(
-            panel.entity(name),
-            rr.SeriesLines(names=words, colors=colour, widths=1.5),
-            static=True,
-        )
+        line = rr.SeriesLines(names=words, colors=colour, widths=1.5)
+        recording.log(path, line, static=True)
         if name in panel.drawn:
-            recording.log(
-                f"{panel.entity(name)}/{_POINTS}",
-                rr.SeriesPoints(
-                    names=f"{words}, drawn", colors=colour, markers="circle", marker_sizes=size
-                ),
-                static=True,
+            points = rr.SeriesPoints(
+                names=f"{words}, drawn", colors=colour, markers="circle", marker_sizes=size
             )
+            recording.log(f"{path}/{_POINTS}", points, static=True)
 
 
 def overlays(panel: Panel) -> dict[str, object]:

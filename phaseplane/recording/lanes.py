@@ -22,25 +22,20 @@ _CALM, _LOUD = "calm", "loud"
 
 def lanes_of(content: Content) -> dict[str, tuple[str, str, Hue, npt.NDArray[np.bool_]]]:
     """Return the lanes: by name, the words for its two states, the hue of the second, and its times."""
-    histories = {
-        name: np.asarray(column, float)
-        for name, column in content.histories.items()
-        if name.endswith(("airborne", "yielding", "sticking", "displacement"))
-    }
     found = {}
-    for name, column in histories.items():
+    for name in content.histories:
         if name.endswith("airborne"):
             wheel = f"{in_words(name.removesuffix('airborne'))}wheel"
-            found[wheel] = ("on the road", "off the road", RED, column > 0.5)
+            found[wheel] = ("on the road", "off the road", RED, content.column(name) > 0.5)
         elif name.endswith("yielding"):
-            found["spring"] = ("elastic", "yielding", ORANGE, column > 0.5)
+            found["spring"] = ("elastic", "yielding", ORANGE, content.column(name) > 0.5)
         elif name.endswith("sticking"):
-            found["dry friction"] = ("slips", "sticks", ORANGE, column > 0.5)
+            found["dry friction"] = ("slips", "sticks", ORANGE, content.column(name) > 0.5)
     axles = content.vehicle.axles if content.vehicle else ()
     for axle in axles:
-        if axle.body not in histories or axle.wheel not in histories:
+        if not {axle.body, axle.wheel} <= content.histories.keys():
             continue
-        travel = histories[axle.body] - histories[axle.wheel]
+        travel = content.column(axle.body) - content.column(axle.wheel)
         for words, gap, side in (
             ("bump stop", axle.bump_gap, -1.0), ("rebound stop", axle.rebound_gap, 1.0)
         ):  # fmt: skip
@@ -60,20 +55,14 @@ def lanes_share(content: Content) -> float:
 
 def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
     """Log the changes of state in every lane."""
-    times = np.asarray(content.histories.get("time", ()), float)
+    times = content.times
     if not len(times):
         return
     for name, (calm, loud, hue, active) in lanes_of(content).items():
         path = f"{LANES}/{name.replace(' ', '_')}"
-        recording.log(
-            path,
-            rr.StateConfiguration(
-                values=[_CALM, _LOUD],
-                labels=[calm, loud],
-                colors=colours([rgba(GREEN, 0.35), rgba(hue)]),
-            ),
-            static=True,
-        )
+        hues = colours([rgba(GREEN, 0.35), rgba(hue)])
+        look = rr.StateConfiguration(values=[_CALM, _LOUD], labels=[calm, loud], colors=hues)
+        recording.log(path, look, static=True)
         new = np.flatnonzero(np.append([True], active[1:] != active[:-1]))
         states = active[new]
         recording.send_columns(path, [seconds(times[new])], _changes(states))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
 
 import numpy as np
 import rerun as rr
@@ -47,7 +46,7 @@ def blueprint(content: Content, recorder: Recorder) -> rrb.Blueprint:
     beside: list[rrb.View] = []
     vehicle = vehicle_of(content)
     if vehicle is not None:
-        box = view_box(vehicle, content.histories)
+        box = view_box(vehicle, content)
         beside.append(_view([f"+ {VEHICLE}/**"], "side view", box))
     if recorder.arms_page is not None and content.detail != "trail":
         beside.append(_view([f"+ {ARMS}/**"], "turn angles", recorder.arms_page.view))
@@ -80,12 +79,11 @@ def _stack(parts: Sequence[tuple[float, rrb.View | rrb.Container]]) -> rrb.View 
 def _time_panel(content: Content, recorder: Recorder) -> rrb.TimePanel:
     """Return the timeline that is shown first, and how fast it plays."""
     if content.live or content.drawing is None:
-        state: Literal["following", "playing"] = "following" if content.live else "playing"
-        duration = float(np.max(content.histories.get("time", [0.0]), initial=0.0))
+        duration = float(np.max(content.times, initial=0.0))
         speed = 1.0 if content.live else min(1.0, duration / 10.0) or 1.0
         return rrb.TimePanel(
             state="collapsed", timeline="t", playback_speed=speed, fps=_STAGES_PER_SECOND / speed,
-            play_state=state,
+            play_state="following" if content.live else "playing",
         )  # fmt: skip
     rate = _STAGES_PER_SECOND
     if not recorder.ticks:
@@ -115,7 +113,7 @@ def _plane_name(content: Content, number: int) -> str:
 
 def _sheet(content: Content, page: Page, name: str) -> rrb.Spatial2DView:
     drawing = content.constructed
-    times = np.asarray(content.histories.get("time", ()))
+    times = content.times
     span = float(np.ptp(times)) if len(times) else _LIVE
     rows = min(len(times), MOST_ROWS) - 1
     run, drawn = ("trail" if drawing is None else "run"), np.inf  # s, a step of the construction
@@ -141,20 +139,13 @@ def _sheet(content: Content, page: Page, name: str) -> rrb.Spatial2DView:
 
 def _ranges(steps: int | None, step: float = 0.0) -> rrb.VisibleTimeRanges:
     """Return the last steps, of this duration, or all, up to the cursor on `t` and `step`."""
+    relative, infinite = rrb.TimeRangeBoundary.cursor_relative, rrb.TimeRangeBoundary.infinite()
+    starts = {"t": infinite, "step": infinite}
+    if steps is not None:
+        starts = {"t": relative(seconds=-steps * step), "step": relative(seq=-steps)}
+    ends = {"t": relative(seconds=0), "step": relative(seq=0)}
     return rrb.VisibleTimeRanges(
-        [
-            rrb.VisibleTimeRange(
-                timeline,
-                start=rrb.TimeRangeBoundary.infinite()
-                if steps is None
-                else rrb.TimeRangeBoundary.cursor_relative(**start),
-                end=rrb.TimeRangeBoundary.cursor_relative(**end),
-            )
-            for timeline, start, end in (
-                ("t", {"seconds": -(steps or 0) * step}, {"seconds": 0}),
-                ("step", {"seq": -(steps or 0)}, {"seq": 0}),
-            )
-        ]
+        [rrb.VisibleTimeRange(name, start=starts[name], end=ends[name]) for name in starts]
     )
 
 
@@ -173,14 +164,12 @@ def _view(contents: list[str], name: str, box: Box, **more: object) -> rrb.Spati
 
 
 def _whole_time() -> rrb.TimeAxis:
-    everything = rr.encodings.TimeRange(
-        start=rrb.TimeRangeBoundary.infinite(), end=rrb.TimeRangeBoundary.infinite()
-    )
-    return rrb.TimeAxis(view_range=everything)
+    end = rrb.TimeRangeBoundary.infinite()
+    return rrb.TimeAxis(view_range=rr.encodings.TimeRange(start=end, end=end))
 
 
 def _plot(panel: Panel, content: Content) -> rrb.TimeSeriesView:
-    values = np.concatenate([panel.values(content.histories, name) for name in panel.names])
+    values = np.concatenate([panel.values(content, name) for name in panel.names])
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
     margin = 0.05 * (high - low) or 1.0

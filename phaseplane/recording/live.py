@@ -19,13 +19,13 @@ from pathlib import Path
 from queue import Empty, Queue
 from tempfile import TemporaryFile
 from time import monotonic
-from types import TracebackType
 from typing import IO, Protocol
 
 import numpy as np
 
 from .content import Content
 from .drawer import DONE, FILED, READY, TAKEN, Begin
+from .motion import sampled
 from .server import listens
 
 _INTERVAL = 0.1  # s of wall time between two batches
@@ -93,12 +93,7 @@ class Live:
                 self._fail(f"cannot start the drawing process: {error}")
         return self
 
-    def __exit__(
-        self,
-        _kind: type[BaseException] | None,
-        _error: BaseException | None,
-        _traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         self._stop_thread()
         self._end_child()
 
@@ -134,8 +129,7 @@ class Live:
         if not len(new):
             return
         self._taken += len(new)
-        chosen = np.unique(np.linspace(0, len(new) - 1, _MOST_ROWS).round().astype(int))
-        table = np.array([new[i] for i in chosen], float)
+        table = np.array([new[i] for i in sampled(len(new), _MOST_ROWS)], float)
         self._order(dict(zip(names, table.T.copy(), strict=True)))
         self.rows_drawn += len(table)
         self._pending = True
@@ -150,19 +144,13 @@ class Live:
         path = Path(self.path) if self.path else None
         draft = str(path.with_name(f"{path.stem}.part.rrd")) if path else ""
         self._noise = TemporaryFile()  # noqa: SIM115  (closed with the child)
+        own_path = os.pathsep.join(filter(None, sys.path))
         self._child = subprocess.Popen(
             [sys.executable, "-c", "from phaseplane.recording.drawer import main; main()"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            bufsize=0,
-            stderr=self._noise,
-            env={
-                **os.environ,
-                "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
-                "NO_COLOR": "1",
-            },
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._noise, bufsize=0,
+            env={**os.environ, "PYTHONPATH": own_path, "NO_COLOR": "1"},
             start_new_session=True,  # an interrupt is for the run; the drawer ends with its input
-        )
+        )  # fmt: skip
         self._listener = threading.Thread(target=self._listen, args=(self._child.stdout,))
         self._listener.start()
         self._order(Begin(self.content, self.url, draft, str(path or "")))

@@ -21,7 +21,7 @@ from phaseplane.picture.subject import Subject, motions_of
 from phaseplane.picture.text import in_words
 from phaseplane.picture.views import views_of
 
-from .columns import Reals
+from .columns import Integers, Reals
 from .content import Content
 from .lanes import SHEET_SHARE, lanes_share
 
@@ -55,29 +55,28 @@ class StatePlane:
     def states(self, histories: Mapping[str, npt.ArrayLike]) -> Points:
         """Return the states of a run in the units of the columns, the rate upwards."""
         y, rate = (np.asarray(histories[n], float) for n in (self.displacement, self.rate))
-        return np.asarray(y + 1j * rate)
+        return y + 1j * rate
 
     def motion(self, histories: Mapping[str, npt.ArrayLike]) -> Points:
         """Return the state points of a run on the sheet."""
         z = self.states(histories)
         across, up = self.plane.displacement, self.plane.scaled_velocity
-        return np.asarray(
+        up_scale = up.direction * up.scale
+        return (
             across.origin
             + across.direction * across.scale * z.real
-            + up.direction * up.scale * z.imag / self.plane.angular_frequency
+            + up_scale * z.imag / self.plane.angular_frequency
         )
 
 
 def state_planes(content: Content) -> list[StatePlane]:
     """Return the planes of the drawing, or else of the pairs, for which there are columns."""
-    drawing = content.constructed
     if not content.shows("planes"):
         return []
-    planes = (
-        [StatePlane(p, p.name, rate_of(p.name)) for p in drawing.planes]
-        if drawing is not None
-        else made_planes(content.pairs, content.histories, content.units)
-    )
+    if content.constructed is not None:
+        planes = [StatePlane(p, p.name, rate_of(p.name)) for p in content.constructed.planes]
+    else:
+        planes = made_planes(content.pairs, content.histories, content.units)
     return [p for p in planes if {p.displacement, p.rate} <= content.histories.keys()]
 
 
@@ -150,8 +149,8 @@ def pages_of(content: Content) -> list[Page]:
         ]  # fmt: skip
         drawing = Drawing(content.title, tuple(p.plane for p in planes), (), {}, StoredFrames(()))
     high = _HEIGHT * SHEET_SHARE / (SHEET_SHARE + lanes_share(content)) - _BAR
-    views = [_fitted(view, _WIDTH / high) for view in (views if len(views) > 2 else views[:1])]
-    subject = Subject(drawing, motions)
+    subject, shape = Subject(drawing, motions), _WIDTH / high
+    views = [_fitted(view, shape) for view in (views if len(views) > 2 else views[:1])]
     pages = [Page(subject, v, 2.0 * v.half.imag * _TYPE / high) for v in views]
     draw_axes(pages[0])
     draw_curves(pages[0])
@@ -160,34 +159,30 @@ def pages_of(content: Content) -> list[Page]:
 
 def _fitted(view: Box, shape: float) -> Box:
     """Return a view widened or heightened to the shape of its pane, width over height."""
-    half = view.half
-    return Box(
-        view.centre, complex(max(half.real, shape * half.imag), max(half.imag, half.real / shape))
-    )
+    across, up = view.half.real, view.half.imag
+    return Box(view.centre, complex(max(across, shape * up), max(up, across / shape)))
 
 
 def _corners(state_plane: StatePlane, content: Content) -> Points:
     """Return the origin of a plane and the ends of the motion in it, on its axes."""
-    plane = state_plane.plane
-    ends = [plane.displacement.origin]
-    for axis, name in (
-        (plane.displacement, state_plane.displacement),
-        (plane.scaled_velocity, state_plane.rate),
-    ):
-        values = np.asarray(content.histories.get(name, ()), float)
+    axes = state_plane.plane.displacement, state_plane.plane.scaled_velocity
+    ends = [axes[0].origin]
+    for axis, name in zip(axes, (state_plane.displacement, state_plane.rate), strict=True):
+        values = content.column(name)
         values = values[np.isfinite(values)]
         reach = (
-            (values.min(), values.max()) if values.size else (-0.1 / axis.scale, 0.1 / axis.scale)
+            [values.min(), values.max()] if values.size else [-0.1 / axis.scale, 0.1 / axis.scale]
         )
         ends += [axis.at(float(value)) for value in reach]
     return np.array(ends)
 
 
+def sampled(rows: int, most: int) -> Integers:
+    """Return the indices of at most so many rows, evenly spread, including the first and the last."""
+    return np.unique(np.linspace(0, rows - 1, min(rows, most)).round().astype(int))
+
+
 def thinned(histories: Mapping[str, npt.ArrayLike], most: int) -> dict[str, Reals]:
-    """Return every n-th row, including the last, to limit their number."""
-    columns = {name: np.asarray(column, float) for name, column in histories.items()}
-    rows = len(columns.get("time", ()))
-    if rows <= most:
-        return columns
-    chosen = np.unique(np.linspace(0, rows - 1, most).round().astype(int))
-    return {name: column[chosen] for name, column in columns.items()}
+    """Return the columns of at most so many rows, evenly spread."""
+    chosen = sampled(len(np.asarray(histories.get("time", ()))), most)
+    return {name: np.asarray(column, float)[chosen] for name, column in histories.items()}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -16,33 +16,17 @@ from phaseplane.picture.page import Page
 from phaseplane.picture.quantities import Quantity
 from phaseplane.picture.step import event_pages, mark_events
 from phaseplane.picture.story import VERTICES, Tick, arms_page, story_of
+from phaseplane.picture.subject import read_off
+from phaseplane.picture.text import end_text, step_text
 
 from .canvas import Viewer
 from .columns import Clock, legible, seconds
 from .content import Content
-from .histories import (
-    log_series,
-    panels,
-    quantities_of,
-    send_at_ticks,
-    send_histories,
-    send_readings,
-)
+from .histories import log_series, panels, send_at_ticks, send_histories, send_readings
 from .lanes import send_lanes
 from .motion import pages_of, state_planes, thinned
 from .side_view import log_vehicle, send_vehicle
-from .steps import (
-    ARMS,
-    CHART,
-    SHEET,
-    SLICE,
-    WORDS,
-    send_cursor,
-    send_here,
-    send_point,
-    send_steps,
-    send_text,
-)
+from .steps import ARMS, CHART, SHEET, SLICE, WORDS, send_steps
 
 _PATIENCE = 60.0  # s; once its writer has failed, rerun may wait for it for ever
 MOST_ROWS = 4000
@@ -51,11 +35,6 @@ MOST_ROWS = 4000
 
 class Recorder:
     """Logs a content: the permanent parts, then steps and rows in order, then the story.
-
-    Parameters
-    ----------
-    recording : to which it is logged
-    content : what is logged
 
     Raises
     ------
@@ -100,9 +79,8 @@ class Recorder:
     @cached_property
     def quantities(self) -> dict[str, Quantity | None]:
         """The quantities of the readings of the construction."""
-        drawing = self.content.drawing
-        assert drawing is not None
-        return quantities_of(drawing)
+        assert self.content.drawing is not None
+        return read_off(self.content.drawing)
 
     @cached_property
     def chart(self) -> Chart | None:
@@ -141,7 +119,7 @@ class Recorder:
         self.begin()
         drawing = self.content.drawing
         self.steps(0, len(drawing.frames) if drawing is not None else 0)
-        self.run({name: np.asarray(c, float) for name, c in self.content.histories.items()})
+        self.run({name: self.content.column(name) for name in self.content.histories})
         self.story()
         self.recording.flush(timeout_sec=_PATIENCE)
 
@@ -168,21 +146,29 @@ class Recorder:
             return
         for start in range(first, last, SLICE):
             end = min(last, start + SLICE)
+            ends = end == len(drawing.frames)
             if self.content.constructed is not None:
-                for plane, way in zip(drawing.planes, self.pages[0].subject.ways, strict=True):
+                subject = self.pages[0].subject
+                for plane, way in zip(drawing.planes, subject.ways, strict=True):
                     self.sheet.curve(plane.name, "trail", way[start:end], start, self.clock.columns)
-                send_here(self.recording, drawing, self.clock, start, end)
-                now = [i for i in self.events if start <= i < end]
-                if now:
-                    pages = [self.events[i] for i in now]
-                    self.sheet.mark(pages, self.clock.columns(np.array(now)))
+                here = np.stack(subject.motions, 1)[start : None if ends else end]
+                now = self.clock.columns(start + np.arange(len(here)))
+                self.sheet.move("steps/here", here, now)
+                marked = [i for i in self.events if start <= i < end]
+                if marked:
+                    pages = [self.events[i] for i in marked]
+                    self.sheet.mark(pages, self.clock.columns(np.array(marked)))
                 if self.content.detail != "trail":
                     send_steps(self.recording, drawing, self.lettered, self.clock, start, end)
             if self.words:
-                send_text(self.recording, drawing, self.quantities, self.clock, start, end)
+                frames = drawing.frames[start:end]
+                texts = [step_text(drawing, frame, self.quantities) for frame in frames]
+                texts += [end_text(drawing, self.quantities)] if ends else []
+                self._say(texts, self.clock.columns(start + np.arange(len(texts))))
             if self.chart is not None:
                 cursors = np.array([self.chart.cursor(t) for t in self.clock.times[start:end]])
-                send_cursor(self.recording, cursors, self.clock, start)
+                now = self.clock.columns(np.arange(start, end))
+                self.over_time.line("cursor", "value", cursors, now)
             send_readings(self.recording, self.content, self.clock, start, end)
             # what has been encoded is written, so that memory does not grow
             self.recording.flush(timeout_sec=_PATIENCE)
@@ -212,7 +198,7 @@ class Recorder:
                 lambda rows: [seconds(times[rows - first])],
             )  # fmt: skip
             if not drawn:
-                send_point(self.recording, f"{SHEET}/trail/{plane.plane.name}/here", times, z)
+                self.sheet.move(f"trail/{plane.plane.name}/here", z[:, None], [seconds(times)])
         self._rows += len(times) - 1
 
     def redraw(self, histories: Mapping[str, npt.ArrayLike]) -> None:
@@ -246,9 +232,11 @@ class Recorder:
         for canvas in (self.sheet, self.arms, self.over_time):
             canvas.end()
         if self.words:
-            style_only = rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN)
-            self.recording.log(WORDS, style_only, static=True)
-            texts = [legible(tick.text) for tick in self.ticks]
-            self.recording.send_columns(
-                WORDS, self.clock.staged(), rr.TextDocument.columns(text=texts)
-            )
+            self._say([tick.text for tick in self.ticks], self.clock.staged())
+
+    def _say(self, texts: Sequence[str], times: Sequence[rr.TimeColumn]) -> None:
+        """Log texts in Markdown."""
+        style_only = rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN)
+        self.recording.log(WORDS, style_only, static=True)
+        columns = rr.TextDocument.columns(text=[legible(text) for text in texts])
+        self.recording.send_columns(WORDS, times, columns)

@@ -41,19 +41,15 @@ _WIDTH = 2.0  # of lines
 
 def vehicle_of(content: Content) -> Vehicle | None:
     """Return the vehicle if it is shown and the columns of its motion are present."""
-    vehicle = content.vehicle
-    shown = content.shows("vehicle") and vehicle is not None
-    return vehicle if shown and vehicle and vehicle.columns <= content.histories.keys() else None
+    vehicle = content.vehicle if content.shows("vehicle") else None
+    return vehicle if vehicle and vehicle.columns <= content.histories.keys() else None
 
 
-def view_box(vehicle: Vehicle, histories: Mapping[str, npt.ArrayLike]) -> Box:
+def view_box(vehicle: Vehicle, content: Content) -> Box:
     """Return the bounds of a view of the vehicle and of all its motion."""
     left, right = vehicle.reach
-    heights = [np.zeros(1)]
-    for name in vehicle.columns & histories.keys():
-        column = np.asarray(histories[name], float)
-        heights.append(column[np.isfinite(column)])
-    reach = np.concatenate(heights)
+    reach = np.concatenate([[0.0], *map(content.column, vehicle.columns)])
+    reach = reach[np.isfinite(reach)]
     bottom, top = -0.2 + float(reach.min()), FLOOR + 0.45 + float(reach.max())
     middle = complex(left + right, bottom + top) / 2.0
     return Box(middle, complex(right - left + 2.0 * _MARGIN, top - bottom) / 2.0)
@@ -62,12 +58,10 @@ def view_box(vehicle: Vehicle, histories: Mapping[str, npt.ArrayLike]) -> Box:
 def send_vehicle(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
     """Log the positions of the vehicle's parts at every time."""
     vehicle = vehicle_of(content)
-    if vehicle is None or not len(content.histories["time"]):  # type: ignore[arg-type]
+    if vehicle is None or not len(content.times):
         return
-    histories = {name: np.asarray(column, float) for name, column in content.histories.items()}
-    few = thinned(histories, _MOST_ROWS)
-    for times, columns in clock.over(few["time"]):
-        at = {name: np.interp(times, histories["time"], histories[name]) for name in few}
+    for times, columns in clock.over(thinned(content.histories, _MOST_ROWS)["time"]):
+        at = {n: np.interp(times, content.times, content.column(n)) for n in content.histories}
         send_positions(recording, vehicle, at, columns)
 
 
@@ -86,8 +80,8 @@ def log_vehicle(recording: rr.RecordingStream, content: Content) -> None:
     if content.live:  # at rest until the first row
         at_rest = dict.fromkeys(content.histories, np.zeros(1))
         send_positions(recording, vehicle, at_rest, [seconds(np.zeros(1))])
-    histories = {name: np.asarray(column, float) for name, column in content.histories.items()}
-    if vehicle.road or len(histories["time"]):
+    if vehicle.road or len(content.times):
+        histories = {name: content.column(name) for name in content.histories}
         _log_part(recording, "road", road_profile(vehicle, histories), hue_of("road"))
 
 
@@ -106,13 +100,7 @@ def send_positions(
     recording: rr.RecordingStream, vehicle: Vehicle, at: Mapping[str, Reals],
     columns: list[rr.TimeColumn],
 ) -> None:  # fmt: skip
-    """Log the positions of the parts at some times.
-
-    Parameters
-    ----------
-    at : `time` and the columns of the vehicle at these times
-    columns : the time columns
-    """
+    """Log the positions of the parts at some times: `columns`, and those of the run at them."""
 
     def place(name: str, x: npt.ArrayLike, y: npt.ArrayLike, **more: npt.ArrayLike) -> None:
         moved = rr.Transform3D.columns(translation=flat(x, y), **more)  # type: ignore[arg-type]

@@ -49,9 +49,8 @@ def new_recording(content: Content, recording_id: str = "") -> rr.RecordingStrea
 
 def _entry(title: str) -> str:
     """Return the title as the viewer lists it; it refuses some characters and long names."""
-    plain = re.sub(
-        r"[^A-Za-z0-9 _-]+", " ", title.translate(str.maketrans("ěšřžýáíéúůö.", "esrzyaieuuo_"))
-    )
+    ascii_only = title.translate(str.maketrans("ěšřžýáíéúůö.", "esrzyaieuuo_"))
+    plain = re.sub(r"[^A-Za-z0-9 _-]+", " ", ascii_only)
     return " ".join(plain.split())[:_LONGEST] or APPLICATION
 
 

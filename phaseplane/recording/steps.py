@@ -13,23 +13,20 @@ from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture.layers import Layer, is_main, layers_of
 from phaseplane.picture.letters import text_box
 from phaseplane.picture.page import Page
-from phaseplane.picture.paper import Boxes, Points, table
-from phaseplane.picture.quantities import Quantity
-from phaseplane.picture.styles import MOVING_POINT, style_of
-from phaseplane.picture.text import end_text, step_text, typeset
+from phaseplane.picture.paper import Boxes, Points
+from phaseplane.picture.styles import style_of
+from phaseplane.picture.text import typeset
 
-from .canvas import placed_letters
 from .columns import (
     LETTERS_FIRST,
+    LINE_UP,
     Clock,
     Integers,
-    Reals,
     colours,
     legible,
     line_style,
     point_style,
     rgba,
-    seconds,
     strips,
     xy,
 )
@@ -125,11 +122,11 @@ def _send_letters(
         chosen = [i for i, (layer, k) in enumerate(kept) if layer.roles[k] == role]
         if not chosen:
             continue
-        letters, counts = placed_letters(
-            centres[:, chosen], free[:, chosen], [texts[i] for i in chosen], page.em
-        )
+        places, seen = centres[:, chosen] + LINE_UP * 1j * page.em, free[:, chosen]
+        labels = np.broadcast_to(np.array([legible(texts[i]) for i in chosen], object), seen.shape)
+        letters = rr.Points2D.columns(positions=xy(places[seen]), labels=labels[seen].tolist())
         some = np.zeros(len(shown), np.int64)
-        some[shown > 0] = counts
+        some[shown > 0] = seen.sum(axis=1)
         hues = colours([rgba(style_of(role).hue)])
         style = rr.Points2D.from_fields(
             colors=hues, radii=[0.0], show_labels=True, draw_order=LETTERS_FIRST
@@ -167,56 +164,3 @@ def free_letters(
             centres[clear, i] = place[clear]
             free[:, i] |= clear
     return centres, free
-
-
-def send_here(
-    recording: rr.RecordingStream, drawing: Drawing, clock: Clock, first: int, last: int
-) -> None:
-    """Log the moving points."""
-    names = [plane.state for plane in drawing.planes]
-    z = table(drawing.frames[first:last], names)
-    rows = np.arange(first, last)
-    if last == len(drawing.frames) and all(f"{n}'" in drawing.frames[-1].points for n in names):
-        z = np.concatenate([z, table(drawing.frames[-1:], [f"{n}'" for n in names])])
-        rows = np.append(rows, last)
-    discs = np.tile(z, len(MOVING_POINT))
-    roles = [role for role in MOVING_POINT for _ in names]
-    recording.log(f"{SHEET}/steps/here", point_style(roles, 1.2), static=True)
-    recording.send_columns(
-        f"{SHEET}/steps/here",
-        clock.columns(rows),
-        rr.Points2D.columns(positions=xy(discs.ravel())).partition([len(roles)] * len(rows)),
-    )
-
-
-def send_cursor(recording: rr.RecordingStream, cursors: Points, clock: Clock, first: int) -> None:
-    """Log the lines at the times of steps in the chart."""
-    path = f"{CHART}/cursor"
-    recording.log(path, line_style(["value"]), static=True)
-    rows = first + np.arange(len(cursors))
-    recording.send_columns(
-        path, clock.columns(rows), rr.LineStrips2D.columns(strips=strips(cursors))
-    )
-
-
-def send_point(recording: rr.RecordingStream, path: str, times: Reals, z: Points) -> None:
-    """Log a point that moves over `t`."""
-    recording.log(path, point_style(MOVING_POINT, 1.2), static=True)
-    discs = rr.Points2D.columns(positions=xy(np.repeat(z, len(MOVING_POINT))))
-    recording.send_columns(path, [seconds(times)], discs.partition([len(MOVING_POINT)] * len(z)))
-
-
-def send_text(
-    recording: rr.RecordingStream, drawing: Drawing, quantities: dict[str, Quantity | None],
-    clock: Clock, first: int, last: int,
-) -> None:  # fmt: skip
-    """Log the description of steps and their readings, and after the last one that of the end."""
-    style_only = rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN)
-    recording.log(WORDS, style_only, static=True)
-    texts = [step_text(drawing, frame, quantities) for frame in drawing.frames[first:last]]
-    texts += [end_text(drawing, quantities)] if last == len(drawing.frames) else []
-    recording.send_columns(
-        WORDS,
-        clock.columns(first + np.arange(len(texts))),
-        rr.TextDocument.columns(text=[legible(text) for text in texts]),
-    )
