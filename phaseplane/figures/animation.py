@@ -27,6 +27,8 @@ from phaseplane.picture.subject import motions_of
 from phaseplane.picture.text import format_time, typeset
 from phaseplane.picture.views import frame_at, view_of, views_of
 
+Pixels = npt.NDArray[np.uint8]
+
 MOVING = (".gif", ".mp4")
 _DPI = 84
 _NARROWEST = 1.6  # inches of a picture of a storyboard
@@ -35,13 +37,9 @@ _HOLD = 3  # ticks that show the end
 
 
 def animation(
-    drawing: Drawing,
-    path: str | os.PathLike[str],
-    *,
-    rate: float = 1.0,
-    title: str = "",
-    look: Look = PLAIN,
-) -> Path:
+    drawing: Drawing, path: str | os.PathLike[str],
+    *, rate: float = 1.0, title: str = "", look: Look = PLAIN,
+) -> Path:  # fmt: skip
     """Write a construction as an animation, completely or not at all.
 
     It shows the empty sheet, some steps stage by stage, lift-off and touchdown, and the whole motion.
@@ -50,8 +48,6 @@ def animation(
     ----------
     path : ends with .gif, or with .mp4 if the program ffmpeg is installed
     rate : stages per second
-    title : title of the figure
-    look : how it is drawn
 
     Raises
     ------
@@ -132,7 +128,7 @@ def storyboard(
     return printed(whole, look)
 
 
-def _pictures(sheet: Sheet, ticks: Iterator[Tick]) -> Iterator[npt.NDArray[np.uint8]]:
+def _pictures(sheet: Sheet, ticks: Iterator[Tick]) -> Iterator[Pixels]:
     """Yield each tick as an image: what stays is drawn once, the rest over a copy of it."""
     figure = sheet.figure
     figure.set_dpi(_DPI)
@@ -158,7 +154,7 @@ def _pictures(sheet: Sheet, ticks: Iterator[Tick]) -> Iterator[npt.NDArray[np.ui
         yield image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2]
 
 
-def _write_gif(pictures: list[npt.NDArray[np.uint8]], path: Path, rate: float) -> None:
+def _write_gif(pictures: list[Pixels], path: Path, rate: float) -> None:
     from PIL import Image  # noqa: PLC0415  (comes with matplotlib)
 
     # every colour counts once: few points of a picture have the colour of a thin line
@@ -173,9 +169,7 @@ def _write_gif(pictures: list[npt.NDArray[np.uint8]], path: Path, rate: float) -
     images[0].save(path, append_images=images[1:], optimize=False, **options)
 
 
-def _write_mp4(
-    program: str, pictures: list[npt.NDArray[np.uint8]], path: Path, rate: float
-) -> None:
+def _write_mp4(program: str, pictures: list[Pixels], path: Path, rate: float) -> None:
     height, width, _ = pictures[0].shape
     subprocess.run(
         [

@@ -43,12 +43,7 @@ _MONO: dict[str, Any] = {  # of lines with round ends; only the integral curve i
 
 
 def new_page(drawing: Drawing, view: Box, look: Look, scale: float = 0.0) -> Page:
-    """Return an empty page for a view, with type of the right size for the figure.
-
-    Parameters
-    ----------
-    scale : inches of the figure for a metre of paper; default: that of `Sheet`
-    """
+    """Return an empty page with type of the right size for a scale, in of the figure for a m of paper."""
     return Page(Subject(drawing), view, TYPE / 72.0 / (scale or _scale(view, look)))
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -34,10 +35,10 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """Curves over one argument, `deflection` or `rate`."""
+    """Curves over a deflection or a rate."""
 
     title: str
-    argument: str
+    argument: Literal["deflection", "rate"]
     lines: tuple[Line, ...]
 
 
@@ -45,12 +46,8 @@ def characteristics_sheet(look: Look = PLAIN) -> Figure:
     """Draw springs, dampers, stops, tyres, friction and yielding, one panel each.
 
     Dots mark corners, at which the integrator ends a step. Loops are results of runs.
-
-    Parameters
-    ----------
-    look : how it is printed
     """
-    panels = list(_panels())
+    panels = [*_springs(), *_dampers(), _tyre(), *_loops()]
     rows = -(-len(panels) // _COLUMNS)
     figure = look.blank(2.8 * _COLUMNS, 2.5 * rows)
     for k, panel in enumerate(panels, start=1):
@@ -93,13 +90,6 @@ def _surface(name: str, force: Callable[[float], float], reach: float) -> Line:
     return Line(name, x, np.array([force(value) for value in x]))
 
 
-def _panels() -> Iterator[Panel]:
-    yield from _springs()
-    yield from _dampers()
-    yield _tyre()
-    yield from _loops()
-
-
 def _springs() -> Iterator[Panel]:
     yield Panel("linear spring", "deflection", (_line("", law.linear(2e4), 0.1),))
     yield Panel(
@@ -120,10 +110,10 @@ def _springs() -> Iterator[Panel]:
         (_line("from free length", free, 0.1),
          _line("from rest under 2 kN", free.moved(static, -2e3), 0.1)),
     )  # fmt: skip
-    stops = law.bump_stop(0.05, 1e5), law.rebound_stop(0.06, 8e4)
     yield Panel(
         "end stops", "deflection",
-        (_line("bump stop", stops[0], 0.1), _line("rebound stop", stops[1], 0.1)),
+        (_line("bump stop", law.bump_stop(0.05, 1e5), 0.1),
+         _line("rebound stop", law.rebound_stop(0.06, 8e4), 0.1)),
     )  # fmt: skip
 
 
@@ -179,11 +169,7 @@ def _loops() -> Iterator[Panel]:
             "mass": 200.0, "spring.rate": 5e4, "yield_force": 1e3, "damper.rate": 0.0,
             "hardening": hardening, "force.table": "0:0, 0.2:1400, 0.5:-1400, 0.8:1000, 1.2:0",
         }  # fmt: skip
-        run = simulate(
-            "Elastoplastic",
-            frame,
-            [0.002 * k for k in range(701)],
-            ["displacement", "spring_force"],
-        )
-        x, force = (np.array(run[name]) for name in ("displacement", "spring_force"))
+        names = ["displacement", "spring_force"]
+        run = simulate("Elastoplastic", frame, [0.002 * k for k in range(701)], names)
+        x, force = (np.array(run[name]) for name in names)
         yield Panel(title, "deflection", (Line("", x, force),))

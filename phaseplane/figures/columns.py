@@ -35,18 +35,14 @@ _NARROW = 5.0  # inches of a picture with one column of panels
 def runs(
     values: Mapping[str, Mapping[str, Curve]],
     units: Mapping[str, str],
-    *,
-    title: str = "",
-    look: Look = PLAIN,
-) -> Figure:
+    *, title: str = "", look: Look = PLAIN,
+) -> Figure:  # fmt: skip
     """Draw columns of several runs over one another, each column in a panel of its own.
 
     Parameters
     ----------
     values : for each column its time (s) and values by the name of the run
     units : of the columns, where known
-    title : title of the figure
-    look : how it is printed
 
     Raises
     ------
@@ -75,13 +71,11 @@ def runs(
 
 
 def plane_of_columns(
-    curves: Mapping[str, tuple[npt.ArrayLike, npt.ArrayLike]],
+    curves: Mapping[str, Curve],
     names: tuple[str, str],
     units: Mapping[str, str],
-    *,
-    title: str = "",
-    look: Look = PLAIN,
-) -> Figure:
+    *, title: str = "", look: Look = PLAIN,
+) -> Figure:  # fmt: skip
     """Draw one column over another, such as a rate over its displacement, for one or more runs.
 
     Parameters
@@ -89,8 +83,6 @@ def plane_of_columns(
     curves : abscissa and ordinate by the name of the run, shape (n,) each
     names : names of the two columns
     units : of the columns, where known
-    title : title of the figure
-    look : how it is printed
 
     Raises
     ------
@@ -109,10 +101,8 @@ def plane_of_columns(
         style = look.palette.curve(number)
         axes.plot(x, y, linewidth=1.3, label=label, **style)
         axes.plot(x[:1], y[:1], "o", color=style["color"], markersize=4.0)
-    axes.set(**{
-        f"{axis}label": in_words(name) + bracketed(unit)
-        for axis, name, (unit, _) in zip("xy", names, shown, strict=True)
-    })  # fmt: skip
+    words = [in_words(n) + bracketed(unit) for n, (unit, _) in zip(names, shown, strict=True)]
+    axes.set(xlabel=words[0], ylabel=words[1])
     dress(axes, look.palette, 8.5)
     axes.set_axisbelow(True)
     if len(curves) > 1:
@@ -136,12 +126,7 @@ def _narrow(look: Look) -> bool:
 def _panels(
     units: Mapping[str, str], look: Look, title: str, rows: int
 ) -> tuple[Figure, list[Axes]]:
-    """Return a figure with a panel for each column, in several columns of panels if there are many.
-
-    Parameters
-    ----------
-    rows : of the legend above the panels
-    """
+    """Return a figure with a panel for each column, and room above them for the rows of a legend."""
     names = list(units)
     if not names:
         raise ValueError("no columns to draw")

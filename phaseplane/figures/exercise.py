@@ -17,13 +17,14 @@ from matplotlib.transforms import Bbox
 
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.figures.canvas import Sheet
-from phaseplane.figures.style import GREEN, HEADING, PLAIN, RED, new_figure
+from phaseplane.figures.style import HEADING, PLAIN, new_figure
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import CURVES, draw_curves, draw_trails
 from phaseplane.picture.items import TYPE
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, around, columns
 from phaseplane.picture.step import write_numbers
+from phaseplane.picture.styles import GREEN, RED
 from phaseplane.picture.subject import Subject, motions_of
 from phaseplane.picture.text import MINUS, typeset
 
@@ -41,27 +42,16 @@ _ROOM = 0.008  # m of paper around them, for the names of the axes
 
 @dataclass(frozen=True, slots=True)
 class Filled:
-    """The table of a sheet, and what is drawn of the solution.
-
-    Parameters
-    ----------
-    rows : the cells of each row of the table
-    solved : whether the construction is drawn, or only its start
-    read : the points that a student read, m of paper, one in each plane, with whether they are right
-    """
+    """The table of a sheet, and what is drawn of the solution."""
 
     rows: Sequence[Sequence[str]]
-    solved: bool
+    solved: bool  # whether the construction is drawn, or only its start
+    # the points that a student read, m of paper, one in each plane, with whether they are right
     read: Sequence[tuple[Sequence[complex], bool]] = ()
 
 
 def sheet_room(paper: str, count: int) -> complex:
-    """Return the width and height that a sheet leaves for the construction, m.
-
-    Parameters
-    ----------
-    count : rows of the table
-    """
+    """Return the width and height that a sheet with so many rows leaves for the construction, m."""
     width, height = PAPERS[paper]
     rows = min(count, _MOST_ROWS) if count <= _MOST_ROWS else (count + 1) // 2
     high = height - _HEAD - _FOOT - _ROW * (rows + 1.5) - 2.0 * _EDGE
@@ -88,16 +78,7 @@ def exercise_sheet(
     head: Sequence[str] = (),
     filled: Filled,
 ) -> Figure:
-    """Draw the sheet of an exercise, or its solution.
-
-    Parameters
-    ----------
-    drawing : the correct construction
-    paper : A4 or A3
-    title, lines : the heading: what is to be constructed
-    head : the names of the table's columns
-    filled : the table, and what is drawn of the solution
-    """
+    """Draw the sheet of an exercise or its solution: heading, correct construction and filled table."""
     width, height = PAPERS[paper]
     canvas = Sheet(PLAIN)
     canvas.figure = new_figure(width / _INCH, height / _INCH, PLAIN.palette)
@@ -110,8 +91,10 @@ def exercise_sheet(
     for item in _page(drawing, view, filled.solved).items:
         canvas.draw(item)
     for points, right in filled.read:
-        x, y = np.real(points), np.imag(points)
-        canvas.axes.plot(x, y, "x", color=GREEN if right else RED, markersize=5.0, zorder=6.0)
+        colour = PLAIN.palette.chart(GREEN if right else RED)
+        canvas.axes.plot(
+            np.real(points), np.imag(points), "x", color=colour, markersize=5.0, zorder=6.0
+        )
     axes = canvas.figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, width), ylim=(0.0, height))
     axes.set_axis_off()
     _heading(axes, title, lines)

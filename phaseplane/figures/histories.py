@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -20,63 +20,50 @@ from phaseplane.figures.style import (
     heading_lines,
     new_figure,
     printed,
-)
+)  # fmt: skip
 from phaseplane.picture.quantities import QUANTITIES, Quantity
 from phaseplane.picture.styles import hue_of
 
 _COLUMNS = {
-    "displacement": (
-        ("road_elevation", "road ξ"),
-        ("suspension_deflection", "deflection y"),
-        ("wheel_displacement", "wheel x₂"),
-        ("body_centre_displacement", "body's centre"),
-        ("body_displacement", "body x₁"),
-    ),
-    "velocity": (
-        ("suspension_deflection_rate", "deflection ẏ"),
-        ("wheel_velocity", "wheel ẋ₂"),
-        ("body_centre_velocity", "body's centre"),
-        ("body_velocity", "body ẋ₁"),
-    ),
-    "acceleration": (
-        ("suspension_deflection_acceleration", "deflection ÿ"),
-        ("wheel_acceleration", "wheel ẍ₂"),
-        ("body_centre_acceleration", "body's centre"),
-        ("body_acceleration", "body ẍ₁"),
-    ),
-    "energy": (
-        ("kinetic_energy", "kinetic"),
-        ("stored_energy", "stored"),
-        ("dissipated_energy", "dissipated"),
-        ("supplied_energy", "supplied"),
-    ),
+    "displacement": {
+        "road_elevation": "road ξ",
+        "suspension_deflection": "deflection y",
+        "wheel_displacement": "wheel x₂",
+        "body_centre_displacement": "body's centre",
+        "body_displacement": "body x₁",
+    },
+    "velocity": {
+        "suspension_deflection_rate": "deflection ẏ",
+        "wheel_velocity": "wheel ẋ₂",
+        "body_centre_velocity": "body's centre",
+        "body_velocity": "body ẋ₁",
+    },
+    "acceleration": {
+        "suspension_deflection_acceleration": "deflection ÿ",
+        "wheel_acceleration": "wheel ẍ₂",
+        "body_centre_acceleration": "body's centre",
+        "body_acceleration": "body ẍ₁",
+    },
+    "energy": {f"{name}_energy": name for name in ("kinetic", "stored", "dissipated", "supplied")},
 }
 """The columns of each quantity, and their labels."""
+_KNOWN = {name for columns in _COLUMNS.values() for name in columns}
 _BODY = "body_acceleration"
 _OF_BODY = (_BODY, "body_centre_acceleration")
-_LABELS = 0.21
-"""The right edge of the labels of panels, in from the left edge of the picture."""
-_FLAT = 0.1
-"""The part of the largest acceleration below which that of the body has a panel of its own."""
+_LABELS = 0.21  # in: from the left edge of the picture to the right edge of the labels of panels
+_FLAT = 0.1  # of the largest acceleration: below it, that of the body has a panel of its own
 _DASHES = {"road": "--", "centre": ":"}
-_MONO = {
-    "wheel": "-.",
-    "suspension": (0, (6, 1.5)),
-    "stored": "--",
-    "dissipated": "-.",
-    "supplied": ":",
-}
-"""The dashes of black lines, besides."""
+_MONO = {  # the dashes of black lines, besides
+    "wheel": "-.", "suspension": (0, (6, 1.5)), "stored": "--", "dissipated": "-.", "supplied": ":",
+}  # fmt: skip
+# the markers of black lines, and whether they are filled
 _MARKERS = {"body": ("o", True), "wheel": ("s", False), "suspension": ("^", False)}
-"""The markers of black lines, and whether they are filled."""
-_MONO_MARKED = 20
-"""Times that are marked on black lines, whose dashes are seen between them."""
-_NARROW, _ABOVE = 5.0, 0.4
-"""Inches of a picture whose legends are above its panels, and their height."""
-_MOST_MARKED = 300
-"""Times that are marked; more would be a blot."""
+_MONO_MARKED = 20  # times that are marked on black lines, whose dashes are seen between them
+_MOST_MARKED = 300  # times that are marked; more would be a blot
+_NARROW, _ABOVE = 5.0, 0.4  # in: a picture whose legends are above its panels, and their height
 
-Row = tuple[str, Quantity, tuple[tuple[str, str], ...]]
+Table = dict[str, npt.NDArray[np.float64]]
+Row = tuple[str, Quantity, dict[str, str]]
 """The name of a panel, its quantity, and its columns with their labels."""
 
 
@@ -92,8 +79,6 @@ def time_histories(
         body over several axles), wheel_displacement, suspension_deflection (m), `*_velocity` and
         suspension_deflection_rate (m/s), `*_acceleration` (m/s^2), `*_energy` (J), airborne (true or
         false), shape (n,) each; others are ignored, a panel without columns is omitted
-    title : title of the figure
-    look : how it is printed
     points : mark every time
 
     Raises
@@ -111,12 +96,7 @@ def axle_histories(
 
     Parameters
     ----------
-    axles : the columns of each axle by its name, as for `time_histories`
-    title, look : as for `time_histories`
-
-    Raises
-    ------
-    ValueError : as `time_histories`.
+    axles : the columns of each axle by its name, as for `time_histories`, with its errors
     """
     return _histories(axles, title, look, points=False)
 
@@ -179,7 +159,7 @@ def _histories(
 
 def has_histories(columns: Mapping[str, object]) -> bool:
     """Whether some of the columns are drawn by `time_histories`."""
-    return any(name in columns for several in _COLUMNS.values() for name, _ in several)
+    return not _KNOWN.isdisjoint(columns)
 
 
 def airborne_spans(times: npt.ArrayLike, airborne: npt.ArrayLike) -> list[tuple[float, float]]:
@@ -197,16 +177,14 @@ def airborne_spans(times: npt.ArrayLike, airborne: npt.ArrayLike) -> list[tuple[
     ]
 
 
-def _checked(
-    columns: Mapping[str, npt.ArrayLike],
-) -> tuple[dict[str, npt.NDArray[np.float64]], list[Quantity]]:
+def _checked(columns: Mapping[str, npt.ArrayLike]) -> tuple[Table, list[Quantity]]:
+    """Return the columns that are drawn, and their quantities."""
     if "time" not in columns:
         raise ValueError(f"no column 'time'; columns given: {', '.join(columns) or 'none'}")
-    known = {name for several in _COLUMNS.values() for name, _ in several}
     table = {
         name: np.asarray(column, float)
         for name, column in columns.items()
-        if name in known | {"time", "airborne"}
+        if name in _KNOWN | {"time", "airborne"}
     }
     shape = table["time"].shape
     if len(shape) != 1 or shape[0] < 2:
@@ -218,47 +196,43 @@ def _checked(
             raise ValueError(
                 f"column {name!r} has shape {column.shape}: must be {shape}, as 'time'"
             )
-    shown = [q for q in QUANTITIES if any(name in table for name, _ in _COLUMNS.get(q.name, ()))]
+    shown = [q for q in QUANTITIES if not table.keys().isdisjoint(_COLUMNS.get(q.name, ()))]
     if not shown:
         raise ValueError(
             f"none of the columns can be drawn: {', '.join(columns)}; known columns are "
-            + ", ".join(sorted(known))
+            + ", ".join(sorted(_KNOWN))
         )
     return table, shown
 
 
-def _rows(shown: list[Quantity], tables: list[dict[str, npt.NDArray[np.float64]]]) -> list[Row]:
+def _rows(shown: list[Quantity], tables: list[Table]) -> list[Row]:
     """Return the panels, with one for the body's acceleration if it is flat next to the wheel's."""
     rows: list[Row] = []
     for quantity in shown:
         columns = _COLUMNS[quantity.name]
-        own = tuple(column for column in columns if column[0] in _OF_BODY)
-        if own and any(_flat(table, columns) for table in tables):
-            rest = tuple(column for column in columns if column not in own)
+        if _BODY in columns and any(_flat(table, columns) for table in tables):
+            own = {name: columns[name] for name in columns if name in _OF_BODY}
+            rest = {name: columns[name] for name in columns if name not in own}
             rows += [(quantity.name, quantity, rest), ("body acceleration", quantity, own)]
         else:
             rows.append((quantity.name, quantity, columns))
     return rows
 
 
-def _flat(
-    table: Mapping[str, npt.NDArray[np.float64]], columns: tuple[tuple[str, str], ...]
-) -> bool:
-    peaks = {name: float(np.max(np.abs(table[name]))) for name, _ in columns if name in table}
+def _flat(table: Table, columns: Iterable[str]) -> bool:
+    peaks = {name: float(np.max(np.abs(table[name]))) for name in columns if name in table}
     return 0.0 < peaks.get(_BODY, 0.0) < _FLAT * max(peaks.values())
 
 
 def _panel(
-    axes: Axes, row: Row, table: Mapping[str, npt.NDArray[np.float64]],
-    times: npt.NDArray[np.float64], palette: Palette, *, points: bool, narrow: bool,
+    axes: Axes, row: Row, table: Table, times: npt.NDArray[np.float64], palette: Palette, *,
+    points: bool, narrow: bool,
 ) -> None:  # fmt: skip
     heading, quantity, columns = row
     dress(axes, palette, 8.5)
     dashes: dict[str, Any] = {**_DASHES, **(_MONO if palette.mono else {})}
     every = max(1, len(times) // _MONO_MARKED) if palette.mono else 1
-    for name, label in columns:
-        if name not in table:
-            continue
+    for name in (name for name in columns if name in table):
         element, *words = name.split("_")
         marker, filled = _MARKERS.get(element, (".", True)) if palette.mono else (".", True)
         face = None if filled else palette.paper
@@ -267,7 +241,7 @@ def _panel(
             linewidth=1.6 if element in ("body", "wheel") else 1.1,
             linestyle=next((dashes[word] for word in (element, *words) if word in dashes), "-"),
             marker=marker if points and element != "road" and len(times) <= _MOST_MARKED else "",
-            markersize=4.0, markevery=every, markerfacecolor=face, label=label, gid=name,
+            markersize=4.0, markevery=every, markerfacecolor=face, label=columns[name], gid=name,
         )  # fmt: skip
     axes.axhline(0.0, color=palette.faint, linewidth=0.6, zorder=1.0)
     axes.set_xlim(times[0], times[-1])

@@ -7,18 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from phaseplane.figures.style import PLAIN, Look, dress, new_figure
+from phaseplane.figures.style import PLAIN, Look, draw_zero, dress, new_figure
 from phaseplane.picture.text import typeset
 
 _LEAST = 2.6  # inches of a plane
 
 
 def modal_planes(
-    motions: Sequence[np.ndarray],
-    names: Sequence[str],
-    *,
-    title: str = "",
-    look: Look = PLAIN,
+    motions: Sequence[np.ndarray], names: Sequence[str], *, title: str = "", look: Look = PLAIN
 ) -> Figure:
     """Draw free motion from the shape of each mode, in the planes of all modes.
 
@@ -26,8 +22,6 @@ def modal_planes(
     ----------
     motions : of each mode: eta and eta'/Omega in all planes, shape (points, modes, 2)
     names : of each plane
-    title : title of the figure
-    look : how it is printed
     """
     colours, count = look.palette, len(names)
     columns = min(count, 2 if count in (2, 4) else 3)
@@ -48,15 +42,11 @@ def modal_planes(
             )  # fmt: skip
             axes.plot(*motion[0, plane], "o", color=colours.curve(mode)["color"], markersize=4.0)
         index = typeset(f"x{plane + 1}")[1:]
-        axes.set_xlabel(f"η{index}")
-        axes.set_ylabel(f"η̇{index}/Ω{index}")
-        axes.set_title(name, fontsize=9.5)
-        axes.set_aspect("equal")
         half = 1.08 * max(float(np.abs(motion[:, plane]).max()) for motion in motions)
-        axes.set_xlim(-half, half)
-        axes.set_ylim(-half, half)
-        axes.axhline(0.0, color=colours.faint, linewidth=0.6, zorder=1.0)
-        axes.axvline(0.0, color=colours.faint, linewidth=0.6, zorder=1.0)
+        axes.set(xlabel=f"η{index}", ylabel=f"η̇{index}/Ω{index}", aspect="equal")
+        axes.set(xlim=(-half, half), ylim=(-half, half))
+        axes.set_title(name, fontsize=9.5)
+        draw_zero(axes, colours)
     look.entitled(figure, title)
     handles, labels = figure.axes[0].get_legend_handles_labels()
     figure.legend(

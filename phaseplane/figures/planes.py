@@ -50,9 +50,7 @@ def phase_planes(drawing: Drawing, frame: int | None = None, *, look: Look) -> t
 def step_page(drawing: Drawing, frame: Frame, look: Look, beside: float = 0.0) -> Page:
     """Return axes, curves, the whole motion and the lines of one step, without letters.
 
-    Parameters
-    ----------
-    beside : room on the right for dimensions, as a fraction of the width
+    On the right there may be room for dimensions, a fraction of the width.
     """
     view = view_of(drawing, [frame], turn=False)
     room = beside * view.half.real

@@ -13,20 +13,20 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from phaseplane.figures import style
-from phaseplane.figures.style import HEADING, PLAIN, Look, Palette, dress, printed
+from phaseplane.figures.style import HEADING, PLAIN, Look, Palette, draw_zero, dress, printed
+from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, Hue
 from phaseplane.portrait import Portrait, Section, Window
 
 _SIZE, _LINE = (9.0, 6.6), 95  # of a figure, inches, and the letters of its title on a line
 _ENTRY = 2.2  # inches of the legend
 _KINDS = {
-    "saddle": ("X", style.RED),
-    "centre": ("o", style.BLUE),
-    "cusp": ("X", style.RED),
-    "saddle-node": ("X", style.RED),
-    "stable": ("o", style.GREEN),
-    "unstable": ("o", style.ORANGE),
-    "degenerate": ("s", style.GREY),
+    "saddle": ("X", RED),
+    "centre": ("o", BLUE),
+    "cusp": ("X", RED),
+    "saddle-node": ("X", RED),
+    "stable": ("o", GREEN),
+    "unstable": ("o", ORANGE),
+    "degenerate": ("s", GREY),
 }
 _DIRECTED = ("energy", "orbit", "separatrix", "attracting", "repelling", "semistable")
 _STROKE, _APART = 0.022, 0.075  # windows: length of the strokes on isoclines, and between them
@@ -35,42 +35,33 @@ _OUTER, _INNER = 0.42, 0.25
 _LABEL = 0.045, 0.03  # windows: room of a label in a figure of that size
 _HEAD, _BETWEEN, _MOST_ARROWS = 0.015, 0.9, 3  # windows: length of an arrow, and between two
 # in order of their periods
-_ATTRACTORS = (style.GREEN, style.ORANGE, style.PINK, style.TEAL, style.OCHRE, style.RED)
-_LINES: dict[str, tuple[str, float, Literal["-", "--", ":", "-."], str]] = {  # with their words
-    "orbit": (style.BLUE, 0.6, "-", "integral curves"),
-    "energy": (style.GREY, 0.7, "-", "energy"),
-    "isocline": (style.TEAL, 0.7, ":", "isoclines"),
-    "nullcline": (style.OCHRE, 1.3, "--", "nullcline"),
-    "switch": (style.PINK, 1.3, "-.", "switch, where f jumps"),
-    "separatrix": (style.RED, 1.5, "-", "separatrices"),
-    "attracting": (style.BLUE, 2.2, "-", "limit cycle, attracting"),
-    "repelling": (style.ORANGE, 2.2, "--", "limit cycle, repelling"),
-    "semistable": (style.PINK, 2.2, "-.", "limit cycle, semi-stable"),
-    "rest": (style.GREEN, 4.0, "-", "interval of rest"),
+_ATTRACTORS = (GREEN, ORANGE, PINK, TEAL, OCHRE, RED)
+_LINES: dict[str, tuple[Hue, float, Literal["-", "--", ":", "-."], str]] = {  # with their words
+    "orbit": (BLUE, 0.6, "-", "integral curves"),
+    "energy": (GREY, 0.7, "-", "energy"),
+    "isocline": (TEAL, 0.7, ":", "isoclines"),
+    "nullcline": (OCHRE, 1.3, "--", "nullcline"),
+    "switch": (PINK, 1.3, "-.", "switch, where f jumps"),
+    "separatrix": (RED, 1.5, "-", "separatrices"),
+    "attracting": (BLUE, 2.2, "-", "limit cycle, attracting"),
+    "repelling": (ORANGE, 2.2, "--", "limit cycle, repelling"),
+    "semistable": (PINK, 2.2, "-.", "limit cycle, semi-stable"),
+    "rest": (GREEN, 4.0, "-", "interval of rest"),
 }
 
 
 def portrait(
-    shown: Portrait,
-    *,
-    labels: tuple[str, str] = ("x", "x'"),
-    title: str = "",
-    look: Look = PLAIN,
+    shown: Portrait, *, labels: tuple[str, str] = ("x", "x'"), title: str = "", look: Look = PLAIN
 ) -> Figure:
-    """Draw a phase portrait.
-
-    Parameters
-    ----------
-    shown : the computed portrait
-    labels : of both axes
-    title : title of the figure
-    look : how it is printed
-    """
+    """Draw a computed phase portrait, with these labels of its axes."""
     colours, figure = look.palette, look.blank(*_SIZE)
-    axes = figure.add_axes((0.1, 0.17, 0.86, 0.73))
-    _dress(axes, shown, labels, colours)
+    axes, window = figure.add_axes((0.1, 0.17, 0.86, 0.73)), shown.window
+    dress(axes, colours, 8.5, grid=False)
+    axes.set(xlim=(window.left, window.right), ylim=(window.bottom, window.top))
+    axes.set(xlabel=labels[0], ylabel=labels[1])
+    draw_zero(axes, colours)
     if shown.field is not None:
-        _field(axes, shown.window, shown.field, colours)
+        _field(axes, window, shown.field, colours)
     roles = {
         "energy": [curve for curves in shown.energy_curves for curve in curves],
         "orbit": shown.orbits,
@@ -88,7 +79,7 @@ def portrait(
     width = figure.get_figwidth()
     _slopes(axes, shown, colours, np.array(_LABEL) * _SIZE[0] / width)
     for role in _DIRECTED:
-        _arrows(axes, roles[role], shown.window, colours.chart(_LINES[role][0]))
+        _arrows(axes, roles[role], window, colours.chart(_LINES[role][0]))
     handles = [_lines(axes, role, curves, colours) for role, curves in roles.items() if curves]
     if shown.section is not None:
         handles += _section(axes, shown.section, colours)
@@ -133,11 +124,7 @@ def _broken(title: str, most: int) -> str:
 def _slopes(axes: Axes, shown: Portrait, colours: Palette, room: np.ndarray) -> None:
     """Draw strokes of its slope along every isocline, and write the slope where it ends.
 
-    Where the labels would overlap, one is written farther in.
-
-    Parameters
-    ----------
-    room : width and height of a label, windows
+    Where labels of this width and height, windows, would overlap, one is written farther in.
     """
     window = shown.window
     sides = np.array([window.width, window.height])
@@ -146,7 +133,7 @@ def _slopes(axes: Axes, shown: Portrait, colours: Palette, room: np.ndarray) -> 
     def outwards(places: np.ndarray) -> np.ndarray:
         return np.abs((places - corner) / sides - 0.5).max(axis=-1)
 
-    taken, teal = np.zeros((0, 2)), colours.chart(style.TEAL)
+    taken, teal = np.zeros((0, 2)), colours.chart(TEAL)
     for slope, curves in zip(shown.slopes, shown.isoclines, strict=True):
         way = np.array([1.0, slope])
         half = 0.5 * _STROKE * way / np.hypot(*(way / sides))
@@ -162,10 +149,8 @@ def _slopes(axes: Axes, shown: Portrait, colours: Palette, room: np.ndarray) -> 
                 places += [place for place in curve[inside] if outwards(place) >= _INNER]
         if not strokes:
             continue
-        axes.add_collection(
-            LineCollection(strokes, colors=teal, linewidths=1.0, zorder=2.8, gid="slope"),
-            autolim=False,
-        )
+        lines = LineCollection(strokes, colors=teal, linewidths=1.0, zorder=2.8, gid="slope")
+        axes.add_collection(lines, autolim=False)
         free = (
             place
             for place in sorted(places, key=outwards, reverse=True)
@@ -208,21 +193,10 @@ def _arrows(axes: Axes, curves: Sequence[np.ndarray], window: Window, colour: st
             )  # fmt: skip
 
 
-def _dress(axes: Axes, shown: Portrait, labels: tuple[str, str], colours: Palette) -> None:
-    window = shown.window
-    dress(axes, colours, 8.5, grid=False)
-    axes.set_xlim(window.left, window.right)
-    axes.set_ylim(window.bottom, window.top)
-    axes.set_xlabel(labels[0])
-    axes.set_ylabel(labels[1])
-    axes.axhline(0.0, color=colours.faint, linewidth=0.6, zorder=1.0)
-    axes.axvline(0.0, color=colours.faint, linewidth=0.6, zorder=1.0)
-
-
 def _section(axes: Axes, shown: Section, colours: Palette) -> list[Line2D]:
     """Draw the points of a Poincaré section, and the attractors."""
     (dots,) = axes.plot(
-        *shown.points.T, ".", color=colours.chart(style.BLUE), markersize=3.5, markeredgewidth=0.0,
+        *shown.points.T, ".", color=colours.chart(BLUE), markersize=3.5, markeredgewidth=0.0,
         zorder=5.0, gid="section", linestyle="", label=f"Poincaré section, every {shown.period:.4g} s",
     )  # fmt: skip
     handles = [dots]
@@ -253,12 +227,10 @@ def _field(axes: Axes, window: Window, field: tuple[np.ndarray, ...], colours: P
 def _lines(axes: Axes, role: str, curves: Sequence[np.ndarray], colours: Palette) -> Line2D:
     hue, width, dash, words = _LINES[role]
     colour = colours.chart(hue)
-    axes.add_collection(
-        LineCollection(
-            list(curves), colors=colour, linewidths=width, linestyles=dash, zorder=3.0, gid=role
-        ),
-        autolim=False,
+    lines = LineCollection(
+        list(curves), colors=colour, linewidths=width, linestyles=dash, zorder=3.0, gid=role
     )
+    axes.add_collection(lines, autolim=False)
     return Line2D([], [], color=colour, linewidth=width, linestyle=dash, label=words)
 
 

@@ -22,7 +22,7 @@ from phaseplane.picture import dimensions
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import draw_curves, draw_trails
 from phaseplane.picture.page import Page
-from phaseplane.picture.paper import around
+from phaseplane.picture.paper import around, read_over
 from phaseplane.picture.step import mark_events, write_letters
 from phaseplane.picture.text import typeset
 from phaseplane.picture.views import frame_at, motion_points, telling_frame
@@ -93,13 +93,8 @@ def figure9(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
         )
     shown = [frames[event] for event in (LIFT_OFF, TOUCHDOWN) if event in frames]
     wheel = drawing.planes[1]
-    only = Drawing(
-        drawing.title,
-        (wheel,),
-        tuple(c for c in drawing.curves if c.role == "auxiliary" and _is_in(wheel, c)),
-        drawing.schemes,
-        drawing.frames,
-    )
+    curves = tuple(c for c in drawing.curves if c.role == "auxiliary" and _is_in(wheel, c))
+    only = Drawing(drawing.title, (wheel,), curves, drawing.schemes, drawing.frames)
     names = ("P2", "Q2", "A2", "A2*", "B0")
     points = [frame.points[name] for frame in shown for name in names]
     axis = wheel.displacement
@@ -156,12 +151,10 @@ def _history(number: int, what: str, *endings: str) -> Callable[..., Figure]:
         names = [
             n for n in frames[0].readings if n.endswith(endings) and not n.startswith("control")
         ]
-        columns = {
-            "time": [f.time for f in frames],
-            **{name: [f.readings[name] for f in frames] for name in names},
-        }
+        times, read = read_over(drawing, names)
+        columns = {"time": times, **dict(zip(names, read.T, strict=True))}
         if any(f.event == LIFT_OFF for f in frames):
-            columns["airborne"] = [float(f.scheme.startswith(FLIGHT)) for f in frames]
+            columns["airborne"] = np.array([f.scheme.startswith(FLIGHT) for f in frames], float)
         if not has_histories(columns):
             raise ValueError(
                 f"figure {number} shows {what}, which '{drawing.title}' has not; "
@@ -190,12 +183,9 @@ def _dimensioned(
     lengths: Sequence[tuple[str, str, str]],
     look: Look,
 ) -> Page:
-    """Draw one step with letters, and dimension lines I and II and lengths on the axes.
+    """Draw one step with letters, the distances of lines I and II (given by formulas), and lengths.
 
-    Parameters
-    ----------
-    formulas : distances of lines I and II from the y1 axis
-    lengths : start point, end point and text of each length
+    Each length on the axes has a start point, an end point and a text.
     """
     page = step_page(drawing, frame, look, 0.12)
     _distances(page, formulas)

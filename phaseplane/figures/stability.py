@@ -15,15 +15,22 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from phaseplane.figures import style
-from phaseplane.figures.style import Palette, dress, new_figure, palette_for
+from phaseplane.figures.style import PLAIN, Look, Palette, dress
+from phaseplane.picture.styles import (
+    BLUE,
+    GREEN,
+    GREY,
+    OCHRE,
+    ORANGE,
+    PINK,
+    RED,
+    TEAL,
+    VIOLET,
+)  # fmt: skip
 
 Values = npt.NDArray[np.float64]
 
-_COLOURS = (
-    style.RED, style.OCHRE, style.PINK, style.VIOLET, style.TEAL, style.GREEN, style.BLUE,
-    style.ORANGE, style.GREY,
-)  # fmt: skip
+_COLOURS = (RED, OCHRE, PINK, VIOLET, TEAL, GREEN, BLUE, ORANGE, GREY)
 _GROWTH = LinearSegmentedColormap.from_list("growth", ["#cfe3f5", "#ffffff", "#f3b199", "#b52a1a"])
 _GROWING, _GROWN = 1.01, 10.0  # what a line surrounds: growth of a step, and of a run
 _END = 4.5  # of the axis of ratios
@@ -59,7 +66,7 @@ def stability_sheet(
     growth: Sequence[GrowthMap],
     found: Sequence[tuple[str, str, float, float | None]],
     *,
-    dark: bool = False,
+    look: Look = PLAIN,
 ) -> Figure:
     """Draw undamped spectral radii, maps of growth, and ratios of measured to theoretical limits.
 
@@ -69,7 +76,6 @@ def stability_sheet(
     limits : omega h of the theoretical limits by label
     growth : up to three maps
     found : problem, method, theoretical and measured limit (s; None if no step grew)
-    dark : use a dark background
 
     Raises
     ------
@@ -77,12 +83,11 @@ def stability_sheet(
     """
     if not curves:
         raise ValueError("there is nothing to draw: no curves")
-    palette = palette_for(dark)
-    figure = new_figure(12.0, 9.6, palette)
+    palette, figure = look.palette, look.blank(12.0, 9.6)
     top = figure.add_gridspec(1, 2, left=0.06, right=0.985, top=0.955, bottom=0.57, wspace=0.42)
     low = figure.add_gridspec(1, 3, left=0.06, right=0.915, top=0.44, bottom=0.07, wspace=0.3)
-    _radii(figure.add_subplot(top[0, 0]), curves, limits, palette)
-    colours = dict(zip(curves, cycle(_COLOURS), strict=False))
+    colours = dict(zip(curves, map(palette.chart, cycle(_COLOURS)), strict=False))
+    _radii(figure.add_subplot(top[0, 0]), curves, limits, colours, palette)
     _found(figure.add_subplot(top[0, 1]), found, colours, palette)
     panels = [figure.add_subplot(low[0, k]) for k in range(3)]
     image: QuadMesh | None = None
@@ -106,12 +111,13 @@ def _radii(
     axes: Axes,
     curves: Mapping[str, tuple[Values, Values]],
     limits: Mapping[str, float],
+    colours: Mapping[str, str],
     palette: Palette,
 ) -> None:
     _style(axes, palette, "Spectral radius of one step, undamped")
     axes.axhline(1.0, color=palette.faint, linewidth=0.8)
-    for (name, (phase, radius)), colour in zip(curves.items(), _COLOURS, strict=False):
-        axes.plot(phase, radius, color=colour, linewidth=1.5, label=name)
+    for name, (phase, radius) in curves.items():
+        axes.plot(phase, radius, color=colours[name], linewidth=1.5, label=name)
     for name, limit in limits.items():
         axes.axvline(limit, color=palette.ink, linewidth=0.8, linestyle=":")
         axes.text(limit - 0.06, 2.42, name, rotation=90, ha="right", va="top", fontsize=8,
@@ -142,10 +148,9 @@ def _found(
         ]
         points = [(ratio, up) for ratio, up in places if ratio is not None]
         endless = [(0.96 * _END, up) for ratio, up in places if ratio is None]
-        colour = colours.get(method, style.GREY)
+        colour = colours.get(method, palette.chart(GREY))
         for marker, which in (("o", points), (">", endless)):
-            across, up = [x for x, _ in which], [y for _, y in which]
-            axes.plot(across, up, marker, color=colour, markersize=4.5)
+            axes.plot(*np.reshape(which, (-1, 2)).T, marker, color=colour, markersize=4.5)
     axes.set_xscale("log")
     axes.set_xlim(0.22, _END)
     axes.xaxis.set_major_locator(FixedLocator([0.25, 0.5, 1.0, 2.0, 4.0]))

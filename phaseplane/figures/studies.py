@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
-from phaseplane.figures.style import BLUE, GREY, ORANGE, PLAIN, RED, Look, dress
+from phaseplane.figures.style import PLAIN, Look, dress
+from phaseplane.picture.styles import BLUE, GREY, ORANGE, RED
 
 Pair = tuple[npt.ArrayLike, npt.ArrayLike]
 
@@ -32,8 +33,6 @@ def pareto(
     front : both measures along the front, in order
     marked : single runs by their labels
     limits : bounds of each measure
-    title : title of the figure
-    look : how it is printed
 
     Raises
     ------
@@ -44,29 +43,18 @@ def pareto(
         raise ValueError("no run has both measures")
     palette, figure = look.palette, look.blank(7.0, 5.4)
     axes = figure.subplots()
-    axes.plot(
-        x, y, ".", color=palette.chart(GREY), markersize=3.5, alpha=0.55, label="runs", zorder=2
-    )
+    grey, blue, red = map(palette.chart, (GREY, BLUE, RED))
+    axes.plot(x, y, ".", color=grey, markersize=3.5, alpha=0.55, label="runs", zorder=2)
     if np.size(front[0]):
         axes.plot(
-            *front,
-            ".-",
-            color=palette.chart(BLUE),
-            linewidth=1.6,
-            markersize=5,
-            label="trade-off",
-            zorder=3,
+            *front, ".-", color=blue, linewidth=1.6, markersize=5, label="trade-off", zorder=3
         )
-    for (label, (a, b)), colour, marker in zip(
-        (marked or {}).items(), (ORANGE, RED), ("s", "*"), strict=False
-    ):
-        axes.plot(
-            [a], [b], marker, color=palette.chart(colour), markersize=8, label=label, zorder=4
-        )
-    for limit in limits[0]:
-        axes.axvline(limit, color=palette.chart(RED), linewidth=1.0, linestyle="--", zorder=1)
-    for limit in limits[1]:
-        axes.axhline(limit, color=palette.chart(RED), linewidth=1.0, linestyle="--", zorder=1)
+    looks = zip((palette.chart(ORANGE), red), "s*", strict=True)
+    for (label, at), (colour, marker) in zip((marked or {}).items(), looks, strict=False):
+        axes.plot(*at, marker, color=colour, markersize=8, label=label, zorder=4)
+    for line, several in zip((axes.axvline, axes.axhline), limits, strict=True):
+        for limit in several:
+            line(limit, color=red, linewidth=1.0, linestyle="--", zorder=1)
     axes.set(xlabel=labels[0], ylabel=labels[1])
     # what is far off, such as runs with the wheel in the air, does not flatten the rest
     for k, values in enumerate((x, y)):

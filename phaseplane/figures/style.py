@@ -20,20 +20,27 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-from phaseplane.picture import styles
 from phaseplane.picture.files import replace_file
-from phaseplane.picture.styles import Hue, Shade
-
-BLUE, ORANGE, GREEN, RED, TEAL, PINK, OCHRE, VIOLET, GREY = (
-    hue.on("either")
-    for hue in (
-        styles.BLUE, styles.ORANGE, styles.GREEN, styles.RED, styles.TEAL, styles.PINK, styles.OCHRE,
-        styles.VIOLET, styles.GREY,
-    )
+from phaseplane.picture.styles import (
+    BLUE,
+    GREEN,
+    GREY,
+    GRID,
+    INK,
+    OCHRE,
+    ORANGE,
+    PAPER,
+    PINK,
+    RED,
+    SHADE,
+    TEAL,
+    VIOLET,
+    Hue,
+    Shade,
 )  # fmt: skip
-"""Colours of charts, legible on light and on dark ground."""
+
 COLOURS = (BLUE, ORANGE, GREEN, VIOLET, RED, TEAL, PINK, OCHRE)
-"""Of curves beside one another, as many as can be distinguished."""
+"""Hues of curves beside one another, as many as can be distinguished."""
 DASHES = ("-", "--", "-.", ":")
 """Of curves over one another, and of black ones."""
 
@@ -53,64 +60,33 @@ def heading_lines(texts: Iterable[str], width: float) -> list[str]:
     return [line.replace("\N{NO-BREAK SPACE}", " ") for text in joined for line in wrap(text, most)]
 
 
-@dataclass(frozen=True, slots=True)
 class Palette:
-    """Colours of the ground and of everything without a role.
+    """Colours of the ground and of everything without a role; mono in the colour of the ink alone."""
 
-    Parameters
-    ----------
-    shade : of all hues
-    mono : whether everything is drawn in the colour of the ink
-    """
-
-    shade: Shade
-    mono: bool = False
-
-    @property
-    def paper(self) -> str:
-        """The ground."""
-        return styles.PAPER.on(self.shade)
-
-    @property
-    def ink(self) -> str:
-        """Axes and texts."""
-        return styles.INK.on(self.shade)
-
-    @property
-    def faint(self) -> str:
-        """What is of less importance."""
-        return styles.GREY.on(self.shade)
-
-    @property
-    def grid(self) -> str:
-        """Lines of a grid."""
-        return styles.GRID.on(self.shade)
-
-    @property
-    def tint(self) -> str:
-        """The ground of intervals."""
-        return styles.SHADE.on(self.shade)
+    def __init__(self, shade: Shade, mono: bool = False) -> None:
+        self.shade, self.mono = shade, mono
+        self.paper, self.ink = PAPER.on(shade), INK.on(shade)
+        self.faint, self.grid = GREY.on(shade), GRID.on(shade)
+        self.tint = SHADE.on(shade)  # the ground of intervals
 
     def of(self, hue: Hue) -> str:
         """Return a hue on this ground."""
         if not self.mono:
             return hue.on(self.shade)
-        return self.faint if hue is styles.GREY else self.ink
+        return self.faint if hue is GREY else self.ink
 
-    def chart(self, colour: str) -> str:
-        """Return a colour of a chart, or the ink in its place."""
-        if not self.mono:
-            return colour
-        return self.faint if colour == GREY else self.ink
+    def chart(self, hue: Hue) -> str:
+        """Return a hue in a chart, the same on light and on dark ground."""
+        return self.of(hue) if self.mono else hue.on("either")
 
     def curve(self, number: int) -> dict[str, Any]:
         """Return colour and dashes of one of several curves; only black lines are dashed."""
         dashes = DASHES[number % len(DASHES)] if self.mono else "-"
         return {"color": self.chart(COLOURS[number % len(COLOURS)]), "linestyle": dashes}
 
-    def halo(self, width: float = 2.5) -> list[AbstractPathEffect]:
+    def halo(self) -> list[AbstractPathEffect]:
         """Return an outline in the colour of the paper that keeps text legible on lines."""
-        return [withStroke(linewidth=width, foreground=self.paper)]
+        return [withStroke(linewidth=2.5, foreground=self.paper)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,21 +137,16 @@ class Look:
         inches = self.inches or width
         return new_figure(inches, height * inches / width, self.palette)
 
-    def entitled(self, figure: Figure, title: str, size: float = 11.0) -> Figure:
+    def entitled(self, figure: Figure, title: str) -> Figure:
         """Return a figure with a title above it, in lines that fit."""
         if title:
             lines = "\n".join(heading_lines([title], figure.get_figwidth()))
-            figure.suptitle(lines, color=self.palette.ink, fontsize=size, gid=HEADING)
+            figure.suptitle(lines, color=self.palette.ink, fontsize=11.0, gid=HEADING)
         return printed(figure, self)
 
 
 PLAIN = Look()
 """The look of a picture on a screen: in colour on white, as large as it needs to be."""
-
-
-def palette_for(dark: bool) -> Palette:
-    """Return the dark or the light palette."""
-    return Look(dark).palette
 
 
 def dress(axes: Axes, palette: Palette, label_size: float, *, grid: bool = True) -> None:
@@ -188,6 +159,12 @@ def dress(axes: Axes, palette: Palette, label_size: float, *, grid: bool = True)
         spine.set_color(palette.faint)
     if grid:
         axes.grid(color=palette.grid, linewidth=0.6)
+
+
+def draw_zero(axes: Axes, palette: Palette) -> None:
+    """Draw faint lines through the origin."""
+    axes.axhline(0.0, color=palette.faint, linewidth=0.6, zorder=1.0)
+    axes.axvline(0.0, color=palette.faint, linewidth=0.6, zorder=1.0)
 
 
 def new_figure(width: float, height: float, palette: Palette) -> Figure:

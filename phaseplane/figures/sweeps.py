@@ -15,16 +15,8 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from phaseplane.figures.style import (
-    BLUE,
-    COLOURS,
-    HEADING,
-    PLAIN,
-    Look,
-    Palette,
-    dress,
-    printed,
-)  # fmt: skip
+from phaseplane.figures.style import COLOURS, HEADING, PLAIN, Look, Palette, dress, printed
+from phaseplane.picture.styles import BLUE
 from phaseplane.picture.text import bracketed
 
 Values: TypeAlias = Sequence[float] | Sequence[str]
@@ -47,8 +39,6 @@ def sweep(
     ----------
     varied : unit and value in each run, numbers or texts, by the name of the parameter
     measured : unit and value in each run by the name of the measure; NaN where it has no value
-    title : title of the figure
-    look : how it is printed
 
     Raises
     ------
@@ -200,16 +190,8 @@ def _matrix(varied: Quantities, measured: Quantities, look: Look) -> Figure:
     for i, (name, (unit, y)) in enumerate(measured.items()):
         for j, (key, (key_unit, x)) in enumerate(varied.items()):
             axes = panels[i, j]
-            axes.plot(
-                x,
-                y,
-                ".",
-                color=palette.chart(BLUE),
-                markersize=3,
-                alpha=0.6,
-                clip_on=False,
-                zorder=3,
-            )
+            blue = palette.chart(BLUE)
+            axes.plot(x, y, ".", color=blue, markersize=3, alpha=0.6, clip_on=False, zorder=3)
             _plain(axes, palette, counted=unit == "count")
             axes.xaxis.set_major_locator(MaxNLocator(4))
             if j == 0:

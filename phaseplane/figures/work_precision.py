@@ -6,24 +6,25 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import cycle
 from math import ceil
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
-from phaseplane.figures import style
-from phaseplane.figures.style import Palette, dress, new_figure, palette_for
+from phaseplane.figures.style import PLAIN, Look, Palette, dress
+from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, VIOLET
 
 _LARGEST, _FAILED, _SMALLEST = 1.0, 10.0, 1e-13  # error: axis end, failed runs, axis start
-_COLOURS = (style.TEAL, style.ORANGE, style.RED, style.GREEN, style.PINK, style.OCHRE, style.VIOLET)
+_COLOURS = (TEAL, ORANGE, RED, GREEN, PINK, OCHRE, VIOLET)
 _MARKERS = "osD^vPX*"
 _DASHES = {"incremental": "-", "FMU": "-", "construction": ":", "peer": "--"}
 _GROUPS = {
     "this package": ("incremental", "FMU"), "constructions": ("construction",),
     "other solvers": ("peer",),
 }  # fmt: skip
-_FIXED = {"extrapolated": style.BLUE, "construction": style.GREY}
+_FIXED = {"extrapolated": BLUE, "construction": GREY}
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,15 +44,12 @@ class Curve:
     failed: tuple[float, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class _Look:
-    colour: str
-    marker: str
-    width: float
+Lines = dict[str, Any]
+"""Colour, marker, dashes and width of a curve."""
 
 
 def work_precision(
-    panels: Sequence[tuple[str, Sequence[Curve]]], *, title: str = "", dark: bool = False
+    panels: Sequence[tuple[str, Sequence[Curve]]], *, title: str = "", look: Look = PLAIN
 ) -> Figure:
     """Draw run time over error, both on logarithmic scales, for several problems.
 
@@ -60,8 +58,6 @@ def work_precision(
     Parameters
     ----------
     panels : title and curves of each panel
-    title : title of the figure
-    dark : use a dark background
 
     Raises
     ------
@@ -69,12 +65,12 @@ def work_precision(
     """
     if not panels:
         raise ValueError("there is nothing to draw: no panels")
-    palette = palette_for(dark)
+    palette = look.palette
     columns = min(len(panels), 3)
     rows = ceil(len(panels) / columns)
     names = list(dict.fromkeys((c.name, c.family) for _, curves in panels for c in curves))
     names.sort(key=lambda name: list(_DASHES).index(name[1]))
-    looks = _looks(names)
+    lines = _lines(names, palette)
     groups = {
         heading: members
         for heading, families in _GROUPS.items()
@@ -82,26 +78,23 @@ def work_precision(
     }
     legend = 0.16 * (max(map(len, groups.values())) + 1) + 0.2
     height = 3.3 * rows + legend + 0.4
-    figure = new_figure(max(4.0 * columns, 7.0), height, palette)
+    figure = look.blank(max(4.0 * columns, 7.0), height)
+    width = figure.get_figwidth()
     figure.subplots_adjust(
-        left=0.75 / figure.get_figwidth(),
-        right=1.0 - 0.15 / figure.get_figwidth(),
-        bottom=(legend + 0.45) / height,
-        top=1.0 - (0.65 if title else 0.35) / height,
-        wspace=0.22,
-        hspace=0.32,
-    )
+        left=0.75 / width, right=1.0 - 0.15 / width, bottom=(legend + 0.45) / height,
+        top=1.0 - (0.65 if title else 0.35) / height, wspace=0.22, hspace=0.32,
+    )  # fmt: skip
     for k, (heading, curves) in enumerate(panels):
         axes = figure.add_subplot(rows, columns, k + 1)
         _style(axes, palette)
         axes.set_title(heading, fontsize=9)
         for curve in curves:
-            _draw(axes, curve, looks[curve.name, curve.family])
+            _draw(axes, curve, lines[curve.name, curve.family])
         if k % columns == 0:
             axes.set_ylabel("run time", fontsize=8)
         if k + columns >= len(panels):
             axes.set_xlabel("largest error, relative to the peak", fontsize=8)
-    _legends(figure, groups, looks, palette, (legend - 0.05) / height)
+    _legends(figure, groups, lines, palette, (legend - 0.05) / height)
     if title:
         figure.suptitle(title, fontsize=11, color=palette.ink, y=1.0 - 0.12 / height, va="top")
     return figure
@@ -110,14 +103,17 @@ def work_precision(
 def _legends(
     figure: Figure,
     groups: Mapping[str, Sequence[tuple[str, str]]],
-    looks: Mapping[tuple[str, str], _Look],
+    lines: Mapping[tuple[str, str], Lines],
     palette: Palette,
     top: float,
 ) -> None:
     """Write the legends of the groups side by side."""
     for k, (heading, members) in enumerate(groups.items()):
         made = figure.legend(
-            handles=[_handle(name, family, looks[name, family]) for name, family in members],
+            handles=[
+                Line2D([], [], label=f"FMU: {name}" if family == "FMU" else name, **lines[name, family])
+                for name, family in members
+            ],
             loc="upper left", bbox_to_anchor=((k + 0.12) / len(groups), top), fontsize=7,
             frameon=False, handlelength=3.2, labelcolor=palette.ink, borderpad=0.0,
             title=heading, title_fontsize=7.5, alignment="left",
@@ -126,21 +122,24 @@ def _legends(
         made.set_in_layout(False)
 
 
-def _looks(names: Sequence[tuple[str, str]]) -> dict[tuple[str, str], _Look]:
+def _lines(names: Sequence[tuple[str, str]], palette: Palette) -> dict[tuple[str, str], Lines]:
     """Return the styles: heavy blue for the incremental solver, else a colour for each package.
 
     The orders of one method, and the solvers of one package, differ in their markers.
     """
     colours = dict.fromkeys(_package(*name) for name in names)
     others = [each for each in colours if each not in _FIXED]
-    shade = _FIXED | dict(zip(others, cycle(_COLOURS), strict=False))
+    hues = _FIXED | dict(zip(others, cycle(_COLOURS), strict=False))
     own = next((name for name in names if name[1] == "incremental"), None)
-    looks = {}
+    lines = {}
     for package in colours:
         members = [name for name in names if _package(*name) == package]
         for name, marker in zip(members, cycle(_MARKERS), strict=False):
-            looks[name] = _Look(shade[package], marker, 2.2 if name == own else 1.1)
-    return looks
+            lines[name] = {
+                "color": palette.chart(hues[package]), "marker": marker, "markersize": 3.0,
+                "linestyle": _DASHES.get(name[1], "-"), "linewidth": 2.2 if name == own else 1.1,
+            }  # fmt: skip
+    return lines
 
 
 def _package(name: str, family: str) -> str:
@@ -178,23 +177,10 @@ def _time(seconds: float) -> str:
     return f"{seconds * 1e6:g} µs"
 
 
-def _draw(axes: Axes, curve: Curve, look: _Look) -> None:
+def _draw(axes: Axes, curve: Curve, line: Lines) -> None:
     order = {"incremental": 3.0, "FMU": 2.5}.get(curve.family, 2.0)
-    axes.plot(
-        [max(error, 1.5 * _SMALLEST) for error, _ in curve.points],
-        [seconds for _, seconds in curve.points],
-        _DASHES.get(curve.family, "-"), color=look.colour, marker=look.marker, markersize=3.0,
-        lw=look.width, zorder=order + 0.5 * (look.width > 2.0),
-    )  # fmt: skip
-    axes.plot(
-        [_FAILED] * len(curve.failed), curve.failed, "x", color=look.colour, markersize=4.5,
-        zorder=order, clip_on=True,
-    )  # fmt: skip
-
-
-def _handle(name: str, family: str, look: _Look) -> Line2D:
-    label = f"{family}: {name}" if family == "FMU" else name
-    return Line2D(
-        [], [], color=look.colour, marker=look.marker, markersize=3.0, lw=look.width,
-        ls=_DASHES.get(family, "-"), label=label,
-    )  # fmt: skip
+    errors = [max(error, 1.5 * _SMALLEST) for error, _ in curve.points]
+    seconds = [seconds for _, seconds in curve.points]
+    axes.plot(errors, seconds, zorder=order + 0.5 * (line["linewidth"] > 2.0), **line)
+    failed = [_FAILED] * len(curve.failed)
+    axes.plot(failed, curve.failed, "x", color=line["color"], markersize=4.5, zorder=order)

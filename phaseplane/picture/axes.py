@@ -172,9 +172,8 @@ def _name(page: Page, edge: complex, name: str, sense: float) -> None:
         np.array([Boxes(z, np.array(half)).inside(*of.T).any() for z in np.array(centres)])
         for of in (ends, motions, auxiliary)
     )
-    for i in np.argsort(4 * struck + 2 * crossed + touched, kind="stable"):
-        if page.write_if_free(replace(text, centre=centres[i])):
-            return
+    order = np.argsort(4 * struck + 2 * crossed + touched, kind="stable")
+    page.write_first(replace(text, centre=centres[i]) for i in order)
 
 
 def _ticks(page: Page, axis: Axis, graduation: Graduation, half: complex) -> None:

@@ -15,9 +15,9 @@ from phaseplane.constructions.storage import StoredFrames
 
 from .items import Text
 from .page import Page
-from .paper import Box, readings
+from .paper import Box, read_over
 from .quantities import Quantity
-from .styles import PARTS, strength_of
+from .styles import PARTS, part_of, strength_of
 from .subject import Subject
 from .text import bracketed, in_words, number
 
@@ -32,14 +32,9 @@ _SERIES = 4
 
 
 class Chart:
-    """Columns of one quantity over the time of a construction.
+    """Columns of one quantity over the time (s) of a construction, with the readings that are marked.
 
-    Parameters
-    ----------
-    drawing : the construction, with the readings that are marked
-    histories : `time` (s) and columns over it
-    names : of the columns, the first four of which are drawn
-    quantity : of the columns
+    The first four are drawn.
     """
 
     def __init__(
@@ -55,14 +50,13 @@ class Chart:
         times = np.asarray(histories["time"], float)
         until = times <= self.end * (1.0 + 1e-9)
         self.names = names[:_SERIES]
-        self.roles = [part_of(name, number) for number, name in enumerate(self.names)]
+        self.roles = [part_of(name) or list(PARTS)[k] for k, name in enumerate(self.names)]
         self.times = times[until]
         self.values = {
             n: quantity.factor * np.asarray(histories[n], float)[until] for n in self.names
         }
-        end = StoredFrames([] if drawing.end is None else [drawing.end])
-        read = np.append(readings(drawing.frames, self.names), readings(end, self.names), axis=0)
-        self.read = np.array([*drawing.frames.times, *end.times]), quantity.factor * read
+        instants, read = read_over(drawing, self.names)
+        self.read = instants, quantity.factor * read
         every_value = np.concatenate([*self.values.values(), self.read[1].ravel(), [0.0]])
         every_value = every_value[np.isfinite(every_value)]
         self.low, self.high = float(every_value.min()), float(every_value.max())
@@ -163,8 +157,3 @@ def telling_rows(values: Reals) -> Integers:
     first = every * np.arange(len(parts))
     rest = np.arange(parts.size - 1, len(values))
     return np.unique(np.concatenate([first + parts.argmin(1), first + parts.argmax(1), rest]))
-
-
-def part_of(name: str, number: int) -> str:
-    """Return the role of a column: the part of the car it belongs to, else the one with this number."""
-    return next((word for word in name.split("_") if word in PARTS), list(PARTS)[number])

@@ -89,21 +89,18 @@ def _name_line(page: Page, curve: Curve, *, above: bool) -> None:
     edge = min(high - 0.04 * (high - low), end.real - 0.5 * page.em)
     arrows = [(arrow.start, arrow.tip) for arrow in page.of(Arrow) if arrow.role == "axis"]
     axes = np.array(arrows, complex).reshape(-1, 2).T
-    for shift in range(0, 40, 2):
-        centre = complex(edge - shift * page.em, end.imag) + side * page.em
-        name = Text("line", typeset(curve.label), centre)
-        struck = Boxes(np.array(centre), np.array(name.box(page.em).half)).inside(*axes).any()
-        if not struck and page.write_if_free(name):
-            return
+    name = Text("line", typeset(curve.label), complex(edge, end.imag) + side * page.em)
+    centres = np.asarray(name.centre - np.arange(0, 40, 2) * page.em, complex)
+    struck = Boxes(centres[:, None], np.array(name.box(page.em).half)).inside(*axes).any(axis=1)
+    page.write_first(replace(name, centre=complex(z)) for z in centres[~struck])
 
 
 def _name_at_end(page: Page, curve: Curve, words: str) -> None:
     """Write words on the right of the end of a curve, or a little higher."""
     name = Text(curve.role, words, 0j)
     beside = curve.vertices[-1] + name.box(page.em).half.real + 0.5 * page.em
-    for up in (0.0, 0.4, 0.8, 1.2) if words else ():
-        if page.write_if_free(replace(name, centre=beside + up * 1j * page.em)):
-            return
+    ups = (0.0, 0.4, 0.8, 1.2) if words else ()
+    page.write_first(replace(name, centre=beside + up * 1j * page.em) for up in ups)
 
 
 def words_at_end(curve: Curve, curves: Sequence[Curve]) -> str:
@@ -120,9 +117,8 @@ def _along(page: Page, curve: Curve) -> None:
     ends = np.asarray(curve.vertices, complex)
     part = np.linspace(0.0, 1.0, _PLACES)[:, None]
     places = ends[:-1] + part * (ends[1:] - ends[:-1])
-    for z in reversed(places.T.ravel().tolist()):
-        if page.write_if_free(Text("auxiliary", text, z, VALUE)):
-            return
+    backwards = reversed(places.T.ravel().tolist())
+    page.write_first(Text("auxiliary", text, z, VALUE) for z in backwards)
 
 
 def _plane_of(page: Page, curve: Curve) -> Plane:
@@ -135,12 +131,7 @@ def _plane_of(page: Page, curve: Curve) -> Plane:
 def draw_trails(
     page: Page, steps: int | None = None, strength: float = 1.0, most: int | None = None
 ) -> None:
-    """Draw the motion in all planes, up to a number of steps or to its end.
-
-    Parameters
-    ----------
-    most : vertices of each whole curve, which is thinned to them; default: all
-    """
+    """Draw the motion in all planes, up to a number of steps, in curves of at most so many vertices."""
     known = min(map(len, page.subject.ways), default=0)
     last = known if steps is None else min(steps, known)
     since = last - _RECENT if last > 2 * _RECENT else 0

@@ -26,7 +26,6 @@ def length(
     ----------
     towards : unit vector to the side of the line where the text is
     short : text in place of one that is longer than the line
-    size : of the text, em
     """
     page.arrow("axis", start, end, both=True)
     way = end - start
@@ -49,24 +48,21 @@ def witness(page: Page, start: complex, end: complex) -> None:
     page.lines("foot", [[start, end]])
 
 
-def below(
-    page: Page, start: complex, end: complex, text: str, row: float, *, sign: float = -1.0
-) -> None:
-    """Dimension a length on a horizontal axis, some em below it (sign -1) or above it (1)."""
-    shift = sign * row * 1j * page.em
+def below(page: Page, start: complex, end: complex, text: str, row: float) -> None:
+    """Dimension a length on a horizontal axis, some em below it."""
+    shift = -row * 1j * page.em
     for point in (start, end):
         witness(page, point, point + 1.15 * shift)
-    length(page, start + shift, end + shift, text, towards=sign * 1j)
+    length(page, start + shift, end + shift, text, towards=-1j)
 
 
 def angle(
     page: Page, vertex: complex, start: complex, turn: float, text: str, share: float = 0.45
 ) -> None:
-    """Draw the arc of a turn about a vertex, with an arrow in its sense and a text beside it.
+    """Draw the arc of a turn about a vertex from a first leg, with an arrow in its sense and a text.
 
     Parameters
     ----------
-    start : a point on the first leg
     turn : rad, positive anticlockwise
     share : radius of the arc as a fraction of the first leg
     """

@@ -49,24 +49,16 @@ class Arrow:
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A text about its centre.
-
-    Parameters
-    ----------
-    size : of the type, em of the page
-    kind : what it is; letters name points
-    point : what a letter names, and `led` whether a line leads from it to the letter
-    upright : whether it reads upwards
-    """
+    """A text about its centre."""
 
     role: str
     text: str
     centre: complex
-    size: float = 1.0
+    size: float = 1.0  # of the type, em of the page
     kind: Kind = "label"
-    point: complex | None = None
-    led: bool = False
-    upright: bool = False
+    point: complex | None = None  # that a letter names
+    led: bool = False  # by a line from the point to the letter
+    upright: bool = False  # reads upwards
 
     def box(self, em: float) -> Box:
         """Return its box, for a page with this size of type."""

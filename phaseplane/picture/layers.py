@@ -19,22 +19,14 @@ TURN_POINTS = ("W", "N")
 
 @dataclass(frozen=True, slots=True)
 class Layer:
-    """Points, lines or arcs of one stage of a scheme, over the frames that follow it.
-
-    Parameters
-    ----------
-    stage : in which it is drawn
-    kind : points have one vertex, lines two, arcs as many as the longest of them needs
-    roles, labels, names : of each item; lines and arcs have no labels, and the names of both ends
-    vertices : shape (frames, items, vertices)
-    """
+    """Points, lines or arcs of one stage of a scheme, over the frames that follow it."""
 
     stage: int
     kind: Literal["points", "lines", "arcs"]
-    roles: tuple[str, ...]
-    labels: tuple[str, ...]
-    names: tuple[str, ...]
-    vertices: Points
+    roles: tuple[str, ...]  # of each item, as labels and names
+    labels: tuple[str, ...]  # lines and arcs have none
+    names: tuple[str, ...]  # of points, or of both ends
+    vertices: Points  # shape (frames, items, vertices)
 
     def __len__(self) -> int:
         return len(self.roles)

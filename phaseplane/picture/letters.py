@@ -48,17 +48,14 @@ def place(
     taken: Sequence[Box] = (),
     others: Sequence[complex] = (),
 ) -> Placed:
-    """Place letters beside their points.
+    """Place letters of a size of type `em` beside their points, in view.
 
     Letters with the closest neighbours are placed first. Each takes the best of 144 positions about its
-    point: close to it, not over other letters, points or lines, and nearer to it than to others. Where
-    no place is free within `NEAR`, one farther away is taken, with a leader.
+    point: close to it, not over texts that are there, points or lines, and nearer to it than to others.
+    Where no place is free within `NEAR`, one farther away is taken, with a leader.
 
     Parameters
     ----------
-    points, texts : of the letters
-    em : size of the type in units of the sheet
-    view : the visible part of the sheet; letters stay inside
     segments : ends of the lines that letters must avoid, shape (segments, 2)
     taken : boxes of texts that are already there
     others : points that the letters do not name

@@ -5,7 +5,7 @@ A page is filled part by part and remembers its lines and texts, so that later l
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -25,30 +25,18 @@ from .text import typeset
 
 @dataclass
 class Page:
-    """A picture under way.
-
-    Parameters
-    ----------
-    subject : the construction it shows
-    view : the visible part of the sheet
-    em : size of the type, m of paper
-    title, words : above it
-    keyed : whether it has a legend
-    """
+    """A picture under way, of the part of the sheet in view."""
 
     subject: Subject
     view: Box
-    em: float
+    em: float  # size of the type, m of paper
     items: list[Item] = field(default_factory=list)
     taken: list[Box] = field(default_factory=list)
-    title: str = ""
+    title: str = ""  # above it, as the words
     words: str = ""
-    keyed: bool = True
-
-    def __post_init__(self) -> None:
-        """Begin without lines."""
-        self._segments = np.zeros((0, 2), complex)
-        self._strips: list[Strip] = []  # whose segments are not among them yet
+    keyed: bool = True  # with a legend
+    _segments: Points = field(default_factory=lambda: np.zeros((0, 2), complex))
+    _strips: list[Strip] = field(default_factory=list)  # whose segments are not among them yet
 
     @property
     def drawing(self) -> Drawing:
@@ -57,9 +45,9 @@ class Page:
 
     def following(self) -> Page:
         """Return an empty page of the same view, whose letters keep clear of what is on this one."""
-        page = Page(self.subject, self.view, self.em, taken=list(self.taken))
-        page._segments = self.segments
-        return page
+        return Page(
+            self.subject, self.view, self.em, taken=list(self.taken), _segments=self.segments
+        )
 
     @cached_property
     def units(self) -> dict[str, tuple[str, float]]:
@@ -151,6 +139,10 @@ class Page:
             self.write(text)
         return free
 
+    def write_first(self, texts: Iterable[Text]) -> None:
+        """Write the first of some texts that finds its place free."""
+        next(filter(self.write_if_free, texts), None)
+
     def letter(
         self,
         named: Sequence[tuple[complex, str, str]],
@@ -159,13 +151,7 @@ class Page:
         lines: bool = True,
         others: Sequence[complex] = (),
     ) -> None:
-        """Write letters beside points; each has a position, a text and a role.
-
-        Parameters
-        ----------
-        lines : whether letters avoid lines, too
-        others : points for which they must not be taken
-        """
+        """Write letters, each with its position, text and role; `others` are points they do not name."""
         if not named:
             return
         em = size * self.em

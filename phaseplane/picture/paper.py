@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.storage import StoredFrames
 
 Points = npt.NDArray[np.complex128]
@@ -142,14 +143,12 @@ def arcs(
 ) -> Points:
     """Return polylines along the shorter arcs about `centre` from `start` to the rays through `end`.
 
+    The points have the same shape; the vertices, equally many for all arcs, are an additional last
+    dimension.
+
     Parameters
     ----------
-    centre, start, end : points, all of the same shape
     finest : largest turn between two vertices, rad; by default chords differ from arcs by 0.1 %
-
-    Returns
-    -------
-    the vertices in an additional last dimension, equally many for all arcs
     """
     centre, start, end = (np.asarray(z, complex) for z in (centre, start, end))
     radius = start - centre
@@ -207,6 +206,20 @@ def columns(frames: StoredFrames, names: Sequence[str]) -> Points:
 def readings(frames: StoredFrames, names: Sequence[str]) -> Lengths:
     """Return the named readings of the frames, shape (frames, names); nan where there is none."""
     return _columns(frames, "readings", names, float)
+
+
+def read_over(
+    drawing: Drawing, names: Sequence[str], first: int = 0, last: int | None = None
+) -> tuple[Lengths, Lengths]:
+    """Return the times of a range of steps and their readings, shape (times, names).
+
+    After the last step of a construction, its end follows if it is known.
+    """
+    several = [drawing.frames[first:last]]
+    if drawing.end is not None and first + len(several[0]) == len(drawing.frames):
+        several.append(StoredFrames([drawing.end]))
+    times, read = zip(*((of.times, readings(of, names)) for of in several), strict=True)
+    return np.concatenate(times), np.concatenate(read)
 
 
 def _columns(

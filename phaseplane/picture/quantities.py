@@ -10,22 +10,13 @@ from functools import cache
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A quantity and its display unit.
-
-    Parameters
-    ----------
-    name : of the quantity
-    unit : in which it is shown
-    factor : number of display units in the SI unit
-    si : the SI unit
-    endings : endings of the names of its variables
-    """
+    """A quantity and its display unit."""
 
     name: str
-    unit: str
-    factor: float
+    unit: str  # in which it is shown
+    factor: float  # number of these in the SI unit
     si: str
-    endings: tuple[str, ...] = ()
+    endings: tuple[str, ...] = ()  # of the names of its variables
 
 
 _DEGREES = 57.29577951308232

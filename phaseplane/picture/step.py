@@ -58,11 +58,9 @@ def draw_step(
 
 
 def write_letters(page: Page, frame: Frame, marks: Sequence[Mark] | None = None) -> None:
-    """Write the letters of one step; those of points out of view are at the rim.
+    """Write the letters of marks, at the rim if they are out of view.
 
-    Parameters
-    ----------
-    marks : the points to be lettered; default: those of the step itself, and the origins
+    By default they are those of the step itself, and the origins.
     """
     named: list[tuple[complex, str, str]] = []
     far: list[tuple[complex, str, str]] = []
@@ -129,13 +127,9 @@ def event_pages(page: Page) -> dict[int, Page]:
 
 
 def write_numbers(page: Page, frames: Sequence[Frame], *, end: bool = True) -> None:
-    """Write the numbers of the state points.
+    """Write the numbers of the state points, and of the successors of the last step if it is the end.
 
     Points that cannot be told apart, as those of a motion that has not begun, share a text.
-
-    Parameters
-    ----------
-    end : whether the successors of the last step are numbered, too
     """
     last = frames[-1]
     for plane in page.drawing.planes:

@@ -59,24 +59,14 @@ _HELP = (
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """One tick of a story: the page that replaces that of the tick before, and its text.
+    """One tick of a story: the page that replaces that of the tick before, and its text."""
 
-    Parameters
-    ----------
-    page : the sheet, without what stays
-    arms : the turn angles on their common arm
-    text : in Markdown
-    caption : the same in one sentence of plain text
-    step : index of the step; that of the end after the last one
-    time : s
-    """
-
-    page: Page
-    arms: Page
-    text: str
-    caption: str
-    step: int
-    time: float
+    page: Page  # the sheet, without what stays
+    arms: Page  # the turn angles on their common arm
+    text: str  # in Markdown
+    caption: str  # the same in one sentence of plain text
+    step: int  # index of the step; that of the end after the last one
+    time: float  # s
 
 
 def arms_page(drawing: Drawing) -> Page:
@@ -108,7 +98,6 @@ def story_of(
     Parameters
     ----------
     stays, arms : the pages of what stays on the sheet and on the arm of the turn angles
-    quantities : of the readings
     steps : indices of the steps to show; default: representative ones, lift-off and touchdown
     """
     first = drawing.frames[0]

@@ -47,21 +47,13 @@ SHADE = Hue("#e9eef5", "#243040")
 
 @dataclass(frozen=True, slots=True)
 class Style:
-    """The style of a role.
-
-    Parameters
-    ----------
-    hue : colour of lines, points and letters
-    width, dash : of lines, in points
-    size : diameter of points, in points
-    words : in a legend; roles without words have no entry
-    """
+    """The style of a role."""
 
     hue: Hue = GREY
-    width: float = 0.8
+    width: float = 0.8  # of lines, in points
     dash: Literal["-", "--", ":"] = "-"
-    size: float = 3.0
-    words: str = ""
+    size: float = 3.0  # diameter of points, in points
+    words: str = ""  # in a legend; roles without words have no entry
 
 
 ROLES = {
@@ -114,8 +106,13 @@ def style_of(role: str) -> Style:
 
 def hue_of(variable: str, number: int = 0) -> Hue:
     """Return the hue of a variable by the part it belongs to, else the hue with this number."""
-    words = variable.split("_")
-    return next((PARTS[w] for w in words if w in PARTS), _OTHERS[number % len(_OTHERS)])
+    part = part_of(variable)
+    return PARTS[part] if part else _OTHERS[number % len(_OTHERS)]
+
+
+def part_of(variable: str) -> str:
+    """Return the part of the car or the energy that a variable belongs to; empty if none."""
+    return next((word for word in variable.split("_") if word in PARTS), "")
 
 
 def strength_of(variable: str) -> float:

@@ -19,13 +19,7 @@ from .quantities import CENTIMETRES, QUANTITIES, Quantity, by_ending, display_un
 
 @dataclass
 class Subject:
-    """A construction and its motions, which all pages of it share.
-
-    Parameters
-    ----------
-    drawing : the construction
-    motions : the state points of each plane; default: those of the drawing
-    """
+    """A construction and its motions (by default its state points), which all pages of it share."""
 
     drawing: Drawing
     motions: list[Points] = field(default_factory=list)
@@ -45,10 +39,7 @@ class Subject:
     def past(self, steps: int, close: float, most: int | None) -> list[Points]:
         """Return the motion in all planes over the first steps: parts of curves thinned once.
 
-        Parameters
-        ----------
-        close : m of paper by which a thinned curve may differ from the whole one
-        most : vertices of each whole curve; default: all
+        Thinned curves have at most so many vertices and differ by less than `close`, m of paper.
         """
         if most is None:
             return [joined(way[:steps]) for way in self.ways]

@@ -7,13 +7,13 @@ mathematics.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from functools import lru_cache
 from textwrap import wrap
 from unicodedata import normalize
 
-from phaseplane.constructions.primitives import Axis, Drawing, Plane, Scheme
+from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.sheet import Event, events_of
 from phaseplane.constructions.storage import Frame
 
@@ -222,16 +222,12 @@ def protocol(
     Where the text would be too long for its pane, the lengths of the first stages are left out, and
     then stages far from the present one. The numbers belong to the text, because the viewer cuts the
     number of a list off if it has two digits.
-
-    Parameters
-    ----------
-    units : display unit of each plane's displacement, and its number in one unit of the axis
     """
     scheme = drawing.schemes[frame.scheme]
     lines = [f"- {i}: {markdown(typeset(words))}" for i, words in enumerate(scheme.stages, 1)]
     lines[present] = f"- **\N{RIGHTWARDS ARROW} {lines[present][2:]}**"
     for stage in range(present, -1, -1):
-        found = markdown("; ".join(measured(drawing, scheme, frame, stage, units)))
+        found = markdown("; ".join(measured(drawing, frame, stage, units)))
         longer = [*lines[:stage], f"{lines[stage]} {found}".rstrip(), *lines[stage + 1 :]]
         if stage < present and sum(map(_rows, longer)) > _MOST_ROWS:
             break
@@ -250,97 +246,76 @@ def _rows(line: str) -> int:
 
 
 def measured(
-    drawing: Drawing,
-    scheme: Scheme,
-    frame: Frame,
-    stage: int,
-    units: Mapping[str, tuple[str, float]],
+    drawing: Drawing, frame: Frame, stage: int, units: Mapping[str, tuple[str, float]]
 ) -> list[str]:
     """Return the lengths measured in a stage, each with the value derived from it.
 
     Displacements and velocities follow from AP57 eqs. 21 and 22, accelerations from eq. 23, arcs from
     eq. 8.
     """
-    points = frame.points
-    found: list[str] = []
+    points, planes = frame.points, drawing.planes
+    scheme = drawing.schemes[frame.scheme]
+    shown = {mark.point for mark in scheme.marks}
     marked = {mark.point for mark in scheme.marks if mark.stage == stage}
-    normals = {s.start for s in scheme.strokes if s.role == "normal" and s.stage == stage}
-    for plane in drawing.planes:
+    strokes = [stroke for stroke in scheme.strokes if stroke.stage == stage]
+    normals = {stroke.start for stroke in strokes if stroke.role == "normal"}
+    swept = {arc.start for arc in scheme.arcs if arc.stage == stage}
+    found: list[str] = []
+    for plane in planes:
         if plane.state in marked:
             found += _state(plane, points[plane.state], units[plane.name])
-    for stroke in scheme.strokes:
-        if stroke.stage == stage and stroke.role == "excitation":
-            length = abs(points[stroke.end] - points[stroke.start])
-            found.append(f"{_pair(stroke.start, stroke.end)} = {_centimetres(length)}")
-    for plane in drawing.planes:
-        if plane.foot in marked or (plane.foot in normals and plane.foot not in _shown(scheme)):
-            found.append(_acceleration(plane, frame))
+    for stroke in strokes:
+        if stroke.role == "excitation":
+            found.append(_length(stroke.start, stroke.end, points))
+    for plane in planes:
+        if plane.foot in marked or (plane.foot in normals and plane.foot not in shown):
+            found.append(_acceleration(plane, points))
         if plane.foot in normals:
-            length = abs(points[plane.state] - points[plane.foot])
-            found.append(f"{_pair(plane.foot, plane.state)} = {_centimetres(length)}")
-    found += [_turned(plane, frame) for plane in drawing.planes if _turns(scheme, plane, stage)]
-    for plane in drawing.planes:
-        successor = f"{plane.state}'"
-        if successor in marked:
-            found += _successor(plane, points[successor], units[plane.name])
+            found.append(_length(plane.foot, plane.state, points))
+    for plane in planes:
+        if f"N{plane.number}" in swept:
+            turn = plane.angular_frequency * frame.duration
+            arc = _centimetres(turn * abs(points[plane.state] - points[plane.foot]))
+            found.append(f"{typeset('dtau' + plane.number)} = {number(turn, 3)} rad, arc {arc}")
+    for plane in planes:
+        if f"{plane.state}'" in marked:
+            value = _displacement(plane, points[f"{plane.state}'"], units[plane.name])
+            found.append(f"{typeset(plane.state)}': {value}")
     return found
 
 
-def _shown(scheme: Scheme) -> set[str]:
-    return {mark.point for mark in scheme.marks}
-
-
-def _turns(scheme: Scheme, plane: Plane, stage: int) -> bool:
-    """Return whether the turn angle of a plane is drawn in this stage."""
-    return any(arc.stage == stage and arc.start == f"N{plane.number}" for arc in scheme.arcs)
-
-
-def _state(plane: Plane, z: complex, unit: tuple[str, float]) -> list[str]:
-    axis, rate = plane.displacement, plane.scaled_velocity
-    foot = f"Q{plane.number}"
+def _state(plane: Plane, z: complex, unit: tuple[str, float]) -> Iterator[str]:
+    axis, rate, foot = plane.displacement, plane.scaled_velocity, f"Q{plane.number}"
     y, y_bar = ((z - axis.origin) * a.direction.conjugate() for a in (axis, rate))
-    speed = plane.angular_frequency * y_bar.real / rate.scale
-    return [
+    yield (
         f"{_pair(f'O{plane.number}', foot)} = {_centimetres(y.real)}: "
-        f"{typeset(axis.label)} = {_shown_value(axis, z, unit)}",
-        f"{_pair(foot, plane.state)} = {_centimetres(y_bar.real)}: "
-        f"{_rate(plane, 1)} = {_read(speed)} {rate_unit(axis.unit, 1)}",
-    ]
-
-
-def _successor(plane: Plane, z: complex, unit: tuple[str, float]) -> list[str]:
-    axis = plane.displacement
-    return [f"{typeset(plane.state)}': {typeset(axis.label)} = {_shown_value(axis, z, unit)}"]
-
-
-def _shown_value(axis: Axis, z: complex, unit: tuple[str, float]) -> str:
-    name, factor = unit
-    return f"{_read(factor * axis.read(z))} {name}".rstrip()
-
-
-def _acceleration(plane: Plane, frame: Frame) -> str:
-    axis = plane.displacement
-    foot, point = frame.points[plane.foot], frame.points[plane.state]
-    value = axis.read(foot) - axis.read(point)
-    length = _centimetres(axis.scale * value)
-    return (
-        f"{_pair('Q' + plane.number, plane.foot)} = {length}: {_rate(plane, 2)} = "
-        f"{_read(plane.angular_frequency**2 * value)} {rate_unit(axis.unit, 2)}"
+        f"{_displacement(plane, z, unit)}"
     )
+    speed = plane.angular_frequency * y_bar.real / rate.scale
+    yield f"{_pair(foot, plane.state)} = {_centimetres(y_bar.real)}: {_rate(plane, 1, speed)}"
 
 
-def _rate(plane: Plane, order: int) -> str:
-    """Return the letter of a derivative of a plane's displacement."""
-    accent = _DOT if order == 1 else _DOTS
-    return (normalize("NFC", plane.displacement.label[0] + accent) + plane.number).translate(
-        _INDICES
-    )
+def _acceleration(plane: Plane, points: Mapping[str, complex]) -> str:
+    axis = plane.displacement
+    value = axis.read(points[plane.foot]) - axis.read(points[plane.state])
+    rate = _rate(plane, 2, plane.angular_frequency**2 * value)
+    return f"{_pair('Q' + plane.number, plane.foot)} = {_centimetres(axis.scale * value)}: {rate}"
 
 
-def _turned(plane: Plane, frame: Frame) -> str:
-    turn = plane.angular_frequency * frame.duration
-    arc = turn * abs(frame.points[plane.state] - frame.points[plane.foot])
-    return f"{typeset('dtau' + plane.number)} = {number(turn, 3)} rad, arc {_centimetres(arc)}"
+def _displacement(plane: Plane, z: complex, unit: tuple[str, float]) -> str:
+    (name, factor), axis = unit, plane.displacement
+    return f"{typeset(axis.label)} = {_read(factor * axis.read(z))} {name}".rstrip()
+
+
+def _rate(plane: Plane, order: int, value: float) -> str:
+    """Return the value of a derivative of a plane's displacement."""
+    letter = normalize("NFC", plane.displacement.label[0] + (_DOT if order == 1 else _DOTS))
+    unit = rate_unit(plane.displacement.unit, order)
+    return f"{(letter + plane.number).translate(_INDICES)} = {_read(value)} {unit}"
+
+
+def _length(start: str, end: str, points: Mapping[str, complex]) -> str:
+    return f"{_pair(start, end)} = {_centimetres(abs(points[end] - points[start]))}"
 
 
 def _pair(start: str, end: str) -> str:

@@ -36,12 +36,7 @@ def frame_at(drawing: Drawing, index: int | None) -> Frame:
 
 
 def telling_frame(drawing: Drawing, mode: str = "") -> Frame:
-    """Return the step whose letters are farthest apart relative to the size of its sheet.
-
-    Parameters
-    ----------
-    mode : mode of the step; default: that of the first
-    """
+    """Return the step of a mode (default: the first) whose letters are farthest apart on its sheet."""
     mode = mode or drawing.frames[0].scheme
     frames = drawing.frames
     frames = frames.at([i for i, scheme in enumerate(frames.schemes) if scheme == mode])
@@ -94,12 +89,7 @@ def gathered(drawing: Drawing, frames: StoredFrames) -> tuple[Drawing, list[Fram
 
 
 def views_of(drawing: Drawing, motions: Sequence[Points]) -> list[Box]:
-    """Return the part of the sheet with the whole motion and most feet of its normals, then each plane.
-
-    Parameters
-    ----------
-    motions : the state points of each plane
-    """
+    """Return the part of the sheet with all motions and most feet of normals, then each plane's."""
     known = dict(zip(drawing.planes, motions, strict=True))
     several = [drawing.planes, *((plane,) for plane in drawing.planes)]
     return [around(_framed(drawing, planes, known), 0.06) for planes in several]
@@ -157,13 +147,7 @@ def _shown(drawing: Drawing, points: Points) -> Points:
 def name_room(drawing: Drawing, points: Points) -> Points:
     """Return how far the y axes extend beyond the motion for their names, m of paper.
 
-    Parameters
-    ----------
-    points : shape (..., points)
-
-    Returns
-    -------
-    shape (..., planes)
+    The points have the shape (..., points), the ends (..., planes).
     """
     room = _NAME * np.ptp(points.imag, axis=-1)[..., None]
     axes = [plane.displacement for plane in drawing.planes]

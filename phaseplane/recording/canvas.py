@@ -68,7 +68,6 @@ class Viewer(Canvas):
 
         Parameters
         ----------
-        name : of the curve, such as that of its plane
         ways : of some steps, shape (steps, vertices)
         first : number of the first of these steps
         columns : returns the time columns of the steps with some numbers

@@ -45,16 +45,12 @@ _INSTEAD = {0x2098: "m", 0x209B: "s", 0x209C: "t", 0x2009: " "}  # of indices an
 class Clock:
     """The timelines of a construction: the start of each step and the end of the last.
 
-    Parameters
-    ----------
-    times : s; empty without a construction, and then `t` is the only timeline
-    steps : numbers of the steps
-    ticks : times of the ticks of the story, s
+    Without a construction they are empty, and `t` is the only timeline.
     """
 
-    times: Reals
+    times: Reals  # s
     steps: Integers
-    ticks: Reals
+    ticks: Reals  # times of the ticks of the story, s
 
     @classmethod
     def of(cls, drawing: Drawing | None, ticks: Sequence[float] = ()) -> Clock:

@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import rerun as rr
 
-from phaseplane.constructions.storage import StoredFrames
-from phaseplane.picture.paper import readings
+from phaseplane.picture.paper import read_over
 from phaseplane.picture.quantities import QUANTITIES, RADIANS, Quantity, quantity_of
 from phaseplane.picture.styles import hue_of, strength_of
 from phaseplane.picture.subject import read_off
@@ -132,12 +131,9 @@ def send_readings(
     recording: rr.RecordingStream, content: Content, clock: Clock, first: int, last: int
 ) -> None:
     """Send what was read off the construction in a range of steps, as points on the curves."""
-    drawing = content.drawing
-    assert drawing is not None
-    end = [drawing.end] if last == len(drawing.frames) and drawing.end is not None else []
+    assert content.drawing is not None
     for panel in panels(content):
-        read = readings(drawing.frames[first:last], panel.drawn)
-        read = np.append(read, readings(StoredFrames(end), panel.drawn), axis=0)
+        _, read = read_over(content.drawing, panel.drawn, first, last)
         for name, values in zip(panel.drawn, panel.quantity.factor * read.T, strict=True):
             recording.send_columns(
                 f"{panel.entity(name)}/{_POINTS}",

@@ -100,13 +100,7 @@ class Live:
     # -- while the run goes on ---------------------------------------------------------------------
 
     def watch(self, names: Sequence[str], rows: RowsSoFar) -> None:
-        """Announce the rows computed so far, without waiting.
-
-        Parameters
-        ----------
-        names : of the columns, including `time`
-        rows : all rows so far; the run adds to them
-        """
+        """Announce the columns and the rows so far, to which the run adds, without waiting."""
         if not self.watching and not self.problem:
             self._source = lambda: (names, rows)
             self._thread = threading.Thread(target=self._pump, daemon=True)

@@ -202,12 +202,7 @@ class Recorder:
         self._rows += len(times) - 1
 
     def redraw(self, histories: Mapping[str, npt.ArrayLike]) -> None:
-        """Log the axes and the places of planes anew, for a motion that goes beyond them.
-
-        Parameters
-        ----------
-        histories : the least and the largest value of the columns in the planes
-        """
+        """Log the axes and the places of planes anew, for columns that reach beyond them."""
         whole = {name: histories.get(name, np.zeros(2)) for name in self.content.histories}
         content = replace(self.content, histories=whole)
         self.pages = pages_of(content)

@@ -21,16 +21,10 @@ _START = 120.0  # s within which a server that lives must answer, on a busy mach
 
 @dataclass(frozen=True, slots=True)
 class Server:
-    """A running server.
+    """A running server."""
 
-    Parameters
-    ----------
-    page : address of the page that shows the recordings
-    url : address to which recordings are sent, and from which they are read
-    """
-
-    page: str
-    url: str
+    page: str  # address of the page that shows the recordings
+    url: str  # address to which recordings are sent, and from which they are read
     process: subprocess.Popen[bytes]
 
     def wait(self) -> None:
@@ -86,12 +80,7 @@ def serving(
 
 
 def _send(file: Path, url: str, copy: Path | None) -> None:
-    """Send a recording to a server; reading the file itself would keep the server busy.
-
-    Parameters
-    ----------
-    copy : path of a copy that shows the list of recordings and is sent instead
-    """
+    """Send a recording, or first copy it with the list; reading the file would keep the server busy."""
     import rerun as rr  # noqa: PLC0415  (not needed for a run that is watched)
     from rerun.chunk import RrdReader  # noqa: PLC0415
 

@@ -188,11 +188,9 @@ def gap_strokes(axle: AxleView, wheel: Reals, road: Reals) -> npt.NDArray[np.com
 
 
 def road_profile(vehicle: Vehicle, histories: Mapping[str, Reals]) -> list[Polyline]:
-    """Return the road in ground coordinates; the vehicle's middle starts at x = 0.
+    """Return the road's surface, and strokes below it that make the speed visible.
 
-    Returns
-    -------
-    the surface, and strokes below it that make the speed visible
+    The vehicle's middle starts at x = 0 of these ground coordinates.
     """
     front = vehicle.axles[0]
     times, y = (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from phaseplane.suspension.variables import MODELS, Value
 from phaseplane import recording
 from phaseplane.constructions.two_planes import STUCK
 from phaseplane.constructions.yielding import FLOWS
+from phaseplane.picture.paper import read_over
 from phaseplane.picture.quantities import rate_of
 
 from .. import draw
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from phaseplane.suspension.systems import Axle, System
 
     from phaseplane.constructions.primitives import Drawing
-    from phaseplane.constructions.storage import Frame
     from phaseplane.recording import Content, Vehicle
 
     from ..results.folder import Results
@@ -101,30 +101,24 @@ def readings(drawing: Drawing) -> dict[str, npt.NDArray[np.float64]]:
     names = [
         n for n in drawing.frames[0].readings if not n.startswith("control_") and n not in rates
     ]
-    instants = drawing.instants
-    return {
-        "time": np.array([frame.time for frame in instants]),
-        **{n: np.array([frame.readings[n] for frame in instants]) for n in names},
-        **_switches(instants),
-    }
+    times, read = read_over(drawing, names)
+    return {"time": times, **dict(zip(names, read.T, strict=True)), **_switches(drawing)}
 
 
-def _switches(instants: Sequence[Frame]) -> dict[str, npt.NDArray[np.float64]]:
+def _switches(drawing: Drawing) -> dict[str, npt.NDArray[np.float64]]:
     """Return where each wheel is off the road, the spring yields or dry friction sticks.
 
     The columns are named like those of a run, if it has them.
     """
-    forces = [n for n in instants[0].readings if n.endswith("contact_force")]
+    schemes = [frame.scheme for frame in drawing.instants]
+    forces = [n for n in drawing.frames[0].readings if n.endswith("contact_force")]
+    _, read = read_over(drawing, forces)
     found = {
-        name.replace("contact_force", "airborne"): [
-            frame.readings[name] == 0.0 for frame in instants
-        ]
-        for name in forces
-    } | {
-        "yielding": [frame.scheme in FLOWS for frame in instants],
-        "sticking": [frame.scheme.endswith(STUCK) for frame in instants],
+        **{n.replace("contact_force", "airborne"): read[:, k] == 0.0 for k, n in enumerate(forces)},
+        "yielding": np.array([scheme in FLOWS for scheme in schemes]),
+        "sticking": np.array([scheme.endswith(STUCK) for scheme in schemes]),
     }
-    return {name: np.array(states, float) for name, states in found.items() if any(states)}
+    return {name: states.astype(float) for name, states in found.items() if states.any()}
 
 
 def default_pairs(units: Mapping[str, str]) -> list[tuple[str, str]]:

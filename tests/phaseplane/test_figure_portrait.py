@@ -13,7 +13,7 @@ from matplotlib.quiver import Quiver
 from matplotlib.text import Text
 
 from phaseplane.figures import portrait
-from phaseplane.figures.style import Look, palette_for
+from phaseplane.figures.style import Look
 from phaseplane.portrait import (
     PhaseSystem,
     Window,
@@ -54,7 +54,7 @@ def test_van_der_pol_shows_its_cycle_in_a_window_that_holds_it() -> None:
     assert cycle[:, 0].max() == pytest.approx(2.0086, abs=1e-3)
     low, high = figure.axes[0].get_ylim()
     assert low < cycle[:, 1].min() < cycle[:, 1].max() < high
-    assert to_hex(figure.get_facecolor()) == palette_for(True).paper
+    assert to_hex(figure.get_facecolor()) == Look(dark=True).palette.paper
     # integral curves from the border end on the cycle
     for orbit in curves(figure, "orbit"):
         end = orbit[-1]
