@@ -66,7 +66,7 @@ def animation(
     draw_curves(page)
     sheet = Sheet(look)
     sheet.made(page, title, typeset(drawing.title))
-    pictures = list(_pictures(sheet, story_of(drawing, page, arms_page(drawing), {})))
+    pictures = list(_pictures(sheet, story_of(page, arms_page(drawing), {})))
     pictures += pictures[-1:] * _HOLD
     with replace_file(target) as temporary:
         if program is not None and suffix == ".mp4":
@@ -101,7 +101,7 @@ def storyboard(
     stays = new_page(drawing, view, look, scale=1.2 * scale)
     draw_axes(stays)
     draw_curves(stays)
-    ticks = list(staged(drawing, stays, arms_page(drawing), chosen.step))
+    ticks = list(staged(stays, arms_page(drawing), chosen.step))
     captions = [fill(tick.caption, int(13.0 * wide)) for tick in ticks]
     below = 0.2 + _LINE * max(text.count("\n") + 1 for text in captions)
     step = f"Step {chosen.step}, {format_time(chosen.time)}, stage by stage"

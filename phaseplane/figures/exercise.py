@@ -28,8 +28,7 @@ from phaseplane.picture.styles import GREEN, RED
 from phaseplane.picture.subject import Subject, motions_of
 from phaseplane.picture.text import MINUS, typeset
 
-PAPERS = {"A4": (21.0, 29.7), "A3": (29.7, 42.0)}
-"""Width and height of a sheet, cm."""
+PAPERS = {"A4": (21.0, 29.7), "A3": (29.7, 42.0)}  # width and height of a sheet, cm
 
 _CM, _INCH = 0.01, 2.54  # m, and cm in an inch
 _EM = TYPE / 72.0 * _INCH * _CM  # m of paper at true scale
@@ -125,7 +124,6 @@ def _page(drawing: Drawing, view: Box, solved: bool) -> Page:
 
 
 def _grid(axes: Axes, view: Box) -> None:
-    """Draw a grid of half centimetres."""
     low, high = view.corners
     look: dict[str, Any] = {"color": "#dfe5ea", "linewidth": 0.35, "zorder": 0.5}
     axes.vlines(np.arange(low.real, high.real, _GRID), low.imag, high.imag, **look)

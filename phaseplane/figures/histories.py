@@ -178,7 +178,6 @@ def airborne_spans(times: npt.ArrayLike, airborne: npt.ArrayLike) -> list[tuple[
 
 
 def _checked(columns: Mapping[str, npt.ArrayLike]) -> tuple[Table, list[Quantity]]:
-    """Return the columns that are drawn, and their quantities."""
     if "time" not in columns:
         raise ValueError(f"no column 'time'; columns given: {', '.join(columns) or 'none'}")
     table = {

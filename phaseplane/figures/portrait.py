@@ -140,7 +140,7 @@ def _slopes(axes: Axes, shown: Portrait, colours: Palette, room: np.ndarray) -> 
         strokes, places = [], []
         for curve in curves:
             inside = window.holds(curve[:, 0], curve[:, 1], -0.03)
-            went = np.concatenate([[0.0], np.hypot(*(np.diff(curve, axis=0) / sides).T).cumsum()])
+            went = _went(curve, sides)
             for at in np.arange(0.5 * _APART, went[-1], _APART):
                 k = int(np.searchsorted(went, at))
                 if inside[k]:
@@ -171,8 +171,7 @@ def _arrows(axes: Axes, curves: Sequence[np.ndarray], window: Window, colour: st
     """Draw arrows in the sense of time on curves: to the right where x' is positive."""
     sides = np.array([window.width, window.height])
     for curve in curves:
-        steps = np.hypot(*(np.diff(curve, axis=0) / sides).T)
-        went = np.concatenate([[0.0], steps.cumsum()])
+        went = _went(curve, sides)
         if went[-1] < 4.0 * _HEAD:
             continue
         inside = window.holds(curve[:, 0], curve[:, 1], -0.02)
@@ -193,8 +192,12 @@ def _arrows(axes: Axes, curves: Sequence[np.ndarray], window: Window, colour: st
             )  # fmt: skip
 
 
+def _went(curve: np.ndarray, sides: np.ndarray) -> np.ndarray:
+    """Return the length of a curve up to each of its points, windows."""
+    return np.append(0.0, np.hypot(*(np.diff(curve, axis=0) / sides).T).cumsum())
+
+
 def _section(axes: Axes, shown: Section, colours: Palette) -> list[Line2D]:
-    """Draw the points of a Poincaré section, and the attractors."""
     (dots,) = axes.plot(
         *shown.points.T, ".", color=colours.chart(BLUE), markersize=3.5, markeredgewidth=0.0,
         zorder=5.0, gid="section", linestyle="", label=f"Poincaré section, every {shown.period:.4g} s",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -97,38 +96,37 @@ def _obstacle_page(drawing: Drawing, look: Look) -> Page:
     page.arrow("axis", -0.02 + 0j, 0.275 + 0j)
     page.arrow("axis", -0.0j, 0.085j)
     page.lines("excitation", [width * part + 1j * height * _obstacle(part)])
-    page.arrow("axis", complex(-0.02, -below), complex(0.275, -below))
+    page.arrow("axis", -0.02 - 1j * below, 0.275 - 1j * below)
     z = 0.03
     corners = (0.0, 0.0, 0.25, 0.25, 0.75, 0.75, 1.0, 1.0)
     heights = (0.0, z, z, -z, -z, z, z, 0.0)
     stairs = [complex(width * x, y - below) for x, y in zip(corners, heights, strict=True)]
     page.lines("normal", [stairs])
     for x in (0.25, 0.5, 0.75, 1.0):
-        page.lines("foot", [[complex(width * x, 0.0), complex(width * x, -below)]])
-    _say(page, 0.287 + 0j, r"$t,\ x$")
-    _say(page, complex(0.287, -below), "t")
-    _say(page, 0.012 + 0.083j, "ξ")
-    _say(page, complex(-0.012, z - below), "z")
-    _say(page, complex(-0.014, -z - below), "$-z$")
-    for number, (x, y) in enumerate(((0.125, 0.2), (0.4, 0.5), (0.875, 0.2)), 1):
-        _say(page, complex(width * x, height * y), str(number))
-    row = complex(0.0, -below - z)
-    ends = [complex(width * x, 0.0) + row for x in (0.0, 0.25, 0.75, 1.0)]
-    for (one, other), words in zip(pairwise(ends), ("$T/4$", "$T/2$", "$T/4$"), strict=True):
-        dimensions.length(page, one - 0.012j, other - 0.012j, words, towards=-1j, size=_size(page))
-    dimensions.length(
-        page, ends[0] - 0.027j, ends[-1] - 0.027j, r"$d = v\,T$", towards=-1j, size=_size(page)
-    )
-    middle = complex(0.5 * width, 0.0)
+        page.lines("foot", [[width * x + 0j, width * x - 1j * below]])
+    marks = ((0.125, 0.2), (0.4, 0.5), (0.875, 0.2))  # of the sections
+    for centre, words in (
+        (0.287 + 0j, r"$t,\ x$"), (0.287 - 1j * below, "t"), (0.012 + 0.083j, "ξ"),
+        (-0.012 + 1j * (z - below), "z"), (-0.014 - 1j * (z + below), "$-z$"),
+        *((complex(width * x, height * y), str(n)) for n, (x, y) in enumerate(marks, 1)),
+    ):  # fmt: skip
+        _say(page, centre, words)
+    a, b, c, d = (width * x - 1j * (below + z) for x in (0.0, 0.25, 0.75, 1.0))
+    for one, other, down, words in (
+        (a, b, 0.012j, "$T/4$"), (b, c, 0.012j, "$T/2$"), (c, d, 0.012j, "$T/4$"),
+        (a, d, 0.027j, r"$d = v\,T$"),
+    ):  # fmt: skip
+        dimensions.length(page, one - down, other - down, words, towards=-1j, size=_size(page))
+    middle = 0.5 * width + 0j
     dimensions.length(page, middle, middle + 1j * height, "a", towards=1.0, size=_size(page))
     return page
 
 
 def _system(drawing: Drawing, look: Look, axles: Sequence[str], *, wheels: bool) -> Page:
-    """Draw a body on axles, with springs, dampers, tyres and roads."""
     apart = 0.22
     places = [apart * k for k in range(len(axles))]
-    floor = _STRUT + (_TYRE + 0.02 if wheels else 0.012)
+    foot = _TYRE + 0.02 if wheels else 0.012
+    floor = _STRUT + foot
     several = len(axles) > 1
     whole = several and wheels  # with the centre of gravity of the body, and its distances
     low, high = -0.06 if whole else -0.03, floor + 0.074
@@ -141,18 +139,17 @@ def _system(drawing: Drawing, look: Look, axles: Sequence[str], *, wheels: bool)
     else:
         _say(page, middle, typeset("M1, M2, M3") if several else "M")
     for x, n in zip(places, axles, strict=True):
-        foot = _TYRE + 0.02 if wheels else 0.012
         _spring(page, complex(x - 0.02, foot), _STRUT, f"P{n}")
         _damper(page, complex(x + 0.02, foot), _STRUT, f"T{n}" if whole else f"Φ{n}")
         if wheels:
-            _block(page, complex(x - _AXLE, _TYRE), complex(x + _AXLE, _TYRE + 0.02))
+            _block(page, complex(x - _AXLE, _TYRE), complex(x + _AXLE, foot))
             _say(page, complex(x, _TYRE + 0.01), typeset(f"m{n}"))
             _spring(page, complex(x - 0.02, 0.006), _TYRE - 0.006, "p" + n if n else "c2")
             _damper(page, complex(x + 0.02, 0.006), _TYRE - 0.006, "t" + n if n else "k2")
-            _coordinate(page, complex(x + 0.055, _TYRE + 0.01), f"x{n}2" if n else "x2")
+            _coordinate(page, complex(x + 0.055, _TYRE + 0.01), f"x{n}2")
         else:
             page.lines("axis", [[complex(x - _AXLE, foot), complex(x + _AXLE, foot)]])
-        _coordinate(page, complex(x - 0.03, floor + 0.036), _above(n, wheels))
+        _coordinate(page, complex(x - 0.03, floor + 0.036), f"x{n}1" if wheels else f"x{n}")
         _ground(page, x, 0.006 if wheels else 0.012)
         _coordinate(page, complex(x + 0.055, -0.01), f"xi{n}")
     return page
@@ -168,17 +165,9 @@ def _centre_of_gravity(page: Page, at: complex, places: Sequence[float]) -> None
     for x in (front, rear):
         dimensions.witness(page, complex(x, 0.0), complex(x, -0.054))
     for one, other, row, words in (
-        (front, centre, -0.03, "a"), (centre, rear, -0.03, "b"), (front, rear, -0.05, "L")
+        (front, centre, -0.03j, "a"), (centre, rear, -0.03j, "b"), (front, rear, -0.05j, "L")
     ):  # fmt: skip
-        dimensions.length(
-            page, complex(one, row), complex(other, row), words, towards=1j, size=_size(page)
-        )
-
-
-def _above(axle: str, wheels: bool) -> str:
-    if not axle:
-        return "x1"
-    return f"x{axle}1" if wheels else f"x{axle}"
+        dimensions.length(page, one + row, other + row, words, towards=1j, size=_size(page))
 
 
 def _block(page: Page, low: complex, high: complex) -> None:

@@ -83,7 +83,7 @@ def figure8(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[
         page.lines("normal", [[d, p]])
         page.lines("construction", [[d, p_new]])
         page.lines("successor", [[p, p_new]])
-        _turn(page, one, plane, p, d)
+        dimensions.turn_angle(page, plane, one, typeset(f"dtau{plane.number}"))
         letters += _lettered(page, one, plane, _STEP)
     page.letter(letters)
     return page, f"The normals turn in opposite senses: {_which(one)}"
@@ -144,15 +144,9 @@ def _finish(
 ) -> None:  # fmt: skip
     """Draw the turn angle, the right angle at P, points and letters, and more letters."""
     p, d, *_ = _points(frame, plane, named)
-    _turn(page, frame, plane, p, d)
+    dimensions.turn_angle(page, plane, frame, typeset(f"dtau{plane.number}"))
     dimensions.right_angle(page, p, d - p, ahead - p)
     page.letter([*_lettered(page, frame, plane, named), *more])
-
-
-def _turn(page: Page, frame: Frame, plane: Plane, p: complex, d: complex) -> None:
-    """Draw the turn angle at D, clockwise where the y axis points to the right."""
-    turn = -plane.displacement.direction.real * plane.angular_frequency * frame.duration
-    dimensions.angle(page, d, p, turn, typeset(f"dtau{plane.number}"))
 
 
 def _lettered(
@@ -195,9 +189,8 @@ def figure3(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[
     page.lines("successor", [[p, p_new]])
     corner = complex(p_new.real, p.imag)
     page.lines("projection", [[p, corner, p_new]])
-    dy, dy_bar = (f"d{name}" for name in (
-        typeset(f"y{plane.number}"), typeset(plane.scaled_velocity.label).split(" ")[0]
-    ))  # fmt: skip
+    dy = f"d{typeset(f'y{plane.number}')}"
+    dy_bar = f"d{typeset(plane.scaled_velocity.label).split(' ')[0]}"
     small = [
         ((p + corner) / 2, dy, "projection"), ((corner + p_new) / 2, dy_bar, "projection"),
         ((p + p_new) / 2, "ds", "successor"),

@@ -113,7 +113,6 @@ class Look:
     headed: bool = True
 
     def __post_init__(self) -> None:
-        """Check that the font is there."""
         if self.font:
             try:
                 findfont(self.font, fallback_to_default=False)

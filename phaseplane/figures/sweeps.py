@@ -182,7 +182,6 @@ def _maps(varied: Quantities, measured: Quantities, look: Look) -> Figure:
 
 
 def _matrix(varied: Quantities, measured: Quantities, look: Look) -> Figure:
-    """Draw every measure over every parameter."""
     rows, columns = len(measured), len(varied)
     width, height = 0.8 + 2.1 * columns, 0.9 + 1.7 * rows
     palette, figure = look.palette, look.blank(max(6.0, width), height)
@@ -213,12 +212,10 @@ def _words(name: str, unit: str, *, broken: bool = True) -> str:
 
 
 def _short(text: str) -> str:
-    """Return a text short enough for a legend."""
     return (text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}...") or "none"
 
 
 def _wrapped(text: str) -> str:
-    """Return a text wrapped to fit under a tick."""
     return fill(_short(text), _LONGEST // 2)
 
 

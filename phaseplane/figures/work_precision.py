@@ -107,7 +107,6 @@ def _legends(
     palette: Palette,
     top: float,
 ) -> None:
-    """Write the legends of the groups side by side."""
     for k, (heading, members) in enumerate(groups.items()):
         made = figure.legend(
             handles=[

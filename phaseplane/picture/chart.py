@@ -109,7 +109,6 @@ class Chart:
         return page
 
     def _values(self, page: Page) -> None:
-        """Write round values along both axes."""
         for parts in (4, 6):  # at least two values
             step = round_step((self.high - self.low) or 1.0, parts)
             shown = range(ceil(self.low / step), floor(self.high / step) + 1)

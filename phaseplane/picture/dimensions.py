@@ -8,6 +8,9 @@ from math import ceil
 
 import numpy as np
 
+from phaseplane.constructions.primitives import Plane
+from phaseplane.constructions.storage import Frame
+
 from .items import TYPE, Text
 from .page import Page
 from .paper import Boxes
@@ -56,17 +59,14 @@ def below(page: Page, start: complex, end: complex, text: str, row: float) -> No
     length(page, start + shift, end + shift, text, towards=-1j)
 
 
-def angle(
-    page: Page, vertex: complex, start: complex, turn: float, text: str, share: float = 0.45
-) -> None:
-    """Draw the arc of a turn about a vertex from a first leg, with an arrow in its sense and a text.
+def turn_angle(page: Page, plane: Plane, frame: Frame, text: str, share: float = 0.45) -> None:
+    """Draw the turn angle of a step at D, clockwise where the y axis points to the right.
 
-    Parameters
-    ----------
-    turn : rad, positive anticlockwise
-    share : radius of the arc as a fraction of the first leg
+    The arc has an arrow in its sense and a text beside it; its radius is a share of the normal.
     """
-    leg = share * (start - vertex)
+    turn = -plane.displacement.direction.real * plane.angular_frequency * frame.duration
+    vertex = frame.points[plane.foot]
+    leg = share * (frame.points[plane.state] - vertex)
     parts = 2 + ceil(abs(turn) / 0.02)
     arc = [vertex + leg * exp(1j * turn * i / parts) for i in range(parts + 1)]
     page.lines("turn", [arc])

@@ -8,8 +8,7 @@ from typing import Literal, TypeVar
 from .letters import text_box
 from .paper import Box, Strip
 
-TYPE = 9.0
-"""Size of the type, points: 1 em of a page."""
+TYPE = 9.0  # size of the type, points: 1 em of a page
 LETTER, VALUE = 10.0 / TYPE, 7.0 / TYPE
 """Sizes of letters, and of the values along axes and curves, em."""
 

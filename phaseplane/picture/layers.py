@@ -31,10 +31,6 @@ class Layer:
     def __len__(self) -> int:
         return len(self.roles)
 
-    def is_main(self, item: int) -> bool:
-        """Return whether an item belongs to the step itself, not to a repetition or a turn angle."""
-        return is_main(self.names[item])
-
 
 def is_main(name: str) -> bool:
     """Return whether a point belongs to the step itself, not to a repetition or the turn angles."""

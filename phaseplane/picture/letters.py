@@ -12,8 +12,7 @@ import numpy.typing as npt
 
 from .paper import Box, Boxes, Lengths, Points
 
-NEAR = 2.0
-"""Farthest distance of a letter from its point without a leader, in em."""
+NEAR = 2.0  # farthest distance of a letter from its point without a leader, in em
 
 _WIDTH, _HEIGHT = 0.58, 1.15  # of one character, in em
 _RINGS = np.array([0.8, 1.1, 1.5, NEAR - 0.1, 2.8, 3.8, 5.0, 7.0, 10.0])  # gaps to the point, in em

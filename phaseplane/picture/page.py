@@ -77,11 +77,6 @@ class Page:
         return self.of(Text)
 
     @property
-    def roles(self) -> list[str]:
-        """The roles of all lines, each once, in the order of drawing."""
-        return list(dict.fromkeys(lines.role for lines in self.of(Lines)))
-
-    @property
     def segments(self) -> Points:
         """Ends of all lines drawn so far, shape (segments, 2)."""
         if self._strips:
@@ -90,9 +85,9 @@ class Page:
         return self._segments
 
     def legend(self) -> list[tuple[str, str]]:
-        """Return the roles in the legend, with their words."""
+        """Return the roles in the legend, with their words, in the order of drawing."""
         found: dict[str, str] = {}
-        for role in self.roles if self.keyed else ():
+        for role in dict.fromkeys(lines.role for lines in self.of(Lines) if self.keyed):
             words = _legend_text(self.drawing, role)
             if words and words not in found.values():
                 found[role] = typeset(words)
@@ -100,20 +95,14 @@ class Page:
 
     # Primitive parts.
 
-    def spare(self, strip: Strip) -> None:
-        """Record a polyline that later letters must avoid."""
-        self._strips.append(strip)
-
     def lines(
         self, role: str, strips: Sequence[Strip], weight: float = 1.0, strength: float = 1.0
     ) -> None:
         """Draw polylines of one role."""
         strips = [strip for strip in strips if len(strip) > 2 or strip[0] != strip[1]]
-        if not strips:
-            return
-        self.items.append(Lines(role, tuple(strips), weight, strength))
-        for strip in strips:
-            self.spare(strip)
+        if strips:
+            self.items.append(Lines(role, tuple(strips), weight, strength))
+            self._strips += strips
 
     def dots(
         self, role: str, points: Sequence[complex], weight: float = 1.0, strength: float = 1.0
@@ -124,7 +113,7 @@ class Page:
     def arrow(self, role: str, start: complex, tip: complex, **more: bool) -> None:
         """Draw an arrow."""
         self.items.append(Arrow(role, start, tip, **more))
-        self.spare((start, tip))
+        self._strips.append((start, tip))
 
     def write(self, text: Text) -> None:
         """Write a text at its place."""
@@ -172,7 +161,6 @@ class Page:
 
 
 def _legend_text(drawing: Drawing, role: str) -> str:
-    """Return the words of a role in the legend of a drawing; empty for none."""
     words = style_of(role).words
     if role == "line":
         labels = [curve.label for curve in drawing.curves if curve.role == "line"]

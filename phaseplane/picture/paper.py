@@ -19,8 +19,7 @@ from phaseplane.constructions.storage import StoredFrames
 Points = npt.NDArray[np.complex128]
 Lengths = npt.NDArray[np.floating]
 Strip = Sequence[complex] | Points
-SEEN = 2e-4
-"""Distance of two points that are seen apart, m of paper."""
+SEEN = 2e-4  # distance of two points that are seen apart, m of paper
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,13 +11,12 @@ from phaseplane.constructions.sheet import events_of
 from phaseplane.constructions.storage import Frame
 
 from .items import VALUE, Dots
-from .layers import Layer, is_main
+from .layers import TURN_POINTS, Layer, is_main
 from .page import Page
 from .paper import SEEN
 from .text import LETTER_OF_EVENT, number, typeset
 
-MOST_LETTERED = 24
-"""Events that are lettered; more of them are small dots."""
+MOST_LETTERED = 24  # events that are lettered; more of them are small dots
 _RECEDING = 0.45  # opacity of what earlier stages drew
 
 
@@ -47,7 +46,8 @@ def draw_step(
         weight, strength = thin, thin
         if stage is not None:
             weight, strength = (2.0, 1.0) if layer.stage == stage else (0.8, _RECEDING)
-        wanted = [i for i in range(len(layer)) if _wanted(layer, i, repeated, turn, sheet)]
+        names = enumerate(layer.names)
+        wanted = [i for i, name in names if _wanted(layer, name, repeated, turn, sheet)]
         for role in dict.fromkeys(layer.roles[i] for i in wanted):
             chosen = [layer.vertices[0, i] for i in wanted if layer.roles[i] == role]
             if layer.kind == "points":
@@ -151,9 +151,7 @@ def write_numbers(page: Page, frames: Sequence[Frame], *, end: bool = True) -> N
         page.letter(named, VALUE, lines=False)
 
 
-def _wanted(layer: Layer, item: int, repeated: bool, turn: bool, sheet: bool) -> bool:
-    name = layer.names[item]
-    of_turn = name.startswith(("W", "N"))
-    if of_turn:
+def _wanted(layer: Layer, name: str, repeated: bool, turn: bool, sheet: bool) -> bool:
+    if name.startswith(TURN_POINTS):
         return turn and layer.kind != "points"
-    return sheet and (repeated or layer.is_main(item))
+    return sheet and (repeated or is_main(name))

@@ -8,7 +8,7 @@ from math import ceil
 
 import numpy as np
 
-from phaseplane.constructions.primitives import Drawing, Mark
+from phaseplane.constructions.primitives import Drawing, Mark, Scheme
 from phaseplane.constructions.sheet import events_of
 from phaseplane.constructions.storage import Frame
 from phaseplane.suspension.units import counted
@@ -32,13 +32,11 @@ from .text import (
     readings_table,
     step_head,
     typeset,
-)
+)  # fmt: skip
 from .views import room_for_letters
 
-VERTICES = 16_000
-"""Most vertices of a motion in a plane."""
-FEWEST, MOST = 40, 60
-"""Ticks of a story, where the schemes allow it."""
+VERTICES = 16_000  # most vertices of a motion in a plane
+MOST = 60  # ticks of a story, where the schemes allow it
 # least distance of a state point from its origin in a step that is told, of the largest in its plane
 _AWAY = 0.25
 _TELLING = 6  # fewest steps from which those are chosen
@@ -87,11 +85,7 @@ def arms_page(drawing: Drawing) -> Page:
 
 
 def story_of(
-    drawing: Drawing,
-    stays: Page,
-    arms: Page,
-    quantities: Mapping[str, Quantity | None],
-    steps: Sequence[int] = (),
+    stays: Page, arms: Page, quantities: Mapping[str, Quantity | None], steps: Sequence[int] = ()
 ) -> Iterator[Tick]:
     """Yield the ticks of a story.
 
@@ -100,6 +94,7 @@ def story_of(
     stays, arms : the pages of what stays on the sheet and on the arm of the turn angles
     steps : indices of the steps to show; default: representative ones, lift-off and touchdown
     """
+    drawing = stays.drawing
     first = drawing.frames[0]
     yield Tick(stays.following(), arms.following(), _introduction(drawing), _EMPTY, 0, first.time)
     for index in told_steps(drawing, steps):
@@ -111,7 +106,7 @@ def story_of(
             said = f"{step_head(drawing, frame)}\n\n# {markdown(happened)}"
             caption = f"{format_time(frame.time)}: {happened}"
             yield Tick(page, arms.following(), said, caption, index, frame.time)
-        yield from staged(drawing, stays, arms, index)
+        yield from staged(stays, arms, index)
     last = drawing.frames[-1]
     page = _page(stays, len(drawing.frames))
     mark_events(page)
@@ -125,11 +120,13 @@ def story_of(
     yield Tick(page, arms.following(), said, caption, count, last.time + last.duration)
 
 
-def staged(drawing: Drawing, stays: Page, arms: Page, index: int) -> Iterator[Tick]:
+def staged(stays: Page, arms: Page, index: int) -> Iterator[Tick]:
     """Yield the ticks of one step: its stages, one after the other."""
-    lettered = _lettered(stays, drawing.frames[index], index)
-    for stage in range(len(_stages(drawing, drawing.frames[index]))):
-        yield _tick(drawing, stays, arms, lettered, index, stage)
+    frame = stays.drawing.frames[index]
+    scheme = stays.drawing.schemes[frame.scheme]
+    lettered = _lettered(stays, frame, scheme, index)
+    for stage in range(len(scheme.stages)):
+        yield _tick(stays, arms, lettered, index, stage)
 
 
 def _drift(stays: Page) -> list[str]:
@@ -165,9 +162,7 @@ def told_steps(drawing: Drawing, steps: Sequence[int] = ()) -> list[int]:
         return len(drawing.schemes[frame.scheme].stages) + bool(frame.event)
 
     found: list[int] = []
-    for (
-        kind
-    ) in _TOLD:  # the first event that can be seen on the sheet, and then those that follow it
+    for kind in _TOLD:  # the first event that can be seen on the sheet, and then those after it
         of_kind = [i for i, event in sorted(drawing.frames.events.items()) if kind in event]
         later = [i for i in of_kind if i > max(found, default=-1)]
         found += ([] if found else _away(drawing, later)[:1]) or later[:1]
@@ -229,35 +224,28 @@ def _introduction(drawing: Drawing) -> str:
 
 
 def _page(stays: Page, index: int) -> Page:
-    """Return a page with the motion up to a step."""
     page = stays.following()
     draw_trails(page, index, 0.8, VERTICES)
     return page
 
 
-def _lettered(stays: Page, frame: Frame, index: int) -> Page:
+def _lettered(stays: Page, frame: Frame, scheme: Scheme, index: int) -> Page:
     """Return a page with P and D of a step lettered, which keep their places through its stages."""
     page = _page(stays, index)
     draw_step(page, frame, repeated=True)
     ring = 0.5 * _RING * style_of(MOVING_POINT[0]).size / TYPE * stays.em * (1 + 1j)
     page.taken += [Box(frame.points[plane.state], ring) for plane in stays.drawing.planes]
-    write_letters(page, frame, _kept(stays.drawing, frame, len(_stages(stays.drawing, frame))))
+    write_letters(page, frame, _kept(scheme, len(scheme.stages)))
     return page
 
 
-def _stages(drawing: Drawing, frame: Frame) -> tuple[str, ...]:
-    return drawing.schemes[frame.scheme].stages
-
-
-def _kept(drawing: Drawing, frame: Frame, stage: int) -> list[Mark]:
+def _kept(scheme: Scheme, stages: int) -> list[Mark]:
     """Return the points whose letters stay once they are drawn: P and D."""
-    marks = drawing.schemes[frame.scheme].marks
-    return [m for m in marks if m.stage < stage and m.role in ("state", "normal")]
+    return [m for m in scheme.marks if m.stage < stages and m.role in ("state", "normal")]
 
 
-def _tick(
-    drawing: Drawing, stays: Page, arms: Page, lettered: Page, index: int, stage: int
-) -> Tick:
+def _tick(stays: Page, arms: Page, lettered: Page, index: int, stage: int) -> Tick:
+    drawing = stays.drawing
     frame = drawing.frames[index]
     scheme = drawing.schemes[frame.scheme]
     page = _page(stays, index)
@@ -270,7 +258,7 @@ def _tick(
     arrives = any(mark.stage == stage and mark.role == "successor" for mark in scheme.marks)
     for role in MOVING_POINT[2 if arrives else 0 :]:  # the ring would hide a short step
         page.dots(role, states, 1.3 if role == "state" else _RING)
-    kept = {typeset(mark.label) for mark in _kept(drawing, frame, stage + 1)}
+    kept = {typeset(mark.label) for mark in _kept(scheme, stage + 1)}
     drawn = [letter for letter in lettered.texts if letter.text.split(" ")[0] in kept]
     for letter in drawn:
         page.put(letter)
@@ -279,27 +267,19 @@ def _tick(
     # the letters of points from which this stage is drawn return for it
     used = {arc.centre for arc in scheme.arcs if arc.stage == stage}
     used |= {z for s in scheme.strokes if s.stage == stage for z in (s.start, s.end)}
-    new = [
-        m
-        for m in scheme.marks
-        if (m.stage == stage or m.point in used) and typeset(m.label) not in kept
-    ]
+    new = [m for m in scheme.marks if m.stage == stage or m.point in used]
     fresh = lettered.following()
-    write_letters(fresh, frame, new)
+    write_letters(fresh, frame, [m for m in new if typeset(m.label) not in kept])
     for letter in fresh.texts:
         page.put(letter)
     page.items += fresh.of(Arrow)
-    turning = [arc for arc in scheme.arcs if arc.stage == stage and arc.start.startswith("N")]
-    if turning:
+    if any(arc.stage == stage and arc.start.startswith("N") for arc in scheme.arcs):
         for plane in drawing.planes:
-            turn = -plane.displacement.direction.real * plane.angular_frequency * frame.duration
-            d, p = frame.points[plane.foot], frame.points[plane.state]
-            dimensions.angle(page, d, p, turn, "", 0.4)
+            dimensions.turn_angle(page, plane, frame, "", 0.4)
     beside = arms.following()
     draw_step(beside, frame, stage=stage, turn=True, sheet=False)
     beside.items = [item for item in beside.items if getattr(item, "role", "") == "arc"]
     said = f"{step_head(drawing, frame)}\n\n{protocol(drawing, frame, stage, stays.units)}"
-    caption = f"Step {frame.step}, {stage + 1} of {len(scheme.stages)}: " + typeset(
-        scheme.stages[stage]
-    )
+    of = f"Step {frame.step}, {stage + 1} of {len(scheme.stages)}"
+    caption = f"{of}: {typeset(scheme.stages[stage])}"
     return Tick(page, beside, said, caption, index, frame.time)

@@ -27,7 +27,6 @@ class Subject:
     _last: list[tuple[Frame, list[Layer]]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        """Read the motions once."""
         self.motions = self.motions or motions_of(self.drawing)
 
     @cached_property

@@ -308,7 +308,6 @@ def _displacement(plane: Plane, z: complex, unit: tuple[str, float]) -> str:
 
 
 def _rate(plane: Plane, order: int, value: float) -> str:
-    """Return the value of a derivative of a plane's displacement."""
     letter = normalize("NFC", plane.displacement.label[0] + (_DOT if order == 1 else _DOTS))
     unit = rate_unit(plane.displacement.unit, order)
     return f"{(letter + plane.number).translate(_INDICES)} = {_read(value)} {unit}"

@@ -29,14 +29,11 @@ from .columns import (
     rgba,
     strips,
     xy,
-)
+)  # fmt: skip
 
-BLOCK = 128
-"""Steps in a block of a long curve, which the viewer draws as one row."""
-RECENT = 200
-"""Steps of a curve that are drawn in full, more than a block."""
-PARTS = ("lines", "points", "letters")
-"""The entities of a page."""
+BLOCK = 128  # steps in a block of a long curve, which the viewer draws as one row
+RECENT = 200  # steps of a curve that are drawn in full, more than a block
+PARTS = ("lines", "points", "letters")  # the entities of a page
 # the draw order of the lines of each page; those of `stage` have neighbouring depths
 _ORDER = {"paper": 11.0, "story": 13.0, "events": 21.0}
 _FAINT = 0.35  # opacity of older steps
@@ -183,7 +180,6 @@ def _letters(pages: Sequence[Page]) -> list[Any]:
 
 
 def _arrow(arrow: Arrow, em: float) -> list[Strip]:
-    """Return the lines of an arrow."""
     way = arrow.tip - arrow.start
     if way == 0.0:
         return []

@@ -18,8 +18,7 @@ from .columns import Clock, Reals, colours, legible, rgba, seconds
 from .content import Content
 
 HISTORIES = "/histories"
-MOST_NAMED = 8
-"""Curves of a plot that are named in it; more names would hide them."""
+MOST_NAMED = 8  # curves of a plot that are named in it; more names would hide them
 _MOST_MARKED = 300  # points on a curve; more of them are small, for they would be a band
 _PLACES = ("front", "rear", "left", "right")
 _POINTS = "drawn"  # name of the entity with the points of the construction, under its series

@@ -15,8 +15,7 @@ from .columns import Clock, Integers, Reals, colours, rgba, seconds
 from .content import Content
 
 LANES = "/lanes"
-SHEET_SHARE = 8.0
-"""The height of the sheet, relative to that of the lanes below it."""
+SHEET_SHARE = 8.0  # the height of the sheet, relative to that of the lanes below it
 _CALM, _LOUD = "calm", "loud"
 
 

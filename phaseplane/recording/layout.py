@@ -77,7 +77,6 @@ def _stack(parts: Sequence[tuple[float, rrb.View | rrb.Container]]) -> rrb.View 
 
 
 def _time_panel(content: Content, recorder: Recorder) -> rrb.TimePanel:
-    """Return the timeline that is shown first, and how fast it plays."""
     if content.live or content.drawing is None:
         duration = float(np.max(content.times, initial=0.0))
         speed = 1.0 if content.live else min(1.0, duration / 10.0) or 1.0

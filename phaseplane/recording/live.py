@@ -211,13 +211,11 @@ class Live:
         return f"the viewer at {self.url} no longer answers"
 
     def _fail_early(self) -> None:
-        """Handle a drawer that has ended too early."""
         words = self._last_words()
         silent = self.url and not listens(self.url)
         self._fail(self._silent if silent else words or "the drawing process ended early")
 
     def _last_words(self) -> str:
-        """Return the drawer's last line of error output."""
         assert self._child is not None
         assert self._noise is not None
         with suppress(subprocess.TimeoutExpired):

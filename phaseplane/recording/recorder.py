@@ -101,7 +101,7 @@ class Recorder:
         if content.constructed is None or content.detail != "stages" or self.arms_page is None:
             return []
         pages = self.pages[0], self.arms_page
-        return list(story_of(content.constructed, *pages, self.quantities, content.staged))
+        return list(story_of(*pages, self.quantities, content.staged))
 
     @property
     def words(self) -> bool:
@@ -210,7 +210,6 @@ class Recorder:
         self._place(content)
 
     def _place(self, content: Content) -> None:
-        """Log where the planes of a run are on the sheet."""
         for plane in state_planes(content) if content.constructed is None else ():
             self.recording.log(f"{SHEET}/trail/{plane.plane.name}", plane.transform, static=True)
 
@@ -230,7 +229,6 @@ class Recorder:
             self._say([tick.text for tick in self.ticks], self.clock.staged())
 
     def _say(self, texts: Sequence[str], times: Sequence[rr.TimeColumn]) -> None:
-        """Log texts in Markdown."""
         style_only = rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN)
         self.recording.log(WORDS, style_only, static=True)
         columns = rr.TextDocument.columns(text=[legible(text) for text in texts])

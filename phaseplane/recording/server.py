@@ -151,7 +151,6 @@ def listens(url: str, patience: float = 1.0) -> bool:
 
 
 def _host(address: str) -> str:
-    """Return the host name of the address for a browser."""
     return socket.gethostname() if address in ("0.0.0.0", "::") else address
 
 

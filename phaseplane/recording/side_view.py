@@ -11,27 +11,11 @@ import rerun as rr
 from phaseplane.picture.paper import Box
 from phaseplane.picture.styles import RED, Hue, hue_of
 
+from . import vehicle as shapes
 from .columns import UPRIGHT, Clock, Reals, colours, flat, radii, rgba, seconds, strips, xy
 from .content import Content
 from .motion import thinned
-from .vehicle import (
-    FLOOR,
-    SPRING_BESIDE,
-    AxleView,
-    Polyline,
-    Vehicle,
-    body_over,
-    coils,
-    gap_at,
-    gap_strokes,
-    hull,
-    on_body,
-    on_wheel,
-    rest_height,
-    road_profile,
-    spring_at,
-    wheel_over,
-)
+from .vehicle import AxleView, Polyline, Vehicle
 
 VEHICLE = "/vehicle"
 _MOST_ROWS = 2000
@@ -50,7 +34,7 @@ def view_box(vehicle: Vehicle, content: Content) -> Box:
     left, right = vehicle.reach
     reach = np.concatenate([[0.0], *map(content.column, vehicle.columns)])
     reach = reach[np.isfinite(reach)]
-    bottom, top = -0.2 + float(reach.min()), FLOOR + 0.45 + float(reach.max())
+    bottom, top = -0.2 + float(reach.min()), shapes.FLOOR + 0.45 + float(reach.max())
     middle = complex(left + right, bottom + top) / 2.0
     return Box(middle, complex(right - left + 2.0 * _MARGIN, top - bottom) / 2.0)
 
@@ -71,18 +55,18 @@ def log_vehicle(recording: rr.RecordingStream, content: Content) -> None:
     if vehicle is None:
         return
     recording.log(VEHICLE, UPRIGHT, static=True)
-    _log_part(recording, "body", hull(vehicle), hue_of("body"))
+    _log_part(recording, "body", shapes.hull(vehicle), hue_of("body"))
     for axle in vehicle.axles:
-        _log_part(recording, f"{axle.name}/strut", on_body(axle), hue_of("suspension"))
-        _log_part(recording, f"{axle.name}/wheel", on_wheel(axle), hue_of("wheel"))
-        _log_part(recording, f"{axle.name}/spring", [coils()], hue_of("suspension"))
+        _log_part(recording, f"{axle.name}/strut", shapes.on_body(axle), hue_of("suspension"))
+        _log_part(recording, f"{axle.name}/wheel", shapes.on_wheel(axle), hue_of("wheel"))
+        _log_part(recording, f"{axle.name}/spring", [shapes.coils()], hue_of("suspension"))
         recording.log(f"{VEHICLE}/{axle.name}/gap", _style(RED), static=True)
     if content.live:  # at rest until the first row
         at_rest = dict.fromkeys(content.histories, np.zeros(1))
         send_positions(recording, vehicle, at_rest, [seconds(np.zeros(1))])
     if vehicle.road or len(content.times):
         histories = {name: content.column(name) for name in content.histories}
-        _log_part(recording, "road", road_profile(vehicle, histories), hue_of("road"))
+        _log_part(recording, "road", shapes.road_profile(vehicle, histories), hue_of("road"))
 
 
 def _log_part(
@@ -107,17 +91,17 @@ def send_positions(
         recording.send_columns(f"{VEHICLE}/{name}", columns, moved)
 
     place("road", -vehicle.speed * at["time"], np.zeros(len(at["time"])))
-    height, pitch = body_over(vehicle, at)
+    height, pitch = shapes.body_over(vehicle, at)
     none = np.zeros_like(pitch)
     turned = np.stack([none, none, np.sin(pitch / 2), np.cos(pitch / 2)], -1)
     place("body", 0.0, height, quaternion=turned)
     for axle in vehicle.axles:
-        body, wheel = at[axle.body], wheel_over(axle, at)
-        place(f"{axle.name}/strut", axle.position, FLOOR + body)
-        place(f"{axle.name}/wheel", axle.position, rest_height(axle) + wheel)
-        foot, length = spring_at(axle, body, wheel)
+        body, wheel = at[axle.body], shapes.wheel_over(axle, at)
+        place(f"{axle.name}/strut", axle.position, shapes.FLOOR + body)
+        place(f"{axle.name}/wheel", axle.position, shapes.rest_height(axle) + wheel)
+        foot, length = shapes.spring_at(axle, body, wheel)
         scale = flat(np.ones_like(length), length, 1.0)
-        place(f"{axle.name}/spring", axle.position + SPRING_BESIDE, foot, scale=scale)
+        place(f"{axle.name}/spring", axle.position + shapes.SPRING_BESIDE, foot, scale=scale)
         _send_gap(recording, axle, at, columns)
 
 
@@ -128,8 +112,8 @@ def _send_gap(
     """Log the gap between road and tyre, shaded while it is open; an empty row clears it."""
     if not axle.wheel:
         return
-    gap = gap_at(axle, at)
-    strokes = gap_strokes(axle, wheel_over(axle, at), at[axle.road])
+    gap = shapes.gap_at(axle, at)
+    strokes = shapes.gap_strokes(axle, shapes.wheel_over(axle, at), at[axle.road])
     open_rows = gap > 0.0
     lines = rr.LineStrips2D.columns(strips=strips(strokes[open_rows].reshape(-1, 2)))
     parts = lines.partition(strokes.shape[1] * open_rows)

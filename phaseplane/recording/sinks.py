@@ -110,7 +110,6 @@ def _written(target: Path) -> Iterator[Path]:
 
 
 def _why_unwritable(draft: Path) -> str:
-    """Return why nothing can be added to a file."""
     try:
         with draft.open("ab") as file:
             file.write(bytes(1 << 16))

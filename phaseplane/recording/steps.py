@@ -29,12 +29,11 @@ from .columns import (
     rgba,
     strips,
     xy,
-)
+)  # fmt: skip
 
 SHEET, ARMS, CHART = "/sheet", "/arms", "/chart"
 WORDS = "/words"
-SLICE = 4096
-"""Steps that are encoded at once."""
+SLICE = 4096  # steps that are encoded at once
 _REPEATED = 0.4  # opacity of what a rule repeats
 # places of letters beside their points, em, the best ones first
 _SIDES = {
@@ -80,9 +79,8 @@ def _parts(layers: Sequence[Layer]) -> Iterator[tuple[str, str, tuple[Any, ...]]
     lines = [layer for layer in layers if layer.kind == "lines"]
     if lines:
         roles = [role for layer in lines for role in layer.roles]
-        strengths = [
-            1.0 if layer.is_main(i) else _REPEATED for layer in lines for i in range(len(layer))
-        ]
+        names = [name for layer in lines for name in layer.names]
+        strengths = [1.0 if is_main(name) else _REPEATED for name in names]
         z = np.concatenate([layer.vertices for layer in lines], 1)
         column = rr.LineStrips2D.columns(strips=strips(z.reshape(-1, 2)))
         yield "lines", SHEET, (line_style(roles, strengths), column, len(roles))

@@ -34,26 +34,16 @@ _PARTS = 24  # of a step over a known motion: the most by which its way is drawn
 
 
 class Begin(NamedTuple):
-    """A start of a construction later than time 0.
+    """A start of a construction later than time 0."""
 
-    Parameters
-    ----------
-    time : s
-    states : y and y' / Omega of each plane, m
-    """
-
-    time: float
-    states: tuple[tuple[float, float], ...]
+    time: float  # s
+    states: tuple[tuple[float, float], ...]  # y and y' / Omega of each plane, m
 
 
 def draw_scene(scene: Scene) -> Drawing:
     """Return the graphical construction of a scene, without its controller; see `draw_construction`."""
-    drawing = draw_construction(
-        scene.fmu.model,
-        scene.all_parameters,
-        asdict(scene.construction),
-        scene.construction_time,
-    )
+    settings, duration = asdict(scene.construction), scene.construction_time
+    drawing = draw_construction(scene.fmu.model, scene.all_parameters, settings, duration)
     if scene.controller is None:
         return drawing
     return replace(drawing, title=f"{drawing.title}, without the controller")
@@ -84,11 +74,9 @@ def draw_construction(
         if distance and settings.get("plane_distance") is None:
             planes = planes_of(model, parameters, {**settings, "plane_distance": distance})
             drawing = _construct(planes, settings, duration)
-        return (
-            constructions.with_shortcuts(drawing, planes, rule, step)
-            if settings.get("shortcut")
-            else drawing
-        )
+        if settings.get("shortcut"):
+            return constructions.with_shortcuts(drawing, planes, rule, step)
+        return drawing
     except ValueError as error:
         raise DrawingError(f"construction: {error}") from None
 
@@ -117,10 +105,7 @@ def _start(planes: Construction, begin: Begin | None) -> constructions.Start | N
 
 
 def overlay_run(
-    columns: Columns,
-    model: str,
-    parameters: Mapping[str, Value],
-    settings: Mapping[str, Any],
+    columns: Columns, model: str, parameters: Mapping[str, Value], settings: Mapping[str, Any]
 ) -> Drawing:
     """Return the graphical construction with the state points of a known motion.
 
@@ -177,11 +162,9 @@ def _distance_needed(drawing: Drawing) -> float:
     The present one will not do where planes overlap, or where motions are small in much empty paper.
     """
     spans = [
-        (
-            plane.displacement.origin.imag,
-            [z.imag - plane.displacement.origin.imag for z in drawing.frames.points(plane.state)],
-        )
+        (height, [z.imag - height for z in drawing.frames.points(plane.state)])
         for plane in drawing.planes
+        for height in (plane.displacement.origin.imag,)
     ]
     needed = present = 0.0
     for (upper, heights), (lower, others) in pairwise(sorted(spans, reverse=True)):
@@ -194,11 +177,7 @@ def _distance_needed(drawing: Drawing) -> float:
 def with_drift(drawing: Drawing, columns: Columns, read_at: ReadAt) -> Drawing:
     """Return a construction with its drift from a run, if the run has the columns and the time.
 
-    Parameters
-    ----------
-    drawing : the construction
-    columns : columns of the run
-    read_at : returns outputs of the run at the times of the construction
+    `read_at` returns outputs of the run at the times of the construction.
     """
     shown = [name for plane in drawing.planes for name in (plane.name, rate_of(plane.name))]
     if not set(shown) <= columns.keys() or columns["time"][-1] < drawing.frames[-1].time:

@@ -42,20 +42,12 @@ _LEAST = 1e-3  # of a plane's own scale
 
 @dataclass(frozen=True)
 class Exercise:
-    """An exercise: the first steps of a scene's construction, on a sheet of paper.
-
-    Parameters
-    ----------
-    scene : the scene
-    settings : of its construction, with the scales of the sheet
-    drawing : the correct construction
-    paper : A4 or A3
-    """
+    """An exercise: the first steps of a scene's construction, on a sheet of paper."""
 
     scene: Scene
-    settings: Mapping[str, Any]
-    drawing: Drawing
-    paper: str
+    settings: Mapping[str, Any]  # of its construction, with the scales of the sheet
+    drawing: Drawing  # the correct construction
+    paper: str  # A4 or A3
 
     @property
     def steps(self) -> int:
@@ -86,16 +78,13 @@ def exercise(scene: Scene, steps: int, paper: str) -> Exercise:
     planes = planes_of(scene.fmu.model, scene.all_parameters, settings)
     own = [plane.displacement.scale for plane in planes.planes]
     several = len(own) > 1
-    begin = _begin(scene, planes, steps, _VISIBLE / (_MOST if several else 1.0 / _LEAST))
+    most = _MOST if several else 1.0 / _LEAST
+    begin = _begin(scene, planes, steps, _VISIBLE / most)
     if begin is not None:
         settings["begin"] = begin
         duration = min(duration, scene.construction_time - begin.time)
     for factor in _FACTORS:
-        if (
-            not _LEAST
-            <= factor / (1.0 if several else own[0])
-            <= (_MOST if several else 1.0 / _LEAST)
-        ):
+        if not _LEAST <= factor / (1.0 if several else own[0]) <= most:
             continue
         scales = tuple(factor * (scale if several else 1.0) for scale in (own * 2)[:2])
         changed = {**settings, "plane_scales": scales}
@@ -112,16 +101,9 @@ def exercise(scene: Scene, steps: int, paper: str) -> Exercise:
 
 
 def _begin(scene: Scene, planes: Construction, steps: int, seen: float) -> Begin | None:
-    """Return the start of the first steps in which every state point moves visibly.
+    """Return the start of the first steps in which every state point moves so far that it is seen.
 
-    Parameters
-    ----------
-    planes : the construction in its own scales
-    seen : smallest visible distance, m of paper in these scales
-
-    Returns
-    -------
-    None for the start of the scene.
+    It is None for the start of the scene. The distance is in m of paper, in the scales of the planes.
     """
     step = scene.construction.step
     duration = min(_MOST_SEARCHED * step, scene.construction_time)
@@ -261,10 +243,8 @@ def marked(made: Exercise, text: str, tolerance: float) -> dict[str, Any]:
 def format_marks(summary: Mapping[str, Any]) -> str:
     """Return marks as text for a terminal."""
     within = f"within {summary['tolerance_mm']:g} mm of paper, each judged from your previous point"
-    lines = [
-        f"{summary['right']} of {summary['points']} points right (rule {summary['rule']}, {within})",
-        "",
-    ]
+    right = f"{summary['right']} of {summary['points']} points right"
+    lines = [f"{right} (rule {summary['rule']}, {within})", ""]
     for one in summary["marks"]:
         said = f"  {one['said']}" if one["said"] else ""
         lines.append(
@@ -273,14 +253,10 @@ def format_marks(summary: Mapping[str, Any]) -> str:
     if summary["missing"]:
         first = summary["points"] + 1
         last = summary["points"] + summary["missing"]
-        lines.append(
-            f"point {first:3d}  missing" + (f", and all up to {last}" if last > first else "")
-        )
-    lines += [
-        "",
-        f"the last point is {summary['final_mm']:.2f} mm from that of the correct construction",
-    ]
-    return "\n".join(lines)
+        rest = f", and all up to {last}" if last > first else ""
+        lines.append(f"point {first:3d}  missing{rest}")
+    away = f"{summary['final_mm']:.2f} mm from that of the correct construction"
+    return "\n".join([*lines, "", f"the last point is {away}"])
 
 
 def write_marked_sheet(made: Exercise, summary: Mapping[str, Any], path: Path) -> None:

@@ -30,10 +30,6 @@ def modes(
 ) -> dict[str, Any]:
     """Return the modes of a scene's model about rest, and draw their planes if `figure` is given.
 
-    Parameters
-    ----------
-    look : how the figure is printed: dark, width (m), font, mono, headed
-
     Raises
     ------
     InputError : if the scene has no modes, or the picture cannot be written.

@@ -71,7 +71,6 @@ def pictures_of(
 def _draw_plane(
     names: tuple[str, str], results: Results, title: str, look: figures.Look, path: Path
 ) -> None:
-    """Draw one output over another."""
     x, y = (results.columns[name] for name in names)
     units = results.summary.get("units", {})
     drawn = figures.plane_of_columns({"": (x, y)}, names, units, title=title, look=look)

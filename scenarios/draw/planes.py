@@ -269,7 +269,6 @@ def _element(system: System, name: str) -> Element:
 
 
 def _sheet(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the settings of the sheet."""
     return {
         name: tuple(settings[name]) if name == "plane_scales" else settings[name]
         for name in ("plane_distance", "plane_scales")

@@ -37,25 +37,15 @@ _PERIODS = 100
 
 @dataclass(frozen=True, slots=True)
 class _Subject:
-    """The subject of a portrait.
+    """The subject of a portrait."""
 
-    Parameters
-    ----------
-    system : the system, with its periodic forcing if there is one
-    words, units : of the axes
-    reach : least half-width of the window, in the coordinate's unit
-    start : initial displacement and rate of the Poincaré section
-    held : names of the coordinates that rest while one moves
-    loaded : whether there are loads, which the portrait of free motion omits
-    """
-
-    system: PhaseSystem
-    words: tuple[str, str]
+    system: PhaseSystem  # with its periodic forcing if there is one
+    words: tuple[str, str]  # of the axes
     units: tuple[str, str]
-    reach: float
-    start: tuple[float, float] = (0.0, 0.0)
-    held: tuple[str, ...] = ()
-    loaded: bool = False
+    reach: float  # least half-width of the window, in the coordinate's unit
+    start: tuple[float, float] = (0.0, 0.0)  # of the Poincaré section: displacement and rate
+    held: tuple[str, ...] = ()  # names of the coordinates that rest while one moves
+    loaded: bool = False  # whether there are loads, which the portrait of free motion omits
 
     @property
     def labels(self) -> tuple[str, str]:
@@ -104,11 +94,10 @@ def portrait(
         with np.errstate(all="ignore"):  # motions that diverge, forces beyond the largest number
             starts = (subject.start, *scene.construction.starts)
             still = system if frozen is None else system.frozen(frozen)
-            shown = (
-                computed.Window(*window)
-                if window
-                else computed.window_of(still, subject.reach, starts)
-            )
+            if window:
+                shown = computed.Window(*window)
+            else:
+                shown = computed.window_of(still, subject.reach, starts)
             made = computed.compute_portrait(
                 system, shown, starts=starts, periods=_PERIODS, frozen=frozen, fits=not window
             )
@@ -142,7 +131,6 @@ def portrait(
 
 
 def _as_data(made: Portrait) -> dict[str, Any]:
-    """Return a portrait as plain data."""
     window = made.window
     return {
         "window": [window.left, window.right, window.bottom, window.top],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,6 @@ from .. import draw
 
 if TYPE_CHECKING:
     import numpy.typing as npt
-    from phaseplane.suspension.signals import Signal
     from phaseplane.suspension.systems import Axle, System
 
     from phaseplane.constructions.primitives import Drawing
@@ -60,14 +59,12 @@ def content(
 
     Parameters
     ----------
-    title : title of the scene
     model, parameters : the model and its parameters, SI
     drawing : its construction, if there is one
     columns : columns of the run by the names of its outputs; without rows before it starts
     units : SI units of the outputs
-    duration : duration of the run, s
+    duration : of the run, s
     shown : `recording` (its detail), `views`, `planes` (pairs of outputs), `staged` (steps)
-    live : whether the run has not started yet
     """
     views = tuple(shown.get("views") or recording.VIEWS)
     rows = recording.thinned(columns, _MOST_ROWS)
@@ -147,11 +144,9 @@ def _rates(name: str) -> tuple[str, ...]:
 
 
 def vehicle(model: str, parameters: Mapping[str, Value], duration: float) -> Vehicle | None:
-    """Return the side view of a model's vehicle; None without a road, or with wheels side by side.
+    """Return the side view of a model's vehicle that travels for so long, s.
 
-    Parameters
-    ----------
-    duration : time it travels, s
+    There is none without a road, or with wheels side by side.
     """
     if model not in MODELS:
         return None
@@ -168,25 +163,24 @@ def vehicle(model: str, parameters: Mapping[str, Value], duration: float) -> Veh
         present = system.element(f"{prefix}{stop}") is not None
         return float(parameters[f"{of}{stop}.gap"]) if present else None
 
-    axles = []
-    for axle in system.axles:
-        axles.append(
-            recording.AxleView(
-                name=axle.prefix.rstrip("_") or "axle",
-                position=places.get(axle.prefix, 0.0),
-                body=f"{axle.prefix}body_displacement",
-                road=f"{axle.prefix}road_elevation",
-                wheel=f"{axle.prefix}wheel_displacement" if axle.tyre else "",
-                airborne=f"{axle.prefix}airborne" if axle.tyre else "",
-                static_tyre_deflection=_static_tyre_deflection(system, axle),
-                bump_gap=gap(axle.prefix, "bump_stop"),
-                rebound_gap=gap(axle.prefix, "rebound_stop"),
-            )
+    axles = tuple(
+        recording.AxleView(
+            name=axle.prefix.rstrip("_") or "axle",
+            position=places.get(axle.prefix, 0.0),
+            body=f"{axle.prefix}body_displacement",
+            road=f"{axle.prefix}road_elevation",
+            wheel=f"{axle.prefix}wheel_displacement" if axle.tyre else "",
+            airborne=f"{axle.prefix}airborne" if axle.tyre else "",
+            static_tyre_deflection=_static_tyre_deflection(system, axle),
+            bump_gap=gap(axle.prefix, "bump_stop"),
+            rebound_gap=gap(axle.prefix, "rebound_stop"),
         )
-    road = system.signals[system.axles[0].road]
-    return recording.Vehicle(
-        tuple(axles), float(parameters["speed"]), tuple(_profile(road, duration))
+        for axle in system.axles
     )
+    road = system.signals[system.axles[0].road]
+    passed = [duration * i / _ROAD_POINTS for i in range(_ROAD_POINTS + 1)]
+    profile = tuple((instant, road.value(instant)) for instant in passed)
+    return recording.Vehicle(axles, float(parameters["speed"]), profile)
 
 
 def _static_tyre_deflection(system: System, axle: Axle) -> float:
@@ -196,13 +190,6 @@ def _static_tyre_deflection(system: System, axle: Axle) -> float:
         return 0.0
     free = system.elements[number].spring.argument(axle.static_load)
     return free if isfinite(free) else 0.0  # a table that never reaches zero force
-
-
-def _profile(road: Signal, duration: float) -> Iterator[tuple[float, float]]:
-    """Yield closely spaced points of the road, as far as the vehicle travels."""
-    for i in range(_ROAD_POINTS + 1):
-        instant = duration * i / _ROAD_POINTS
-        yield instant, road.value(instant)
 
 
 def of_scene(

@@ -147,7 +147,7 @@ def test_a_letter_is_nearer_to_its_point_than_to_others(angle: float, distance: 
 def test_letters_of_a_stage_are_nearer_to_their_points_than_to_others() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, duration=0.1)
     stays = pages_of(Content("quarter car", made))[0]
-    ticks = [tick.page for tick in story_of(made, stays, arms_page(made), {})]
+    ticks = [tick.page for tick in story_of(stays, arms_page(made), {})]
     letters = [[t for t in page.of(Text) if t.kind == "letter" and not t.led] for page in ticks]
     nearer = [
         abs(one.centre - other.point) > abs(one.centre - one.point) - 1e-9
@@ -178,7 +178,7 @@ class Echo(Canvas):
 def test_a_story_in_order() -> None:
     stays = pages_of(content())[0]
     canvas = Echo()
-    ticks = list(story_of(drawing(), stays, arms_page(drawing()), {}))
+    ticks = list(story_of(stays, arms_page(drawing()), {}))
     canvas.begin(stays)
     for tick in ticks:
         canvas.frame(tick.page)
@@ -211,7 +211,7 @@ def test_a_lift_off_that_cannot_be_seen_on_the_sheet_is_not_told() -> None:
 def test_the_present_stage_has_an_arrow_and_is_in_the_units_of_the_axes() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=30)
     stays = pages_of(Content("quarter car", made))[0]
-    ticks = list(story_of(made, stays, arms_page(made), {}, (12,)))
+    ticks = list(story_of(stays, arms_page(made), {}, (12,)))
     stages = made.schemes["contact"].stages
     told = [tick.text.split("\n\n") for tick in ticks if tick.step == 12]
     assert len(told) == len(stages)
@@ -233,7 +233,7 @@ def test_a_story_tells_at_its_end_whether_the_construction_follows_the_run(
     run = share * readings(made.frames, names).T
     compared = compare_with_motion(made, list(made.frames.times), *run.tolist())
     stays = pages_of(Content("quarter car", compared))[0]
-    *_, last = story_of(compared, stays, arms_page(compared), {}, (12,))
+    *_, last = story_of(stays, arms_page(compared), {}, (12,))
     assert "Largest drift from the run: y₁ " in last.text
     assert ("has left the run" in last.text) is not follows
 
@@ -242,7 +242,7 @@ def test_arrows_at_the_rim_come_with_their_letters() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=30)
     stays = pages_of(Content("quarter car", made))[0]
     step = next(f.step for f in made.frames if not stays.view.holds(f.points["D1"]))
-    ticks = [t for t in story_of(made, stays, arms_page(made), {}, (step,)) if t.step == step]
+    ticks = [t for t in story_of(stays, arms_page(made), {}, (step,)) if t.step == step]
     for tick in ticks:
         named = {text.point for text in tick.page.texts if text.text.startswith("D")}
         arrows = {a.start for a in tick.page.of(Arrow) if a.role == "normal"}
@@ -280,7 +280,7 @@ def test_a_story_computes_the_ways_of_its_motion_once(monkeypatch: pytest.Monkey
     ways = subject.paths_of
     monkeypatch.setattr(subject, "paths_of", lambda *of: (computed.append(1), ways(*of))[1])
     stays = pages_of(content())[0]
-    ticks = list(story_of(drawing(), stays, stays.following(), {}))
+    ticks = list(story_of(stays, stays.following(), {}))
     assert len(ticks) > 20
     assert len(computed) == 1
 
@@ -288,7 +288,7 @@ def test_a_story_computes_the_ways_of_its_motion_once(monkeypatch: pytest.Monkey
 def test_what_is_long_past_is_faint_in_a_story() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=500)
     stays = pages_of(Content("quarter car", made))[0]
-    *_, last = story_of(made, stays, arms_page(made), {}, (12, 490))
+    *_, last = story_of(stays, arms_page(made), {}, (12, 490))
     past, recent = (i for i in last.page.items if isinstance(i, Lines) and i.role == "trail")
     assert past.weight < 0.5 * recent.weight
     assert past.strength < 0.6 * recent.strength
@@ -299,7 +299,7 @@ def test_a_long_motion_stays_smooth_in_a_story() -> None:
     spring = EquationPlane(lambda v, x, t: x, True, initial_displacement=1.0)
     made = construct_motion(spring, delta, step=0.5, steps=1000)
     stays = pages_of(Content("spring", made))[0]
-    *_, last = story_of(made, stays, arms_page(made), {}, (5,))
+    *_, last = story_of(stays, arms_page(made), {}, (5,))
     radius = abs(stays.subject.motions[0][0])
     past, recent = (s for i in last.page.of(Lines) if i.role == "trail" for s in i.strips)
     for strip in (past, recent):
@@ -323,7 +323,7 @@ def test_a_thinned_curve_keeps_its_corners() -> None:
 
 
 def test_the_letters_of_a_stage_leave_its_moving_points_free() -> None:
-    ticks = list(story_of(drawing(), stays := pages_of(content())[0], arms_page(drawing()), {}))
+    ticks = list(story_of(stays := pages_of(content())[0], arms_page(drawing()), {}))
     for tick in ticks:
         rings = [
             z for dots in tick.page.of(Dots) if dots.role == MOVING_POINT[0] for z in dots.points
@@ -339,7 +339,7 @@ def test_the_letters_of_a_stage_leave_its_moving_points_free() -> None:
 def test_a_stage_letters_the_points_from_which_it_is_drawn(words: str, letters: str) -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=62)
     stays = pages_of(Content("quarter car", made))[0]
-    ticks = story_of(made, stays, arms_page(made), {}, (7,))
+    ticks = story_of(stays, arms_page(made), {}, (7,))
     (tick,) = (tick for tick in ticks if words in tick.caption)
     assert set(letters.split()) <= {text.text for text in tick.page.texts}
 
@@ -490,7 +490,7 @@ def test_only_turn_angles_are_on_their_arm_which_fills_its_view() -> None:
     on_arm = [z for c in made.curves if c.role in ("axis", "construction") for z in c.vertices]
     around_arm = around(on_arm, 0.01)
     assert around_arm.half.real > 0.6 * arms.view.half.real
-    drawn = [t.arms for t in story_of(made, pages_of(Content("c", made))[0], arms, {})]
+    drawn = [t.arms for t in story_of(pages_of(Content("c", made))[0], arms, {})]
     ends = [z for page in drawn for lines in page.of(Lines) for s in lines.strips for z in s]
     assert len(ends) > 20
     assert all(around_arm.holds(complex(z)) for z in ends)
@@ -589,6 +589,6 @@ def test_the_moving_point_stands_out_on_any_ground() -> None:
 def test_the_ring_does_not_hide_the_step() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=30)
     stays = pages_of(Content("quarter car", made))[0]
-    told = [t.page for t in story_of(made, stays, arms_page(made), {}, (12,)) if t.step == 12]
+    told = [t.page for t in story_of(stays, arms_page(made), {}, (12,)) if t.step == 12]
     ringed = [any(dots.role == "halo" for dots in page.of(Dots)) for page in told]
     assert ringed == [True] * (len(told) - 1) + [False]

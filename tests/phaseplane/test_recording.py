@@ -141,7 +141,7 @@ def test_contact_has_a_lane_on_every_timeline(tmp_path: Path, every: int) -> Non
     assert off["t"] == pytest.approx([times[flies][0]])
     assert off["step"] == [25]
     told = pages_of(shown)[0]
-    ticks = list(story_of(drawing(), told, arms_page(drawing()), {}))
+    ticks = list(story_of(told, arms_page(drawing()), {}))
     flight = [k for k, tick in enumerate(ticks) if 0.0624 < tick.time < 0.0999]
     assert flight
     assert off["stage"] == flight
@@ -269,7 +269,7 @@ def test_the_present_stage_stands_out_and_letters_follow_it(recorded: Recorded) 
 
 def story() -> Iterator[Tick]:
     shown = pages_of(content())
-    return story_of(drawing(), shown[0], arms_page(drawing()), {})
+    return story_of(shown[0], arms_page(drawing()), {})
 
 
 def test_lift_off_and_touchdown_are_marked_in_both_planes(recorded: Recorded) -> None:
