@@ -16,8 +16,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.figures.canvas import Sheet, new_page
-from phaseplane.figures.style import HEADING, PLAIN, Look, heading_lines, new_figure, printed
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import draw_curves
 from phaseplane.picture.files import replace_file
@@ -26,6 +24,9 @@ from phaseplane.picture.styles import MOVING_POINT
 from phaseplane.picture.subject import motions_of
 from phaseplane.picture.text import format_time, typeset
 from phaseplane.picture.views import frame_at, view_of, views_of
+
+from .canvas import Sheet, new_page
+from .style import PLAIN, Look, heading_lines, new_figure, printed
 
 Pixels = npt.NDArray[np.uint8]
 
@@ -121,10 +122,7 @@ def storyboard(
             (column + 0.5) / columns, bottom - 0.05 / tall, caption, ha="center", va="top",
             fontsize=7.5, color=look.palette.ink,
         )  # fmt: skip
-    whole.text(
-        0.5, 1.0 - 0.5 * above / tall, "\n".join(words),
-        ha="center", va="center", fontsize=10.0, color=look.palette.ink, gid=HEADING,
-    )  # fmt: skip
+    sheet.head(words, above)
     return printed(whole, look)
 
 

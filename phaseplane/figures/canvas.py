@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.figures.style import HEADING, PLAIN, Look, heading_lines, new_figure, printed
 from phaseplane.picture.canvas import Canvas
 from phaseplane.picture.items import TYPE, Arrow, Dots, Item, Lines, Text
 from phaseplane.picture.page import Page
@@ -22,6 +21,8 @@ from phaseplane.picture.paper import Box, vertices
 from phaseplane.picture.styles import style_of
 from phaseplane.picture.subject import Subject
 from phaseplane.picture.text import is_letter
+
+from .style import HEADING, PLAIN, Look, heading_lines, new_figure, printed
 
 _LARGEST = (11.0, 10.0)  # inches that the sheet may take up
 _BESIDE = 0.1  # inches
@@ -82,10 +83,7 @@ class Sheet(Canvas):
         )
         for item in page.items:
             self.draw(item)
-        self.figure.text(
-            0.5, 1.0 - 0.5 * above / full[1], "\n".join(heading), color=self.palette.ink,
-            fontsize=10.0, ha="center", va="center", gid=HEADING,
-        )  # fmt: skip
+        self.head(heading, above)
         self._legend(legend, columns)
         printed(self.figure, self.look)
 
@@ -94,6 +92,13 @@ class Sheet(Canvas):
         page.title, page.words = title, words
         self.begin(page)
         return self.figure
+
+    def head(self, lines: Sequence[str], above: float) -> None:
+        """Write lines in the middle of the room above the sheet, inches."""
+        self.figure.text(
+            0.5, 1.0 - 0.5 * above / self.figure.get_figheight(), "\n".join(lines), ha="center",
+            va="center", fontsize=10.0, color=self.palette.ink, gid=HEADING,
+        )  # fmt: skip
 
     def place(self, view: Box, where: tuple[float, float, float, float]) -> None:
         """Draw in a part of the figure from now on: left, bottom, width and height as fractions."""

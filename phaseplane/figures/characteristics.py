@@ -14,11 +14,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from phaseplane.figures.style import PLAIN, Look, Palette, dress, printed
 from phaseplane.suspension import characteristics as law
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.systems import damper_family
+
+from .style import PLAIN, Look, Palette, dress, printed
 
 _COLUMNS = 4
 

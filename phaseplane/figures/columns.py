@@ -11,18 +11,10 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from phaseplane.figures.style import (
-    DASHES,
-    HEADING,
-    PLAIN,
-    Look,
-    dress,
-    heading_lines,
-    new_figure,
-    printed,
-)  # fmt: skip
 from phaseplane.picture.quantities import display_unit
 from phaseplane.picture.text import bracketed, in_words
+
+from .style import DASHES, PLAIN, Look, dress, heading_lines, new_figure, printed
 
 Curve = tuple[npt.ArrayLike, npt.ArrayLike]
 _IN_COLUMN = 7  # panels one below the other, more if they would be too many side by side
@@ -104,7 +96,6 @@ def plane_of_columns(
     words = [in_words(n) + bracketed(unit) for n, (unit, _) in zip(names, shown, strict=True)]
     axes.set(xlabel=words[0], ylabel=words[1])
     dress(axes, look.palette, 8.5)
-    axes.set_axisbelow(True)
     if len(curves) > 1:
         axes.legend(frameon=False, fontsize=8.5, labelcolor=look.palette.ink)
     look.entitled(figure, title)
@@ -151,10 +142,8 @@ def _panels(
         lowest.tick_params(labelbottom=True)
         figure.align_ylabels(grid[:, k])
     if title:
-        figure.suptitle(
-            "\n".join(heading), y=1.0 - (0.1 + 0.1 * len(heading)) / height, va="center",
-            color=look.palette.ink, fontsize=11.0, gid=HEADING,
-        )  # fmt: skip
+        y = 1.0 - (0.1 + 0.1 * len(heading)) / height
+        look.head(figure, "\n".join(heading), y=y, va="center")
     figure.subplots_adjust(
         left=1.2 / width, right=1.0 - 0.25 / width, bottom=0.5 / height,
         top=1.0 - above / height, hspace=0.15, wspace=0.28,

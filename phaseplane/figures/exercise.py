@@ -16,8 +16,6 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.figures.canvas import Sheet
-from phaseplane.figures.style import HEADING, PLAIN, new_figure
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import CURVES, draw_curves, draw_trails
 from phaseplane.picture.items import TYPE
@@ -27,6 +25,9 @@ from phaseplane.picture.step import write_numbers
 from phaseplane.picture.styles import GREEN, RED
 from phaseplane.picture.subject import Subject, motions_of
 from phaseplane.picture.text import MINUS, typeset
+
+from .canvas import Sheet
+from .style import HEADING, PLAIN, new_figure
 
 PAPERS = {"A4": (21.0, 29.7), "A3": (29.7, 42.0)}  # width and height of a sheet, cm
 

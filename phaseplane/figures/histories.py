@@ -11,18 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import blended_transform_factory
 
-from phaseplane.figures.style import (
-    HEADING,
-    PLAIN,
-    Look,
-    Palette,
-    dress,
-    heading_lines,
-    new_figure,
-    printed,
-)  # fmt: skip
 from phaseplane.picture.quantities import QUANTITIES, Quantity
 from phaseplane.picture.styles import hue_of
+
+from .style import PLAIN, Look, Palette, dress, heading_lines, new_figure, printed
 
 _COLUMNS = {
     "displacement": {
@@ -147,7 +139,7 @@ def _histories(
         if axle:
             panels[0].set_title(axle, color=palette.ink, fontsize=10.0, loc="right")
     if title:
-        figure.suptitle("\n".join(heading), color=palette.ink, fontsize=11.0, gid=HEADING)
+        look.head(figure, "\n".join(heading))
     above = (0.55 if title and look.headed else 0.3) + more
     figure.subplots_adjust(
         left=0.81 / width, right=1.0 - (0.2 if narrow else 1.53) / width,
@@ -245,7 +237,6 @@ def _panel(
     axes.axhline(0.0, color=palette.faint, linewidth=0.6, zorder=1.0)
     axes.set_xlim(times[0], times[-1])
     axes.set_ylabel(f"{heading} [{quantity.unit}]")
-    axes.set_axisbelow(True)
     handles, labels = axes.get_legend_handles_labels()
     axes.legend(
         handles[::-1], labels[::-1], loc="lower left" if narrow else "center left",

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from phaseplane.figures.style import PLAIN, Look, draw_zero, dress, new_figure
 from phaseplane.picture.text import typeset
+
+from .style import PLAIN, Look, draw_zero, dress, new_figure
 
 _LEAST = 2.6  # inches of a plane
 

@@ -9,8 +9,6 @@ import numpy as np
 
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.storage import Frame
-from phaseplane.figures.canvas import as_figure, new_page
-from phaseplane.figures.style import Look
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import draw_curves, draw_missed, draw_trails
 from phaseplane.picture.page import Page
@@ -19,6 +17,9 @@ from phaseplane.picture.step import draw_step, mark_events, write_letters, write
 from phaseplane.picture.subject import motions_of
 from phaseplane.picture.text import format_time, typeset
 from phaseplane.picture.views import frame_at, gathered, view_of
+
+from .canvas import as_figure, new_page
+from .style import Look
 
 _MANY = 20  # steps with all auxiliary lines
 _MOVED = 0.02  # of the largest distance from the start: a motion that is seen

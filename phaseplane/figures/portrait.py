@@ -13,9 +13,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from phaseplane.figures.style import HEADING, PLAIN, Look, Palette, draw_zero, dress, printed
 from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, Hue
 from phaseplane.portrait import Portrait, Section, Window
+
+from .style import PLAIN, Look, Palette, draw_zero, dress, printed
 
 _SIZE, _LINE = (9.0, 6.6), 95  # of a figure, inches, and the letters of its title on a line
 _ENTRY = 2.2  # inches of the legend
@@ -87,7 +88,7 @@ def portrait(
     columns = max(1, int(width / _ENTRY))
     heading = _broken(title, int(_LINE * width / _SIZE[0])) if title else ""
     _make_room(axes, -(-len(handles) // columns), heading.count("\n") + 1)
-    figure.suptitle(heading, color=colours.ink, fontsize=11.0, gid=HEADING)
+    look.head(figure, heading)
     figure.legend(
         handles=handles, loc="lower center", ncols=columns, frameon=False, fontsize=8.5,
         labelcolor=colours.ink,

@@ -14,10 +14,6 @@ from matplotlib.figure import Figure
 from phaseplane.constructions.construction import CONTACT, FLIGHT, LIFT_OFF, TOUCHDOWN
 from phaseplane.constructions.primitives import Curve, Drawing, Plane
 from phaseplane.constructions.storage import Frame
-from phaseplane.figures.canvas import as_figure, new_page
-from phaseplane.figures.histories import has_histories, time_histories
-from phaseplane.figures.planes import construction_sheet, format_step, step_page
-from phaseplane.figures.style import PLAIN, Look
 from phaseplane.picture import dimensions
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import draw_curves, draw_trails
@@ -26,6 +22,11 @@ from phaseplane.picture.paper import around, read_over
 from phaseplane.picture.step import mark_events, write_letters
 from phaseplane.picture.text import typeset
 from phaseplane.picture.views import frame_at, motion_points, telling_frame
+
+from .canvas import as_figure, new_page
+from .histories import has_histories, time_histories
+from .planes import construction_sheet, format_step, step_page
+from .style import PLAIN, Look
 
 _ELASTIC = (r"$\dfrac{c_2/c_1}{r + c_2/c_1}\,l$", r"$\dfrac{\kappa}{r + \kappa}\,l$")
 _NAME = 0.25  # room for the name of an axis beyond the motion, as a part of it

@@ -7,14 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.figures.canvas import as_figure, new_page
-from phaseplane.figures.published import needs
-from phaseplane.figures.style import Look
 from phaseplane.picture import dimensions
 from phaseplane.picture.items import Text
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
 from phaseplane.picture.text import typeset
+
+from .canvas import as_figure, new_page
+from .published import needs
+from .style import Look
 
 _TYPE, _SMALLEST = 1.5, 0.67  # of the letters, em
 _ROOM = 0.0085  # height of letters between the parts

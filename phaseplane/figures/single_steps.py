@@ -8,10 +8,6 @@ import numpy as np
 
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.storage import Frame
-from phaseplane.figures.canvas import as_figure, new_page
-from phaseplane.figures.planes import step_page
-from phaseplane.figures.published import needs
-from phaseplane.figures.style import Look
 from phaseplane.picture import dimensions
 from phaseplane.picture.axes import draw_axes, draw_y_axis
 from phaseplane.picture.curves import draw_trails
@@ -20,6 +16,11 @@ from phaseplane.picture.paper import Box, arcs, around, bounds
 from phaseplane.picture.step import write_letters
 from phaseplane.picture.text import format_time, typeset
 from phaseplane.picture.views import frame_at, motion_points, name_room
+
+from .canvas import as_figure, new_page
+from .planes import step_page
+from .published import needs
+from .style import Look
 
 Named = tuple[str, str, str]
 """A point's name, letter and role; {n} is the plane's number, {d} the letter of its foot."""

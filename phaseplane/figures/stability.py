@@ -15,18 +15,9 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from phaseplane.figures.style import PLAIN, Look, Palette, dress
-from phaseplane.picture.styles import (
-    BLUE,
-    GREEN,
-    GREY,
-    OCHRE,
-    ORANGE,
-    PINK,
-    RED,
-    TEAL,
-    VIOLET,
-)  # fmt: skip
+from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, VIOLET
+
+from .style import PLAIN, Look, Palette, dress
 
 Values = npt.NDArray[np.float64]
 
@@ -104,7 +95,6 @@ def stability_sheet(
 def _style(axes: Axes, palette: Palette, title: str) -> None:
     dress(axes, palette, 8.0)
     axes.set_title(title, fontsize=9.5)
-    axes.set_axisbelow(True)
 
 
 def _radii(

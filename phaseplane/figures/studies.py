@@ -8,8 +8,9 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
-from phaseplane.figures.style import PLAIN, Look, dress
 from phaseplane.picture.styles import BLUE, GREY, ORANGE, RED
+
+from .style import PLAIN, Look, dress
 
 Pair = tuple[npt.ArrayLike, npt.ArrayLike]
 
@@ -64,7 +65,6 @@ def pareto(
         ends = min(usual) - margin, max(usual) + margin
         axes.set(**{"xlim" if k == 0 else "ylim": ends})
     dress(axes, palette, 8.5)
-    axes.set_axisbelow(True)
     axes.legend(frameon=False, fontsize=8.5, labelcolor=palette.ink)
     look.entitled(figure, title)
     figure.tight_layout()

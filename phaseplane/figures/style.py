@@ -37,7 +37,7 @@ from phaseplane.picture.styles import (
     VIOLET,
     Hue,
     Shade,
-)  # fmt: skip
+)
 
 COLOURS = (BLUE, ORANGE, GREEN, VIOLET, RED, TEAL, PINK, OCHRE)
 """Hues of curves beside one another, as many as can be distinguished."""
@@ -133,15 +133,19 @@ class Look:
 
     def blank(self, width: float, height: float) -> Figure:
         """Return an empty figure of this size, inches, or of this shape in the width asked for."""
-        inches = self.inches or width
-        return new_figure(inches, height * inches / width, self.palette)
+        if self.inches is not None:
+            width, height = self.inches, height * self.inches / width
+        return new_figure(width, height, self.palette)
 
     def entitled(self, figure: Figure, title: str) -> Figure:
         """Return a figure with a title above it, in lines that fit."""
         if title:
-            lines = "\n".join(heading_lines([title], figure.get_figwidth()))
-            figure.suptitle(lines, color=self.palette.ink, fontsize=11.0, gid=HEADING)
+            self.head(figure, "\n".join(heading_lines([title], figure.get_figwidth())))
         return printed(figure, self)
+
+    def head(self, figure: Figure, words: str, **where: Any) -> None:
+        """Write words above a figure."""
+        figure.suptitle(words, color=self.palette.ink, fontsize=11.0, gid=HEADING, **where)
 
 
 PLAIN = Look()
@@ -151,6 +155,7 @@ PLAIN = Look()
 def dress(axes: Axes, palette: Palette, label_size: float, *, grid: bool = True) -> None:
     """Set background, title, labels, ticks, frame and grid of axes to the colours of the palette."""
     axes.set_facecolor(palette.paper)
+    axes.set_axisbelow(True)
     for text in (axes.title, axes.xaxis.label, axes.yaxis.label):
         text.set_color(palette.ink)
     axes.tick_params(colors=palette.ink, labelsize=label_size, which="both")

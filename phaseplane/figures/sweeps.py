@@ -15,9 +15,10 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from phaseplane.figures.style import COLOURS, HEADING, PLAIN, Look, Palette, dress, printed
 from phaseplane.picture.styles import BLUE
 from phaseplane.picture.text import bracketed
+
+from .style import COLOURS, PLAIN, Look, Palette, dress, printed
 
 Values: TypeAlias = Sequence[float] | Sequence[str]
 Quantities = Mapping[str, tuple[str, Values]]
@@ -54,10 +55,7 @@ def sweep(
         numbers = {key: column for key, column in varied.items() if not _are_texts(column[1])}
         figure = (_maps if len(numbers) == 2 else _matrix)(numbers, shown, look)
     if title:
-        figure.suptitle(
-            title, color=look.palette.ink, fontsize=11.0, y=1.0 - 0.12 / figure.get_figheight(),
-            gid=HEADING,
-        )  # fmt: skip
+        look.head(figure, title, y=1.0 - 0.12 / figure.get_figheight())
     return printed(figure, look)
 
 
@@ -227,7 +225,6 @@ def _plain(axes: Axes, palette: Palette, *, counted: bool = False) -> None:
     dress(axes, palette, 8.0)
     if counted:
         axes.yaxis.set_major_locator(MaxNLocator(5, integer=True))
-    axes.set_axisbelow(True)
     axes.ticklabel_format(scilimits=(-3, 5), useMathText=True)  # so that labels stay short
     for axis in (axes.xaxis, axes.yaxis):
         axis.get_offset_text().set(color=palette.ink, fontsize=7.5)

@@ -13,8 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
-from phaseplane.figures.style import PLAIN, Look, Palette, dress
 from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, VIOLET
+
+from .style import PLAIN, Look, Palette, dress
 
 _LARGEST, _FAILED, _SMALLEST = 1.0, 10.0, 1e-13  # error: axis end, failed runs, axis start
 _COLOURS = (TEAL, ORANGE, RED, GREEN, PINK, OCHRE, VIOLET)
@@ -153,6 +154,7 @@ def _package(name: str, family: str) -> str:
 
 def _style(axes: Axes, palette: Palette) -> None:
     dress(axes, palette, 7.0)
+    axes.set_axisbelow("line")
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlim(_SMALLEST, _FAILED * 10.0)
