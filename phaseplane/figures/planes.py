@@ -102,8 +102,7 @@ def construction_sheet(
     draw_missed(page)
     mark_events(page)
     later = drawing.frames[wanted[-1] + 1 :] if through else []
-    half = page.view.half
-    near = max(1, ceil(_ROOMY * page.em / (2.0 * max(half.real, half.imag))))
+    near = max(1, ceil(_ROOMY * page.em / page.view.size))
     apart = max(near, ceil(len(later) / _NUMBERED))
     every = (apart if later else near) == 1
     write_numbers(page, [*chosen[::near], *later[::apart]], end=every)

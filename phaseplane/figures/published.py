@@ -97,9 +97,9 @@ def figure9(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
     curves = tuple(c for c in drawing.curves if c.role == "auxiliary" and _is_in(wheel, c))
     only = Drawing(drawing.title, (wheel,), curves, drawing.schemes, drawing.frames)
     names = ("P2", "Q2", "A2", "A2*", "B0")
-    points = [frame.points[name] for frame in shown for name in names]
     axis = wheel.displacement
     farthest = max(axis.read(frame.points["P2"]) for frame in drawing.frames)
+    points = [frame.points[name] for frame in shown for name in names]
     points.append(axis.at((1.0 + _NAME) * farthest))
     page = new_page(only, around(np.append(motion_points(only), points)), look)
     draw_axes(page)
@@ -113,20 +113,20 @@ def figure9(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
         if frame.event == TOUCHDOWN and _has_closed(frame, b):
             road = axis.at(frame.readings["road_elevation"])
             dimensions.below(page, road, q, r"$b\,x_{2st}$", row)
-            letters.append((q, typeset("Q2"), "foot"))
+            letters.append((q, "Q2", "foot"))
             continue
         page.lines("construction", [[p, a], [a, foot]])
         page.lines("excitation", [[foot, b]])
         page.dots("foot", [a, foot])
         page.dots("excitation", [b])
         dimensions.below(page, b, q, r"$b\,x_{2st}$", row)
-        for z, label, role in (
+        letters += [
             (q, "Q2", "foot"), (a, "A2", "construction"), (foot, "A2*", "construction"),
             (b, "B2", "excitation"),
-        ):  # fmt: skip
-            letters.append((z, typeset(label), role))
+        ]  # fmt: skip
     mark_events(page)
-    page.letter([*letters, (axis.origin, typeset("O2"), "axis")])
+    letters.append((axis.origin, "O2", "axis"))
+    page.letter([(z, typeset(label), role) for z, label, role in letters])
     times = ", ".join(
         f"{letter} at {1e3 * f.time:.4g} ms" for letter, f in zip("UV", shown, strict=False)
     )

@@ -22,20 +22,12 @@ from .planes import step_page
 from .published import needs
 from .style import Look
 
-Named = tuple[str, str, str]
-"""A point's name, letter and role; {n} is the plane's number, {d} the letter of its foot."""
+Named = tuple[str, str]
+"""A point's name and role; {n} is the plane's number, {d} the letter of its foot."""
 
-_STEP: tuple[Named, ...] = (
-    ("P{n}", "P{n}", "state"),
-    ("{d}{n}", "{d}{n}", "normal"),
-    ("P{n}'", "P{n}'", "successor"),
-)
-_PREDICTED: tuple[Named, ...] = (
-    ("P{n}~", "P{n}'*", "construction"),
-    ("{d}{n}~", "{d}{n}'*", "construction"),
-)
+_STEP: tuple[Named, ...] = (("P{n}", "state"), ("{d}{n}", "normal"), ("P{n}'", "successor"))
+_PREDICTED = (("P{n}~", "construction"), ("{d}{n}~", "construction"))
 _SLENDER = 0.5  # least width over height of a close-up, for a column of text
-_CENTRE: tuple[Named, ...] = (("S{n}", "S{n}", "construction"),)
 
 
 @as_figure
@@ -54,7 +46,7 @@ def figure4a(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple
 @as_figure
 def figure4b(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw P' on the osculating circle about S, at the turn angle seen from D (AP57 figure 4b)."""
-    letters = (*_STEP, *_PREDICTED, *_CENTRE)
+    letters = (*_STEP, *_PREDICTED, ("S{n}", "construction"))
     page, one, plane = _close_up(drawing, "figure 4b", "osculating_circle", letters, frame, look)
     p, d, p_new, ahead, foot, centre = _points(one, plane, letters)
     page.lines("construction", [[p, ahead], [foot, ahead], [d, p_new]])
@@ -95,7 +87,7 @@ def _which(frame: Frame) -> str:
 
 
 def _points(frame: Frame, plane: Plane, named: Sequence[Named]) -> list[complex]:
-    return [frame.points[_fit(name, plane)] for name, _, _ in named]
+    return [frame.points[_fit(name, plane)] for name, _ in named]
 
 
 def _fit(template: str, plane: Plane) -> str:
@@ -155,10 +147,10 @@ def _lettered(
 ) -> list[tuple[complex, str, str]]:
     """Draw points as dots, and return them with their letters and roles."""
     letters = []
-    for name, letter, role in named:
+    for name, role in named:
         z = frame.points[_fit(name, plane)]
         page.dots(role, [z])
-        letters.append((z, typeset(_fit(letter, plane)), role))
+        letters.append((z, typeset(_fit(name, plane).replace("~", "'*")), role))  # the predicted
     return letters
 
 
@@ -182,7 +174,7 @@ def figure3(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[
 
     The triangle of dy = QP dtau and dy-bar = QD dtau is similar to the triangle QPD.
     """
-    letters = (*_STEP, ("Q{n}", "Q{n}", "foot"))
+    letters = (*_STEP, ("Q{n}", "foot"))
     page, one, plane = _close_up(drawing, "figure 3", "tangent", letters, frame, look)
     p, d, p_new, q = _points(one, plane, letters)
     page.lines("foot", [[p, q]])

@@ -49,7 +49,7 @@ class Drawer:
             *([rr.FileSink(order.draft)] if order.draft else []),
         )
         self.recorder = Recorder(self.recording, order.content)
-        self.recording.send_blueprint(blueprint(order.content, self.recorder))
+        self.recording.send_blueprint(blueprint(self.recorder))
         self.recorder.begin()
         self.recording.flush()
         self.viewer = _viewer_at(order.url)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -28,11 +29,12 @@ _LIVE = 1.0  # s of a live run that are drawn in full
 _ROUNDING = 1e-6  # of the range of a plot: an end that is as good as zero
 
 
-def blueprint(content: Content, recorder: Recorder) -> rrb.Blueprint:
+def blueprint(recorder: Recorder) -> rrb.Blueprint:
     """Return the layout: the sheet with lanes below it, and the text, side view and plots next to it.
 
     During a live run the viewer stays at the latest time.
     """
+    content = recorder.content
     left: list[tuple[float, rrb.View | rrb.Container]] = []
     if recorder.pages:
         left.append((SHEET_SHARE, _sheets(content, recorder.pages)))
@@ -46,26 +48,24 @@ def blueprint(content: Content, recorder: Recorder) -> rrb.Blueprint:
     beside: list[rrb.View] = []
     vehicle = vehicle_of(content)
     if vehicle is not None:
-        box = view_box(vehicle, content)
-        beside.append(_view([f"+ {VEHICLE}/**"], "side view", box))
-    if recorder.arms_page is not None and content.detail != "trail":
-        beside.append(_view([f"+ {ARMS}/**"], "turn angles", recorder.arms_page.view))
+        beside.append(_view(VEHICLE, "side view", view_box(vehicle, content)))
+    if recorder.arms_page is not None:
+        beside.append(_view(ARMS, "turn angles", recorder.arms_page.view))
     if beside:
         right.append((1.9, rrb.Horizontal(*beside)))
     plots: list[rrb.View] = [_plot(panel, content) for panel in panels(content)]
     if recorder.chart is not None:
-        plots.insert(0, _view([f"+ {CHART}/**"], "over time", recorder.chart.stays.view))
+        plots.insert(0, _view(CHART, "over time", recorder.chart.stays.view))
     if plots and (recorder.words or beside):
         right.append((2.6, rrb.Tabs(*plots)))
     elif plots:  # high enough for the names of four wheels
-        right.append(
-            (2.5, rrb.Vertical(*plots[:3], *([rrb.Tabs(*plots[3:])] if plots[3:] else [])))
-        )
+        more = [rrb.Tabs(*plots[3:])] if plots[3:] else []
+        right.append((2.5, rrb.Vertical(*plots[:3], *more)))
     columns = [_stack(parts) for parts in (left, right) if parts]
     shares = [2.0, 1.0] if len(columns) == 2 else [1.0]
     return rrb.Blueprint(
         rrb.Horizontal(*columns, column_shares=shares),
-        _time_panel(content, recorder),
+        _time_panel(recorder),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
     )
@@ -76,7 +76,8 @@ def _stack(parts: Sequence[tuple[float, rrb.View | rrb.Container]]) -> rrb.View 
     return rrb.Vertical(*views, row_shares=list(shares)) if len(views) > 1 else views[0]
 
 
-def _time_panel(content: Content, recorder: Recorder) -> rrb.TimePanel:
+def _time_panel(recorder: Recorder) -> rrb.TimePanel:
+    content = recorder.content
     if content.live or content.drawing is None:
         duration = float(np.max(content.times, initial=0.0))
         speed = 1.0 if content.live else min(1.0, duration / 10.0) or 1.0
@@ -97,43 +98,38 @@ def _time_panel(content: Content, recorder: Recorder) -> rrb.TimePanel:
 
 def _sheets(content: Content, pages: Sequence[Page]) -> rrb.View | rrb.Container:
     """Return the view of the whole sheet, and with several planes one of each."""
-    name = ": ".join(filter(None, (content.title, content.manner)))
-    names = [name, *(_plane_name(content, i) for i in range(len(pages) - 1))]
-    views = [_sheet(content, page, name) for page, name in zip(pages, names, strict=True)]
+    names = [": ".join(filter(None, (content.title, content.manner)))]
+    if content.constructed is not None:
+        names += [typeset(plane.displacement.label) for plane in content.constructed.planes]
+    else:
+        names += [in_words(displacement) for displacement, _ in content.pairs]
+    views = [_sheet(content, page, name) for page, name in zip(pages, names, strict=False)]
     return rrb.Tabs(*views, active_tab=0) if len(views) > 1 else views[0]
 
 
-def _plane_name(content: Content, number: int) -> str:
-    drawing = content.constructed
-    if drawing is not None:
-        return typeset(drawing.planes[number].displacement.label)
-    return in_words(content.pairs[number][0])
-
-
 def _sheet(content: Content, page: Page, name: str) -> rrb.Spatial2DView:
-    drawing = content.constructed
-    times = content.times
-    span = float(np.ptp(times)) if len(times) else _LIVE
+    times, drawing = content.times, content.constructed
     rows = min(len(times), MOST_ROWS) - 1
-    run, drawn = ("trail" if drawing is None else "run"), np.inf  # s, a step of the construction
-    curves = []
+    step = (float(np.ptp(times)) if len(times) else _LIVE) / max(rows, RECENT)  # s
+    run = [plane.plane for plane in state_planes(content)]
+    curves = [("trail", run, rows, step)]
     overrides: dict[str, rrb.VisibleTimeRanges] = {}
     if drawing is not None:
         frames = drawing.frames
         lasts = frames[-1].time + frames[-1].duration - frames[0].time
         drawn = lasts / max(len(frames), RECENT)
-        curves.append(("trail", list(drawing.planes), len(frames), drawn))
+        # no run is seen in full where the construction over it is faint
+        curves = [
+            ("trail", list(drawing.planes), len(frames), drawn),
+            ("run", run, rows, min(step, drawn)),
+        ]
         overrides |= {f"{SHEET}/events/{part}": _ranges(None) for part in PARTS}
-    # no run is seen in full where the construction over it is faint
-    step = min(span / max(rows, RECENT), drawn)
-    curves.append((run, [p.plane for p in state_planes(content)], rows, step))
     for role, planes, steps, step in curves:
-        every = 0 < steps <= RECENT
-        recent = _ranges(None if every else RECENT, step)
+        recent = _ranges(None if 0 < steps <= RECENT else RECENT, step)
         for plane in planes:
             path = f"{SHEET}/{role}/{plane.name}"
             overrides |= {f"{path}/past": _ranges(None), f"{path}/recent": recent}
-    return _view([f"+ {SHEET}/**"], legible(name), page.view, overrides=overrides)
+    return _view(SHEET, legible(name), page.view, overrides=overrides)
 
 
 def _ranges(steps: int | None, step: float = 0.0) -> rrb.VisibleTimeRanges:
@@ -148,17 +144,12 @@ def _ranges(steps: int | None, step: float = 0.0) -> rrb.VisibleTimeRanges:
     )
 
 
-def _view(contents: list[str], name: str, box: Box, **more: object) -> rrb.Spatial2DView:
+def _view(root: str, name: str, box: Box, **more: Any) -> rrb.Spatial2DView:
     low, high = box.corners
+    # what is drawn is turned up; the bounds are those of the screen (y down)
+    bounds = rrb.VisualBounds2D(x_range=[low.real, high.real], y_range=[-high.imag, -low.imag])
     return rrb.Spatial2DView(
-        origin="/",
-        contents=contents,
-        name=name,
-        # Sheet and vehicle are turned up; the bounds are those of the screen (y down).
-        visual_bounds=rrb.VisualBounds2D(
-            x_range=[low.real, high.real], y_range=[-high.imag, -low.imag]
-        ),
-        **more,  # type: ignore[arg-type]
+        origin="/", contents=[f"+ {root}/**"], name=name, visual_bounds=bounds, **more
     )
 
 

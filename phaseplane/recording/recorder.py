@@ -72,8 +72,8 @@ class Recorder:
 
     @cached_property
     def arms_page(self) -> Page | None:
-        """The arm of the turn angles."""
-        drawing = self.content.constructed
+        """The arm of the turn angles, if steps are drawn."""
+        drawing = self.content.constructed if self.content.detail != "trail" else None
         return arms_page(drawing) if drawing is not None else None
 
     @cached_property
@@ -97,11 +97,10 @@ class Recorder:
         return Chart(content.constructed, content.histories, shown.drawn, shown.quantity)
 
     def _story(self) -> list[Tick]:
-        content = self.content
-        if content.constructed is None or content.detail != "stages" or self.arms_page is None:
+        if self.content.detail != "stages" or self.arms_page is None:
             return []
         pages = self.pages[0], self.arms_page
-        return list(story_of(*pages, self.quantities, content.staged))
+        return list(story_of(*pages, self.quantities, self.content.staged))
 
     @property
     def words(self) -> bool:
@@ -131,7 +130,7 @@ class Recorder:
         if self.pages:
             self.sheet.begin(self.pages[0])
             self._place(content)
-        if self.arms_page is not None and content.detail != "trail":
+        if self.arms_page is not None:
             self.arms.begin(self.arms_page)
         if self.chart is not None:
             self.over_time.begin(self.chart.stays)

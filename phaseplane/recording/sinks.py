@@ -76,7 +76,7 @@ def record(content: Drawing | Content, path: str | os.PathLike[str]) -> None:
         recording = new_recording(content)
         recording.save(draft)
         recorder = Recorder(recording, content)
-        recording.send_blueprint(blueprint(content, recorder))
+        recording.send_blueprint(blueprint(recorder))
         recorder.all()
         recording.disconnect()
 

@@ -98,31 +98,22 @@ def on_body(axle: AxleView) -> list[Polyline]:
     """Return the parts fixed to the body over an axle, about its floor: damper rod and stops."""
     rod = [0.08 + 0j, 0.08 - 0.62j * _STRUT]
     piston = [0.055 - 0.62j * _STRUT, 0.105 - 0.62j * _STRUT]
-    parts = [rod, piston]
+    parts, length, ends = [rod, piston], strut_length(axle), []
     if axle.bump_gap is not None:
-        end = -1j * max(0.0, strut_length(axle) - axle.bump_gap)
-        parts += [[0j, end], [-0.03 + end, 0.03 + end]]
+        ends.append(-1j * max(0.0, length - axle.bump_gap))
     if axle.rebound_gap is not None:
-        end = -1j * (strut_length(axle) + min(axle.rebound_gap, 0.3))
+        ends.append(-1j * (length + min(axle.rebound_gap, 0.3)))
+    for end in ends:
         parts += [[0j, end], [-0.03 + end, 0.03 + end]]
     return parts
 
 
 def on_wheel(axle: AxleView) -> list[Polyline]:
     """Return the parts fixed to a wheel, about its centre: tyre, rim, strut plate and cylinder."""
-    cylinder = [
-        0.045 + 1j * (_PLATE + 0.7 * _STRUT),
-        0.045 + 1j * _PLATE,
-        0.115 + 1j * _PLATE,
-        0.115 + 1j * (_PLATE + 0.7 * _STRUT),
-    ]
-    return [
-        _circle(TYRE_RADIUS),
-        _circle(_RIM if axle.wheel else TYRE_RADIUS - 0.03),
-        [0j, 1j * _PLATE],
-        [-0.14 + 1j * _PLATE, 0.14 + 1j * _PLATE],
-        cylinder,
-    ]
+    plate, top = 1j * _PLATE, 1j * (_PLATE + 0.7 * _STRUT)
+    cylinder = [0.045 + top, 0.045 + plate, 0.115 + plate, 0.115 + top]
+    rim = _circle(_RIM if axle.wheel else TYRE_RADIUS - 0.03)
+    return [_circle(TYRE_RADIUS), rim, [0j, plate], [-0.14 + plate, 0.14 + plate], cylinder]
 
 
 def _circle(radius: float) -> Polyline:

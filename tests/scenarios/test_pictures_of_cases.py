@@ -142,7 +142,7 @@ def test_the_text_fits_its_pane(name: str, rule: str | None) -> None:
     drawing = drawing_of(name, rule=rule)
     shown = Content(name, drawing, readings(drawing))
     recorder = Recorder(rr.RecordingStream("layout"), shown)
-    column = blueprint(shown, recorder).root_container.contents[-1]
+    column = blueprint(recorder).root_container.contents[-1]
     room = (768.0 - 65.0) * column.row_shares[0] / sum(column.row_shares) - 53.0
     steps = [step_text(drawing, frame, recorder.quantities) for frame in drawing.frames[:200]]
     for text in [tick.text for tick in recorder.ticks] + steps:
