@@ -133,9 +133,8 @@ class Look:
 
     def blank(self, width: float, height: float) -> Figure:
         """Return an empty figure of this size, inches, or of this shape in the width asked for."""
-        if self.inches is not None:
-            width, height = self.inches, height * self.inches / width
-        return new_figure(width, height, self.palette)
+        inches = self.inches or width
+        return new_figure(inches, height * inches / width, self.palette)
 
     def entitled(self, figure: Figure, title: str) -> Figure:
         """Return a figure with a title above it, in lines that fit."""

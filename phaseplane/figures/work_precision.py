@@ -15,7 +15,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
 from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, VIOLET
 
-from .style import PLAIN, Look, Palette, dress
+from .style import PLAIN, Look, Palette, dress, new_figure
 
 _LARGEST, _FAILED, _SMALLEST = 1.0, 10.0, 1e-13  # error: axis end, failed runs, axis start
 _COLOURS = (TEAL, ORANGE, RED, GREEN, PINK, OCHRE, VIOLET)
@@ -79,8 +79,8 @@ def work_precision(
     }
     legend = 0.16 * (max(map(len, groups.values())) + 1) + 0.2
     height = 3.3 * rows + legend + 0.4
-    figure = look.blank(max(4.0 * columns, 7.0), height)
-    width = figure.get_figwidth()
+    width = look.inches or max(4.0 * columns, 7.0)
+    figure = new_figure(width, height, palette)
     figure.subplots_adjust(
         left=0.75 / width, right=1.0 - 0.15 / width, bottom=(legend + 0.45) / height,
         top=1.0 - (0.65 if title else 0.35) / height, wspace=0.22, hspace=0.32,
