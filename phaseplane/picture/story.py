@@ -32,7 +32,7 @@ from .text import (
     readings_table,
     step_head,
     typeset,
-)  # fmt: skip
+)
 from .views import room_for_letters
 
 VERTICES = 16_000  # most vertices of a motion in a plane

@@ -29,7 +29,7 @@ from .columns import (
     rgba,
     strips,
     xy,
-)  # fmt: skip
+)
 
 BLOCK = 128  # steps in a block of a long curve, which the viewer draws as one row
 RECENT = 200  # steps of a curve that are drawn in full, more than a block

@@ -29,7 +29,7 @@ from .columns import (
     rgba,
     strips,
     xy,
-)  # fmt: skip
+)
 
 SHEET, ARMS, CHART = "/sheet", "/arms", "/chart"
 WORDS = "/words"
