@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import chain
 from typing import Any
 
@@ -129,28 +129,24 @@ def _lines(pages: Sequence[Page], order: float) -> list[Any]:
         for page in pages
     ]
     every = list(chain.from_iterable(rows))
-    return [
-        *rr.LineStrips2D.columns(
-            strips=ragged([strip for strip, *_ in every]),
-            colors=colours([rgba(style_of(role).hue, strength) for _, role, _, strength in every]),
-            radii=radii([style_of(role).width * weight for _, role, weight, _ in every]),
-        ).partition([len(row) for row in rows]),
-        *rr.LineStrips2D.columns(draw_order=[order] * len(rows)),
-    ]
+    return _columns(
+        rr.LineStrips2D, rows, {"draw_order": order},
+        strips=ragged([strip for strip, *_ in every]),
+        colors=colours([rgba(style_of(role).hue, strength) for _, role, _, strength in every]),
+        radii=radii([style_of(role).width * weight for _, role, weight, _ in every]),
+    )  # fmt: skip
 
 
 def _points(pages: Sequence[Page], order: float) -> list[Any]:
     """Return the points of pages, a row for each, and their draw order."""
     rows = [[(z, dots) for dots in page.of(Dots) for z in dots.points] for page in pages]
     every = list(chain.from_iterable(rows))
-    return [
-        *rr.Points2D.columns(
-            positions=xy([z for z, _ in every]).reshape(-1, 2),
-            colors=colours([rgba(style_of(dots.role).hue, dots.strength) for _, dots in every]),
-            radii=radii([style_of(dots.role).size * dots.weight for _, dots in every]),
-        ).partition([len(row) for row in rows]),
-        *rr.Points2D.columns(draw_order=[order] * len(rows)),
-    ]
+    return _columns(
+        rr.Points2D, rows, {"draw_order": order},
+        positions=xy([z for z, _ in every]).reshape(-1, 2),
+        colors=colours([rgba(style_of(dots.role).hue, dots.strength) for _, dots in every]),
+        radii=radii([style_of(dots.role).size * dots.weight for _, dots in every]),
+    )  # fmt: skip
 
 
 def _letters(pages: Sequence[Page]) -> list[Any]:
@@ -158,25 +154,23 @@ def _letters(pages: Sequence[Page]) -> list[Any]:
 
     The viewer centres a text just below its anchor.
     """
-    rows = [page.texts for page in pages]
-    places = [
-        t.centre + LINE_UP * (1 + t.text.count("\n")) * 1j * page.em
-        for page in pages
-        for t in page.texts
-    ]
+    rows = [[(text, page.em) for text in page.texts] for page in pages]
     every = list(chain.from_iterable(rows))
-    return [
-        *rr.Points2D.columns(
-            positions=xy(places).reshape(-1, 2),
-            colors=colours([rgba(style_of(text.role).hue) for text in every]),
-            labels=[legible(text.text) for text in every],
-        ).partition([len(row) for row in rows]),
-        *rr.Points2D.columns(
-            radii=[0.0] * len(rows),
-            show_labels=[True] * len(rows),
-            draw_order=[LETTERS_FIRST] * len(rows),
-        ),
-    ]
+    up = [LINE_UP * (1 + text.text.count("\n")) * 1j * em for text, em in every]
+    return _columns(
+        rr.Points2D, rows, {"radii": 0.0, "show_labels": True, "draw_order": LETTERS_FIRST},
+        positions=xy([text.centre + z for (text, _), z in zip(every, up, strict=True)]).reshape(-1, 2),
+        colors=colours([rgba(style_of(text.role).hue) for text, _ in every]),
+        labels=[legible(text.text) for text, _ in every],
+    )  # fmt: skip
+
+
+def _columns(
+    kind: Any, rows: Sequence[Sequence[object]], each: Mapping[str, object], **items: object
+) -> list[Any]:
+    """Return the columns of the items in all rows, and of what each row has once."""
+    once = {name: [value] * len(rows) for name, value in each.items()}
+    return [*kind.columns(**items).partition([len(row) for row in rows]), *kind.columns(**once)]
 
 
 def _arrow(arrow: Arrow, em: float) -> list[Strip]:
