@@ -27,6 +27,7 @@ from .columns import (
     radii,
     ragged,
     rgba,
+    send,
     strips,
     xy,
 )
@@ -92,16 +93,13 @@ class Viewer(Canvas):
         """Log moving points, shape (times, points)."""
         roles = [role for role in MOVING_POINT for _ in range(z.shape[1])]
         discs = rr.Points2D.columns(positions=xy(np.tile(z, len(MOVING_POINT)).ravel()))
-        self.recording.log(f"{self.root}/{name}", point_style(roles, 1.2), static=True)
-        self.recording.send_columns(
-            f"{self.root}/{name}", times, discs.partition([len(roles)] * len(z))
-        )
+        columns = discs.partition([len(roles)] * len(z))
+        send(self.recording, f"{self.root}/{name}", point_style(roles, 1.2), times, columns)
 
     def line(self, name: str, role: str, z: Points, times: Sequence[rr.TimeColumn]) -> None:
         """Log a moving line, shape (times, vertices)."""
-        self.recording.log(f"{self.root}/{name}", line_style([role]), static=True)
         columns = rr.LineStrips2D.columns(strips=strips(z))
-        self.recording.send_columns(f"{self.root}/{name}", times, columns)
+        send(self.recording, f"{self.root}/{name}", line_style([role]), times, columns)
 
     def mark(self, pages: Sequence[Page], times: Sequence[rr.TimeColumn]) -> None:
         """Log marks that stay once their time has come, a page for each time."""

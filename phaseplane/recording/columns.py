@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -98,6 +99,15 @@ class Clock:
             yield times, [seconds(times)]
         if len(ticks):
             yield self.ticks[ticks], [rr.TimeColumn("stage", sequence=ticks)]
+
+
+def send(
+    recording: rr.RecordingStream, path: str, style: rr.AsComponents,
+    times: Sequence[rr.TimeColumn], columns: Iterable[Any],
+) -> None:  # fmt: skip
+    """Log a style that stays, and columns at these times."""
+    recording.log(path, style, static=True)
+    recording.send_columns(path, times, [*columns])
 
 
 def seconds(times: npt.ArrayLike) -> rr.TimeColumn:

@@ -11,7 +11,7 @@ import rerun as rr
 from phaseplane.picture.styles import GREEN, ORANGE, RED, Hue
 from phaseplane.picture.text import in_words
 
-from .columns import Clock, Integers, Reals, colours, rgba, seconds
+from .columns import Clock, Integers, Reals, colours, rgba, seconds, send
 from .content import Content
 
 LANES = "/lanes"
@@ -61,10 +61,9 @@ def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) ->
         path = f"{LANES}/{name.replace(' ', '_')}"
         hues = colours([rgba(GREEN, 0.35), rgba(hue)])
         look = rr.StateConfiguration(values=[_CALM, _LOUD], labels=[calm, loud], colors=hues)
-        recording.log(path, look, static=True)
         new = np.flatnonzero(np.append([True], active[1:] != active[:-1]))
         states = active[new]
-        recording.send_columns(path, [seconds(times[new])], _changes(states))
+        send(recording, path, look, [seconds(times[new])], _changes(states))
         if not len(clock.times):
             continue
         steps = _steps_of(new, times, content, clock)

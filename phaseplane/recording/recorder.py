@@ -20,7 +20,7 @@ from phaseplane.picture.subject import read_off
 from phaseplane.picture.text import end_text, step_text
 
 from .canvas import Viewer
-from .columns import Clock, legible, seconds
+from .columns import Clock, legible, seconds, send
 from .content import Content
 from .histories import log_series, panels, send_at_ticks, send_histories, send_readings
 from .lanes import send_lanes
@@ -228,7 +228,6 @@ class Recorder:
             self._say([tick.text for tick in self.ticks], self.clock.staged())
 
     def _say(self, texts: Sequence[str], times: Sequence[rr.TimeColumn]) -> None:
-        style_only = rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN)
-        self.recording.log(WORDS, style_only, static=True)
+        style = rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN)
         columns = rr.TextDocument.columns(text=[legible(text) for text in texts])
-        self.recording.send_columns(WORDS, times, columns)
+        send(self.recording, WORDS, style, times, columns)

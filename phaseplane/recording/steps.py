@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from .columns import (
     line_style,
     point_style,
     rgba,
+    send,
     strips,
     xy,
 )
@@ -40,6 +42,9 @@ _SIDES = {
     "state": (0.9 + 1.3j, -0.9 + 1.3j, 0.9 - 1.3j, -0.9 - 1.3j),
     "normal": (-1.3j, 1.3j),
 }
+
+# root and name of an entity, its style, its columns, and how many items each step has
+Part = tuple[str, str, rr.AsComponents, Any, int | Integers]
 
 
 def send_steps(
@@ -63,19 +68,16 @@ def send_steps(
         shown = np.repeat([0, 1], [len(left), len(drawn)])
         order = np.argsort(rows, kind="stable")
         columns, shown = clock.columns(rows[order]), shown[order]
-        path = f"{SHEET}/steps/{key}"
         layers = layers_of(drawing, key, first, last)
-        for name, root, part in _parts(layers):
-            style, column, items = part
-            recording.log(f"{root}/steps/{key}/{name}", style, static=True)
-            recording.send_columns(
-                f"{root}/steps/{key}/{name}", columns, [*column.partition(items * shown)]
-            )
-        _send_letters(recording, f"{path}/letters", drawing, layers, page, columns, shown)
+        for root, name, style, column, items in chain(_parts(layers), _letters(layers, page)):
+            counts = np.zeros(len(shown), np.int64)
+            counts[shown > 0] = items
+            path = f"{root}/steps/{key}/{name}"
+            send(recording, path, style, columns, column.partition(counts))
 
 
-def _parts(layers: Sequence[Layer]) -> Iterator[tuple[str, str, tuple[Any, ...]]]:
-    """Yield each entity: its name, its root, and its style, columns and items in a step."""
+def _parts(layers: Sequence[Layer]) -> Iterator[Part]:
+    """Yield the lines, arcs and points of steps."""
     lines = [layer for layer in layers if layer.kind == "lines"]
     if lines:
         roles = [role for layer in lines for role in layer.roles]
@@ -83,26 +85,23 @@ def _parts(layers: Sequence[Layer]) -> Iterator[tuple[str, str, tuple[Any, ...]]
         strengths = [1.0 if is_main(name) else _REPEATED for name in names]
         z = np.concatenate([layer.vertices for layer in lines], 1)
         column = rr.LineStrips2D.columns(strips=strips(z.reshape(-1, 2)))
-        yield "lines", SHEET, (line_style(roles, strengths), column, len(roles))
+        yield SHEET, "lines", line_style(roles, strengths), column, len(roles)
     for layer in (layer for layer in layers if layer.kind == "arcs"):
         of_turn = layer.names[0].startswith("N")
         z = layer.vertices.reshape(-1, layer.vertices.shape[-1])
         column = rr.LineStrips2D.columns(strips=strips(z))
-        style = line_style(list(layer.roles))
-        yield f"arcs{layer.stage + 1}", ARMS if of_turn else SHEET, (style, column, len(layer))
+        root, name = ARMS if of_turn else SHEET, f"arcs{layer.stage + 1}"
+        yield root, name, line_style(list(layer.roles)), column, len(layer)
     points = [layer for layer in layers if layer.kind == "points"]
     if points:
         roles = [role for layer in points for role in layer.roles]
         z = np.concatenate([layer.vertices[..., 0] for layer in points], 1)
         column = rr.Points2D.columns(positions=xy(z.ravel()))
-        yield "points", SHEET, (point_style(roles, 1.2), column, len(roles))
+        yield SHEET, "points", point_style(roles, 1.2), column, len(roles)
 
 
-def _send_letters(
-    recording: rr.RecordingStream, path: str, drawing: Drawing, layers: Sequence[Layer],
-    page: Page, columns: list[rr.TimeColumn], shown: Integers,
-) -> None:  # fmt: skip
-    """Log the letters of P and D, wherever they do not lie on another one."""
+def _letters(layers: Sequence[Layer], page: Page) -> Iterator[Part]:
+    """Yield the letters of P and D, wherever they do not lie on another one."""
     kept = [
         (layer, i)
         for layer in layers
@@ -123,14 +122,11 @@ def _send_letters(
         places, seen = centres[:, chosen] + LINE_UP * 1j * page.em, free[:, chosen]
         labels = np.broadcast_to(np.array([legible(texts[i]) for i in chosen], object), seen.shape)
         letters = rr.Points2D.columns(positions=xy(places[seen]), labels=labels[seen].tolist())
-        some = np.zeros(len(shown), np.int64)
-        some[shown > 0] = seen.sum(axis=1)
         hues = colours([rgba(style_of(role).hue)])
         style = rr.Points2D.from_fields(
             colors=hues, radii=[0.0], show_labels=True, draw_order=LETTERS_FIRST
         )
-        recording.log(f"{path}/{role}", style, static=True)
-        recording.send_columns(f"{path}/{role}", columns, letters.partition(some))
+        yield SHEET, f"letters/{role}", style, letters, seen.sum(axis=1)
 
 
 def free_letters(
