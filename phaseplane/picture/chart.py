@@ -76,11 +76,6 @@ class Chart:
         points: list[complex] = (x + 1j * (_HEIGHT * (values - self.low) / span)).tolist()
         return points
 
-    @property
-    def time_unit(self) -> tuple[str, float]:
-        """The unit of the time, and its number in a second."""
-        return ("s", 1.0) if self.end - self.start >= 1.0 else ("ms", 1e3)
-
     def _stays(self) -> Page:
         named = [
             Text(role, in_words(name), 0j, 0.9)
@@ -109,24 +104,25 @@ class Chart:
         return page
 
     def _values(self, page: Page) -> None:
+        def mark(place: complex, way: complex, text: str, away: float) -> None:
+            page.lines("axis", [[place, place + 0.2 * way * _EM]])
+            page.write_if_free(Text("value", text, place - away * way * _EM, 0.8, "value"))
+
         for parts in (4, 6):  # at least two values
             step = round_step((self.high - self.low) or 1.0, parts)
             shown = range(ceil(self.low / step), floor(self.high / step) + 1)
             if len(shown) > 1:
                 break
         for i in shown:
-            z, text = self.at(self.start, i * step), number(i * step)
-            page.lines("axis", [[z, z + 0.2 * _EM]])
-            beside = z - (0.3 + 0.27 * len(text)) * _EM
-            page.write_if_free(Text("value", text, beside, 0.8, "value"))
-        unit, factor = self.time_unit
-        step = round_step(factor * (self.end - self.start) or 1.0, 5)
-        last = int(factor * (self.end - self.start) / step)
+            text = number(i * step)
+            mark(self.at(self.start, i * step), 1.0, text, 0.3 + 0.27 * len(text))
+        span = self.end - self.start
+        unit, factor = ("s", 1.0) if span >= 1.0 else ("ms", 1e3)
+        step = round_step(factor * span or 1.0, 5)
+        last = int(factor * span / step)
         for i in range(last, 0, -1):  # the last one has the unit
-            z = self.at(self.start + i * step / factor, self.low)
-            page.lines("axis", [[z, z + 0.2j * _EM]])
             text = number(i * step) + (f" {unit}" if i == last else "")
-            page.write_if_free(Text("value", text, z - 0.8j * _EM, 0.8, "value"))
+            mark(self.at(self.start + i * step / factor, self.low), 1j, text, 0.8)
 
     def upto(self, step: int) -> Page:
         """Return a page with what was read off the planes up to a step, and a line at its time."""

@@ -59,24 +59,18 @@ def curve_through(drawing: Drawing, plane: Plane, point: complex) -> list[Strip]
     a spring yields, with curves for each of its branches.
     """
     named = [curve for curve in drawing.curves if curve.role == "auxiliary" and curve.label]
-    of_plane = [
-        curve for curve in named if curve.label.startswith(f"{plane.displacement.label} = ")
-    ]
+    level = f"{plane.displacement.label} = "
+    of_plane = [np.array(c.vertices) for c in named if c.label.startswith(level)]
     if len(of_plane) < 2 or not all(" = " in curve.label for curve in named):
         return []
-    family = [
-        np.array(curve.vertices)[np.argsort(np.imag(curve.vertices), kind="stable")]
-        for curve in of_plane
-    ]
-    heights = np.linspace(
-        max(curve[0].imag for curve in family), min(curve[-1].imag for curve in family), _LEVELS
-    )
+    family = [curve[np.argsort(curve.imag, kind="stable")] for curve in of_plane]
+    low, high = max(curve[0].imag for curve in family), min(curve[-1].imag for curve in family)
+    heights = np.linspace(low, high, _LEVELS)
     places = np.array([np.interp(heights, curve.imag, curve.real) for curve in family])
     apart = places - places[0]
     near = _SAME * (np.ptp(places) or 1.0)
-    shifts = point.real - np.array(
-        [np.interp(point.imag, curve.imag, curve.real) for curve in family]
-    )
+    there = np.array([np.interp(point.imag, curve.imag, curve.real) for curve in family])
+    shifts = point.real - there
     if np.ptp(apart, axis=1).max() > near or abs(shifts).min() <= near:
         return []
     return [tuple(family[0] + shifts[0])]

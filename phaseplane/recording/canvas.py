@@ -20,14 +20,13 @@ from .columns import (
     LINE_UP,
     UPRIGHT,
     Integers,
-    colours,
     legible,
     line_style,
     point_style,
     radii,
     ragged,
-    rgba,
     send,
+    shades,
     strips,
     xy,
 )
@@ -130,7 +129,7 @@ def _lines(pages: Sequence[Page], order: float) -> list[Any]:
     return _columns(
         rr.LineStrips2D, rows, {"draw_order": order},
         strips=ragged([strip for strip, *_ in every]),
-        colors=colours([rgba(style_of(role).hue, strength) for _, role, _, strength in every]),
+        colors=shades([role for _, role, *_ in every], [strength for *_, strength in every]),
         radii=radii([style_of(role).width * weight for _, role, weight, _ in every]),
     )  # fmt: skip
 
@@ -142,7 +141,7 @@ def _points(pages: Sequence[Page], order: float) -> list[Any]:
     return _columns(
         rr.Points2D, rows, {"draw_order": order},
         positions=xy([z for z, _ in every]).reshape(-1, 2),
-        colors=colours([rgba(style_of(dots.role).hue, dots.strength) for _, dots in every]),
+        colors=shades([dots.role for _, dots in every], [dots.strength for _, dots in every]),
         radii=radii([style_of(dots.role).size * dots.weight for _, dots in every]),
     )  # fmt: skip
 
@@ -158,7 +157,7 @@ def _letters(pages: Sequence[Page]) -> list[Any]:
     return _columns(
         rr.Points2D, rows, {"radii": 0.0, "show_labels": True, "draw_order": LETTERS_FIRST},
         positions=xy([text.centre + z for (text, _), z in zip(every, up, strict=True)]).reshape(-1, 2),
-        colors=colours([rgba(style_of(text.role).hue) for text, _ in every]),
+        colors=shades([text.role for text, _ in every]),
         labels=[legible(text.text) for text, _ in every],
     )  # fmt: skip
 

@@ -11,6 +11,7 @@ import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import repeat
 from typing import Any
 
 import numpy as np
@@ -134,19 +135,26 @@ def colours(values: Sequence[int]) -> npt.NDArray[np.uint32]:
     return np.array(values, np.uint32)  # rerun takes a list of four as one RGBA colour
 
 
+def shades(
+    roles: Iterable[str], strengths: Iterable[float] = repeat(1.0)
+) -> npt.NDArray[np.uint32]:
+    """Return the colours of roles, one per instance."""
+    pairs = zip(roles, strengths, strict=False)
+    return colours([rgba(style_of(role).hue, strength) for role, strength in pairs])
+
+
 def radii(sizes: Sequence[float]) -> npt.NDArray[np.float32]:
     """Return radii on the screen of widths and diameters in points of paper."""
     return -0.5 * _SCREEN * np.array(sizes, np.float32)  # negative: not in metres of paper
 
 
 def line_style(
-    roles: Sequence[str], strengths: Sequence[float] = (), weight: float = 1.0, *,
+    roles: Sequence[str], strengths: Iterable[float] = repeat(1.0), weight: float = 1.0, *,
     beneath: bool = False,
 ) -> rr.LineStrips2D:  # fmt: skip
     """Return the style of lines of these roles, which are drawn first if `beneath`."""
-    strengths = strengths or [1.0] * len(roles)
     return rr.LineStrips2D.from_fields(
-        colors=colours([rgba(style_of(r).hue, s) for r, s in zip(roles, strengths, strict=True)]),
+        colors=shades(roles, strengths),
         radii=radii([weight * style_of(role).width for role in roles]),
         draw_order=_BENEATH if beneath else _LINES,
     )
@@ -155,7 +163,7 @@ def line_style(
 def point_style(roles: Sequence[str], weight: float = 1.0) -> rr.Points2D:
     """Return the style of points of these roles."""
     return rr.Points2D.from_fields(
-        colors=colours([rgba(style_of(role).hue) for role in roles]),
+        colors=shades(roles),
         radii=radii([weight * style_of(role).size for role in roles]),
         draw_order=_POINTS,
     )

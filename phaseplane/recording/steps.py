@@ -15,7 +15,6 @@ from phaseplane.picture.layers import Layer, is_main, layers_of
 from phaseplane.picture.letters import text_box
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Boxes, Points
-from phaseplane.picture.styles import style_of
 from phaseplane.picture.text import typeset
 
 from .columns import (
@@ -23,12 +22,11 @@ from .columns import (
     LINE_UP,
     Clock,
     Integers,
-    colours,
     legible,
     line_style,
     point_style,
-    rgba,
     send,
+    shades,
     strips,
     xy,
 )
@@ -122,9 +120,8 @@ def _letters(layers: Sequence[Layer], page: Page) -> Iterator[Part]:
         places, seen = centres[:, chosen] + LINE_UP * 1j * page.em, free[:, chosen]
         labels = np.broadcast_to(np.array([legible(texts[i]) for i in chosen], object), seen.shape)
         letters = rr.Points2D.columns(positions=xy(places[seen]), labels=labels[seen].tolist())
-        hues = colours([rgba(style_of(role).hue)])
         style = rr.Points2D.from_fields(
-            colors=hues, radii=[0.0], show_labels=True, draw_order=LETTERS_FIRST
+            colors=shades([role]), radii=[0.0], show_labels=True, draw_order=LETTERS_FIRST
         )
         yield SHEET, f"letters/{role}", style, letters, seen.sum(axis=1)
 

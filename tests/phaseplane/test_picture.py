@@ -373,7 +373,7 @@ def test_numbers_are_printed_without_exponents(value: float, text: str) -> None:
 
 def test_the_end_of_a_motion_stands_out_from_its_trail() -> None:
     made = drawing()
-    *_, last = story_of(made, pages_of(content())[0], arms_page(made), {})
+    *_, last = story_of(pages_of(content())[0], arms_page(made), {})
     ends = [motion[-1] for motion in last.page.subject.motions]
     discs = {dots.role: list(dots.points) for dots in last.page.of(Dots)}
     assert [discs.get(role) for role in MOVING_POINT] == [ends] * len(MOVING_POINT)
