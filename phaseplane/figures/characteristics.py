@@ -39,8 +39,8 @@ class Panel:
     """Curves over a deflection or a rate."""
 
     title: str
-    argument: Literal["deflection", "rate"]
     lines: tuple[Line, ...]
+    argument: Literal["deflection", "rate"] = "deflection"
 
 
 def characteristics_sheet(look: Look = PLAIN) -> Figure:
@@ -92,41 +92,25 @@ def _surface(name: str, force: Callable[[float], float], reach: float) -> Line:
 
 
 def _springs() -> Iterator[Panel]:
-    yield Panel("linear spring", "deflection", (_line("", law.linear(2e4), 0.1),))
-    yield Panel(
-        "cubic spring", "deflection",
-        (_line("hardening", law.cubic(15e3, 1.5e6), 0.1),
-         _line("softening", law.cubic(25e3, -0.6e6), 0.1)),
-    )  # fmt: skip
+    yield Panel("linear spring", (_line("", law.linear(2e4), 0.1),))
+    hardening = _line("hardening", law.cubic(15e3, 1.5e6), 0.1)
+    yield Panel("cubic spring", (hardening, _line("softening", law.cubic(25e3, -0.6e6), 0.1)))
     points = [(-0.1, -4e3), (-0.06, -1.3e3), (0.0, 0.0), (0.05, 700.0), (0.1, 2.4e3)]
-    yield Panel(
-        "table", "deflection",
-        (_line("piecewise linear", law.table(points), 0.1),
-         _line("monotone", law.monotone_table(points), 0.1)),
-    )  # fmt: skip
+    linear = _line("piecewise linear", law.table(points), 0.1)
+    yield Panel("table", (linear, _line("monotone", law.monotone_table(points), 0.1)))
     free = law.cubic(2e4, 1.5e6)
-    static = free.argument(-2e3)
-    yield Panel(
-        "under preload", "deflection",
-        (_line("from free length", free, 0.1),
-         _line("from rest under 2 kN", free.moved(static, -2e3), 0.1)),
-    )  # fmt: skip
-    yield Panel(
-        "end stops", "deflection",
-        (_line("bump stop", law.bump_stop(0.05, 1e5), 0.1),
-         _line("rebound stop", law.rebound_stop(0.06, 8e4), 0.1)),
-    )  # fmt: skip
+    loaded = _line("from rest under 2 kN", free.moved(free.argument(-2e3), -2e3), 0.1)
+    yield Panel("under preload", (_line("from free length", free, 0.1), loaded))
+    rebound = _line("rebound stop", law.rebound_stop(0.06, 8e4), 0.1)
+    yield Panel("end stops", (_line("bump stop", law.bump_stop(0.05, 1e5), 0.1), rebound))
 
 
 def _dampers() -> Iterator[Panel]:
-    yield Panel(
-        "damper", "rate",
-        (_line("rebound and bump", law.damper(2500.0, 800.0), 1.0),
-         _line("with blow-off", law.damper(2500.0, 800.0, 1000.0, 450.0, 250.0), 1.0)),
-    )  # fmt: skip
-    yield Panel(
-        "saturating damper", "rate", (_line("", law.saturating(4000.0, 1000.0, 1500.0), 1.0),)
-    )
+    plain = _line("rebound and bump", law.damper(2500.0, 800.0), 1.0)
+    relieved = _line("with blow-off", law.damper(2500.0, 800.0, 1000.0, 450.0, 250.0), 1.0)
+    yield Panel("damper", (plain, relieved), "rate")
+    saturating = _line("", law.saturating(4000.0, 1000.0, 1500.0), 1.0)
+    yield Panel("saturating damper", (saturating,), "rate")
     curves = {-0.05: law.damper(4500.0, 3000.0), 0.0: law.damper(2000.0, 700.0)}
     parts = damper_family("damper", (1.0,), curves)
 
@@ -135,10 +119,8 @@ def _dampers() -> Iterator[Panel]:
             part.damper.force(rate) * part.modulation.force(deflection) for part in parts
         )
 
-    yield Panel(
-        "damper by deflection", "rate",
-        tuple(_surface(f"at {1e3 * d:g} mm", at(d), 1.0) for d in (-0.05, -0.025, 0.0)),
-    )  # fmt: skip
+    lines = (_surface(f"at {1e3 * d:g} mm", at(d), 1.0) for d in (-0.05, -0.025, 0.0))
+    yield Panel("damper by deflection", tuple(lines), "rate")
 
 
 def _tyre() -> Panel:
@@ -153,7 +135,7 @@ def _tyre() -> Panel:
         *(_surface(f"at {rate:+g} m/s", at(rate), 0.04) for rate in (1.0, -1.0)),
     )
     at_rest = Line("at rest", lines[0].x, np.minimum(lines[0].force, load), lines[0].corners)
-    return Panel("tyre that cannot pull", "deflection", (at_rest, *lines[1:]))
+    return Panel("tyre that cannot pull", (at_rest, *lines[1:]))
 
 
 def _loops() -> Iterator[Panel]:
@@ -164,7 +146,7 @@ def _loops() -> Iterator[Panel]:
     names = ["suspension_deflection", "spring_force", "friction_force"]
     run = simulate("OneDof", leaf, [0.002 * k for k in range(1501)], names)
     x, spring, friction = (np.array(run[name]) for name in names)
-    yield Panel("leaf spring: dry friction", "deflection", (Line("", x, spring + friction),))
+    yield Panel("leaf spring: dry friction", (Line("", x, spring + friction),))
     for title, hardening in (("ideally elastic-plastic", 0.0), ("with linear hardening", 8e3)):
         frame = {
             "mass": 200.0, "spring.rate": 5e4, "yield_force": 1e3, "damper.rate": 0.0,
@@ -173,4 +155,4 @@ def _loops() -> Iterator[Panel]:
         names = ["displacement", "spring_force"]
         run = simulate("Elastoplastic", frame, [0.002 * k for k in range(701)], names)
         x, force = (np.array(run[name]) for name in names)
-        yield Panel(title, "deflection", (Line("", x, force),))
+        yield Panel(title, (Line("", x, force),))

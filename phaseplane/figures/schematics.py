@@ -205,8 +205,7 @@ def _ground(page: Page, x: float, level: float) -> None:
 def _coordinate(page: Page, foot: complex, label: str) -> None:
     page.lines("axis", [[foot - 0.006, foot + 0.006]])
     page.arrow("axis", foot, foot + 0.022j)
-    letter, index = ("ξ", label[2:]) if label.startswith("xi") else ("x", label[1:])
-    _say(page, foot + complex(0.014, 0.012), letter + typeset(f"x{index}")[1:])
+    _say(page, foot + complex(0.014, 0.012), typeset(label))
 
 
 def _size(page: Page) -> float:

@@ -112,11 +112,9 @@ def _framed(drawing: Drawing, planes: Sequence[Plane], motions: Mapping[Plane, P
         low, high = known.real.min() - 0.2 * size, known.real.max() + 0.2 * size
         height = planes[0].displacement.origin.imag
         known = np.append(known, [complex(np.clip(v, low, high), height) for v in x])
-    centre = complex(known.mean())
-    rest = (
-        [centre - _AT_REST * (1 + 1j), centre + _AT_REST * (1 + 1j)] if np.ptp(known) == 0 else []
-    )
-    return np.append(known, rest)
+    if np.ptp(known) == 0:
+        known = known.mean() + _AT_REST * np.array([-1 - 1j, 1 + 1j])
+    return known
 
 
 def _seen(drawing: Drawing, scheme: str) -> list[str]:

@@ -67,20 +67,11 @@ def show_live(
     ------
     InputError : if this is not the address of a viewer.
     """
-    outputs = scene.fmu.outputs()
-    before = of_scene(
-        scene,
-        drawing,
-        columns={name: np.zeros(0) for name in ("time", *scene.columns)},
-        units={name: outputs[name].unit for name in scene.columns},
-        shown=asdict(scene.shown),
-        live=True,
-    )
-    try:
-        live = recording.Live(before, viewer, path)
-    except ValueError as error:
-        raise InputError(error) from None
-    with live:
+    outputs, shown = scene.fmu.outputs(), asdict(scene.shown)
+    units = {name: outputs[name].unit for name in scene.columns}
+    columns = dict.fromkeys(("time", *scene.columns), np.zeros(0))
+    before = of_scene(scene, drawing, columns, units, shown, live=True)
+    with _live(before, viewer, path) as live:
         yield LiveRun(scene, drawing, live)
 
 
@@ -92,11 +83,14 @@ def show_in(shown: Content, viewer: str) -> None:
     InputError : if this is not the address of a viewer.
     RunError : if the viewer cannot be reached, or refuses the recording.
     """
-    try:
-        live = recording.Live(shown, viewer)
-    except ValueError as error:
-        raise InputError(error) from None
-    with live:
+    with _live(shown, viewer) as live:
         live.complete(shown)
     if live.problem:
         raise RunError(live.problem)
+
+
+def _live(shown: Content, viewer: str, path: Path | None = None) -> Live:
+    try:
+        return recording.Live(shown, viewer, path)
+    except ValueError as error:
+        raise InputError(error) from None
