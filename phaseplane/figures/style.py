@@ -20,26 +20,13 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
+from phaseplane.picture import styles as hues
 from phaseplane.picture.files import replace_file
-from phaseplane.picture.styles import (
-    BLUE,
-    GREEN,
-    GREY,
-    GRID,
-    INK,
-    OCHRE,
-    ORANGE,
-    PAPER,
-    PINK,
-    RED,
-    SHADE,
-    TEAL,
-    VIOLET,
-    Hue,
-    Shade,
-)
+from phaseplane.picture.styles import Hue, Shade
 
-COLOURS = (BLUE, ORANGE, GREEN, VIOLET, RED, TEAL, PINK, OCHRE)
+COLOURS = (
+    hues.BLUE, hues.ORANGE, hues.GREEN, hues.VIOLET, hues.RED, hues.TEAL, hues.PINK, hues.OCHRE
+)  # fmt: skip
 """Hues of curves beside one another, as many as can be distinguished."""
 DASHES = ("-", "--", "-.", ":")
 """Of curves over one another, and of black ones."""
@@ -65,15 +52,15 @@ class Palette:
 
     def __init__(self, shade: Shade, mono: bool = False) -> None:
         self.shade, self.mono = shade, mono
-        self.paper, self.ink = PAPER.on(shade), INK.on(shade)
-        self.faint, self.grid = GREY.on(shade), GRID.on(shade)
-        self.tint = SHADE.on(shade)  # the ground of intervals
+        self.paper, self.ink = hues.PAPER.on(shade), hues.INK.on(shade)
+        self.faint, self.grid = hues.GREY.on(shade), hues.GRID.on(shade)
+        self.tint = hues.SHADE.on(shade)  # the ground of intervals
 
     def of(self, hue: Hue) -> str:
         """Return a hue on this ground."""
         if not self.mono:
             return hue.on(self.shade)
-        return self.faint if hue is GREY else self.ink
+        return self.faint if hue is hues.GREY else self.ink
 
     def chart(self, hue: Hue) -> str:
         """Return a hue in a chart, the same on light and on dark ground."""
