@@ -70,14 +70,9 @@ def sheet_view(drawing: Drawing) -> Box:
 
 
 def exercise_sheet(
-    drawing: Drawing,
-    *,
-    paper: str = "A4",
-    title: str = "",
-    lines: Sequence[str] = (),
-    head: Sequence[str] = (),
-    filled: Filled,
-) -> Figure:
+    drawing: Drawing, *, filled: Filled, paper: str = "A4", title: str = "",
+    lines: Sequence[str] = (), head: Sequence[str] = (),
+) -> Figure:  # fmt: skip
     """Draw the sheet of an exercise or its solution: heading, correct construction and filled table."""
     width, height = PAPERS[paper]
     canvas = Sheet(PLAIN)

@@ -34,9 +34,7 @@ class GrowthMap:
 
     Parameters
     ----------
-    title : of the map
     across, up : omega h, and the second quantity, on a logarithmic axis
-    label : of the second quantity
     growth : per step or run, shape (len(up), len(across)); 1: none
     limit : omega h of the theoretical limit
     of_runs : whether growth is that of whole runs, whose energy goes up and down a little

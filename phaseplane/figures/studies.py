@@ -30,7 +30,6 @@ def pareto(
     Parameters
     ----------
     runs : both measures of every run, shape (n,) each; NaN where a run has none
-    labels : of the two axes
     front : both measures along the front, in order
     marked : single runs by their labels
     limits : bounds of each measure

@@ -123,10 +123,6 @@ def figure_of(
 ) -> Figure:
     """Return one picture as `draw` writes it.
 
-    Parameters
-    ----------
-    look, step : see `draw`
-
     Raises
     ------
     InputError : if there is no picture of that name.

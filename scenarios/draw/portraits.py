@@ -69,9 +69,6 @@ def portrait(
 
     Parameters
     ----------
-    reference, overrides : the scene
-    figure : picture to write
-    look : how it is printed: dark, width (m), font, mono, headed
     coordinate : the coordinate that moves while the others rest at zero; the first if empty
     window : left, right, bottom, top; automatic if empty
     period : forcing period of an equation, s; found in the equation if 0
