@@ -205,7 +205,7 @@ def _introduction(drawing: Drawing) -> str:
     top = drawing.planes[0].displacement.origin.imag
     words = [
         f"# {markdown(typeset(drawing.title))}",
-        "The empty sheet: the axes of the phase planes",
+        f"The empty sheet: the axes of the phase plane{'s' * (len(drawing.planes) > 1)}",
     ]
     curves = [curve.label for curve in drawing.curves if curve.role == "auxiliary"]
     words[1] += " and the auxiliary curves" * bool(curves)

@@ -12,7 +12,7 @@ from textwrap import wrap
 import numpy as np
 import pytest
 import rerun as rr
-from phaseplane.scenarios.draw.constructions import draw_construction
+from phaseplane.scenarios.draw.constructions import draw_construction, draw_scene
 from phaseplane.scenarios.draw.planes import CONSTRUCTED
 from phaseplane.scenarios.draw.recording_content import of_scene, readings
 from phaseplane.scenarios.errors import DrawingError, InputError
@@ -389,3 +389,19 @@ def test_a_pendulum_is_not_shown_as_a_vehicle() -> None:
     shown = of_scene(scene, drawing_of("h83_example28"))
     assert shown.vehicle is None
     assert shown.constructed is not None
+
+
+@pytest.mark.parametrize("name", ["groundhook", "skyhook", "woken_by_lift_off"])
+def test_the_title_of_a_sheet_says_in_its_pane_what_is_left_out(name: str) -> None:
+    """The tab has room for 120 characters in a window of 1366 pixels."""
+    scene = load_scene(name, ["duration=0.05"], expect=False)
+    shown = of_scene(scene, draw_scene(scene))
+    assert shown.manner.endswith("without the controller")
+    assert len(f"{shown.title}: {shown.manner}") <= 120
+
+
+@pytest.mark.parametrize(("name", "planes"), [("ap57", "planes"), ("van_der_pol", "plane")])
+def test_an_introduction_counts_the_planes(name: str, planes: str) -> None:
+    drawing = drawing_of(name)
+    first = next(story_of(pages_of(Content(name, drawing))[0], arms_page(drawing), {}))
+    assert f"the axes of the phase {planes} and" in first.text
