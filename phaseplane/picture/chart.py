@@ -78,7 +78,7 @@ class Chart:
 
     def _stays(self) -> Page:
         named = [
-            Text(role, in_words(name), 0j, 0.9)
+            Text(role, in_words(name), 0j, 0.9, strength=strength_of(name))
             for role, name in zip(self.roles, self.names, strict=True)
         ]
         widest = max(text.box(_EM).half.real for text in named)

@@ -48,7 +48,7 @@ class Arrow:
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A text about its centre."""
+    """A text about its centre; `strength` is its opacity."""
 
     role: str
     text: str
@@ -58,6 +58,7 @@ class Text:
     point: complex | None = None  # that a letter names
     led: bool = False  # by a line from the point to the letter
     upright: bool = False  # reads upwards
+    strength: float = 1.0
 
     def box(self, em: float) -> Box:
         """Return its box, for a page with this size of type."""

@@ -16,6 +16,7 @@ from unicodedata import normalize
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.sheet import Event, events_of
 from phaseplane.constructions.storage import Frame
+from phaseplane.constructions.two_planes import STUCK
 
 from .quantities import Quantity, rate_of, rate_unit, unit_text
 
@@ -195,7 +196,8 @@ def _table_form(
 def step_head(drawing: Drawing, frame: Frame) -> str:
     """Return number, mode, time and events of a step, in Markdown."""
     events = " ".join(event_text(event) for event in events_of(frame, drawing.planes))
-    mode = f", {_row(frame.scheme)}" if len(drawing.schemes) > 1 else ""
+    scheme = frame.scheme.replace(STUCK, f",{STUCK}")
+    mode = f", {_row(scheme)}" if len(drawing.schemes) > 1 else ""
     return (
         f"**Step {frame.step} (0 to {len(drawing.frames) - 1}){mode}**: "
         f"t = {frame.time:.5f} s, lasts {1e3 * frame.duration:.4g} ms. {markdown(events)}"

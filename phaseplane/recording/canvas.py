@@ -157,7 +157,7 @@ def _letters(pages: Sequence[Page]) -> list[Any]:
     return _columns(
         rr.Points2D, rows, {"radii": 0.0, "show_labels": True, "draw_order": LETTERS_FIRST},
         positions=xy([text.centre + z for (text, _), z in zip(every, up, strict=True)]).reshape(-1, 2),
-        colors=shades([text.role for text, _ in every]),
+        colors=shades([text.role for text, _ in every], [text.strength for text, _ in every]),
         labels=[legible(text.text) for text, _ in every],
     )  # fmt: skip
 

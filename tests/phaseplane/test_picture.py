@@ -393,6 +393,8 @@ def test_all_columns_of_a_chart_are_named_in_its_view() -> None:
                      (names[:2], names[2:]))
     )  # fmt: skip
     assert max(rear) < min(front)
+    strengths = {text.text: text.strength for text in page.texts}
+    assert [strengths[name.replace("_", " ")] for name in names] == [*map(strength_of, names)]
     assert sum(text.endswith(" ms") for text in named) == 1  # the unit of time
     slow = construct_motion(EquationPlane(lambda v, x, t: x, True), delta, step=0.1, duration=3.0)
     texts = Chart(slow, {"time": [0.0, 3.0], "y": [0.0, 1.0]}, ("y",), QUANTITIES[0]).stays.texts

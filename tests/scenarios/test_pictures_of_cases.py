@@ -32,7 +32,7 @@ from phaseplane.picture.paper import Boxes, segments_of
 from phaseplane.picture.step import mark_events, write_letters
 from phaseplane.picture.story import MOST, arms_page, story_of, told_steps
 from phaseplane.picture.subject import motions_of
-from phaseplane.picture.text import step_text, typeset
+from phaseplane.picture.text import step_head, step_text, typeset
 from phaseplane.picture.views import frame_at, gathered, motion_points, view_of
 from phaseplane.recording import Content
 from phaseplane.recording.columns import legible
@@ -231,6 +231,8 @@ def test_steps_are_told_with_and_without_what_an_event_begins() -> None:
     drawing = drawing_of("leaf_spring")
     schemes = {drawing.frames[step].scheme for step in told_steps(drawing)}
     assert schemes == {"contact", "contact_sticking"}
+    sticks = next(frame for frame in drawing.frames if frame.scheme == "contact_sticking")
+    assert ", contact, sticking**: t = " in step_head(drawing, sticks)
 
 
 def test_a_frame_that_yields_is_told_where_it_yields() -> None:
