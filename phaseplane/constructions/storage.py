@@ -180,6 +180,11 @@ class StoredFrames(Sequence[Frame]):
         return [self.store.times[i] for i in self.chosen]
 
     @property
+    def durations(self) -> list[float]:
+        """The duration of each frame, s."""
+        return [self.store.durations[i] for i in self.chosen]
+
+    @property
     def steps(self) -> list[int]:
         """The number of each frame."""
         return [self.store.steps[i] for i in self.chosen]

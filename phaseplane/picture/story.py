@@ -19,7 +19,7 @@ from .items import TYPE, Arrow
 from .letters import text_box
 from .page import Page
 from .paper import Box, around, readings, table
-from .quantities import Quantity
+from .quantities import Quantity, rate_unit
 from .step import draw_step, mark_events, write_letters
 from .styles import MOVING_POINT, style_of
 from .subject import Subject
@@ -39,6 +39,7 @@ VERTICES = 16_000  # most vertices of a motion in a plane
 MOST = 60  # ticks of a story, where the schemes allow it
 # least distance of a state point from its origin in a step that is told, of the largest in its plane
 _AWAY = 0.25
+_SHORT = 0.1  # least duration of a step that is told, of the longest, where there are others
 _TELLING = 6  # fewest steps from which those are chosen
 _CANDIDATES = 1000  # most of them
 _ARMS = 13.5 + 5.7j  # width and height of the pane of the turn angles, em
@@ -165,12 +166,14 @@ def told_steps(drawing: Drawing, steps: Sequence[int] = ()) -> list[int]:
     for kind in _TOLD:  # the first event that can be seen on the sheet, and then those after it
         of_kind = [i for i, event in sorted(drawing.frames.events.items()) if kind in event]
         later = [i for i in of_kind if i > max(found, default=-1)]
+        later = _long(drawing, later) or later
         found += ([] if found else _away(drawing, later)[:1]) or later[:1]
     schemes = drawing.frames.schemes
     told = {schemes[i] for i in found}
     usual = next((key for key in schemes if key not in told), schemes[0])
     ordinary = [i for i, key in enumerate(schemes) if key == usual and i not in found]
-    ordinary = _moving(drawing, ordinary or found)
+    ordinary = ordinary or found
+    ordinary = _moving(drawing, _long(drawing, ordinary) or ordinary)
     ordinary = ordinary[:: ceil(len(ordinary) / _CANDIDATES)]
     room = room_for_letters(drawing, drawing.frames.at(ordinary))
     room = np.nan_to_num(room, nan=0.0, posinf=0.0)
@@ -183,6 +186,13 @@ def told_steps(drawing: Drawing, steps: Sequence[int] = ()) -> list[int]:
             found.append(best)
             left -= cost(best)
     return sorted(set(found))
+
+
+def _long(drawing: Drawing, steps: list[int]) -> list[int]:
+    """Return the steps whose arcs can be seen: of a step with an event, but a rest may be left."""
+    durations = drawing.frames.durations
+    least = _SHORT * max(durations)
+    return [i for i in steps if durations[i] >= least]
 
 
 def _moving(drawing: Drawing, steps: list[int]) -> list[int]:
@@ -214,8 +224,15 @@ def _introduction(drawing: Drawing) -> str:
         distances = ", ".join(
             f"{typeset(c.label)} {100 * abs(top - c.vertices[0].imag):.4g} cm" for c in lines
         )
-        axis = typeset(drawing.planes[0].displacement.label)
-        words.append(f"The projection lines, from the {axis} axis: {distances}.")
+        above = typeset(drawing.planes[0].displacement.label)
+        words.append(f"The projection lines, from the {above} axis: {distances}.")
+    if any(c.role == "trail" for c in drawing.curves):
+        axis = drawing.planes[0].displacement
+        units = f", in {axis.unit} and {rate_unit(axis.unit, 1)}" if axis.unit else ""
+        words.append(
+            "Motions from other starts are there, too, each with the displacement and the velocity, not "
+            f"divided by Ω, at which it begins{units}."
+        )
     scales = ", ".join(
         f"{typeset(p.displacement.label)} {p.displacement.scale:.4g} : 1" for p in drawing.planes
     )

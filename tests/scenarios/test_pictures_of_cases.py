@@ -226,6 +226,23 @@ def test_no_step_is_told_whose_points_lie_on_one_another() -> None:
     assert min(size[step] for step in told_steps(drawing)) > 0.2 * max(size)
 
 
+@pytest.mark.parametrize("scene", ["crest_jump", "end_stop_impact", "leaf_spring"])
+def test_no_step_is_told_that_is_too_short_to_be_seen(scene: str) -> None:
+    """Lift-off may be just before the end of a step, which leaves a step of a hundredth of a ms."""
+    drawing = drawing_of(scene)
+    durations = [frame.duration for frame in drawing.frames]
+    assert min(durations[step] for step in told_steps(drawing)) > 0.1 * max(durations)
+
+
+def test_the_starts_on_the_sheet_are_explained_in_words() -> None:
+    """The axis up shows the velocity divided by the angular frequency, so that the point is not at 6."""
+    drawing = drawing_of("h83_example23")
+    stays, *_ = pages_of(Content("example 23", drawing))
+    assert "(−3, 6)" in [text.text for text in stays.texts]
+    first = next(story_of(stays, arms_page(drawing), {})).text
+    assert "the velocity, not divided by Ω, at which it begins, in rad and rad/s." in first
+
+
 def test_steps_are_told_with_and_without_what_an_event_begins() -> None:
     """The leaf spring sticks in its first step, but slips most of the time."""
     drawing = drawing_of("leaf_spring")
