@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from collections import Counter
 from collections.abc import Generator
 
 import pytest
@@ -18,6 +19,7 @@ settings.load_profile("busy")
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
+_SAMPLED = 3
 _PLATFORM = "on this platform"  # what a skip that is right everywhere says: "not on this platform"
 
 
@@ -27,6 +29,18 @@ def _models_of_the_package() -> Generator[None, None, None]:
     yield
     for name in models.ALL.keys() - models.FILES.keys():
         del models.MODELS[name], models.ALL[name]
+
+
+@pytest.hookimpl(tryfirst=True)  # before slow tests are left out
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Let all but every third case of a test marked `sampled` be slow."""
+    seen: Counter[str] = Counter()
+    for item in items:
+        if item.get_closest_marker("sampled") is not None:
+            name = item.nodeid.partition("[")[0]
+            if seen[name] % _SAMPLED:
+                item.add_marker(pytest.mark.slow)
+            seen[name] += 1
 
 
 def refuse(report: pytest.TestReport | pytest.CollectReport) -> None:

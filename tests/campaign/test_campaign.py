@@ -124,6 +124,7 @@ def test_contact_and_gap_that_contradict_each_other_are_found() -> None:
         assert any(line.startswith(f"{what} at 0.1 s") for line in lines), what
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("seed", range(24))
 def test_what_must_not_matter_does_not(seed: int) -> None:
     """Units, up and down, the order of elements, steps of the host, axles that are decoupled."""

@@ -95,6 +95,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "there"
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("arguments", USED, ids=" ".join)
 def test_nothing_is_imported_that_a_command_does_not_use(
     arguments: tuple[str, ...], results: Path, tmp_path: Path
@@ -142,6 +143,7 @@ assert pyarrow.table({"x": [1.0]}).to_pandas().x[0] == 1.0
     subprocess.run([sys.executable, "-P", "-c", code], cwd=tmp_path, check=True)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_help_of_a_command_imports_nothing_that_runs_or_draws(name: str) -> None:
     done = subprocess.run(

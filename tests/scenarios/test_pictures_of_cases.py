@@ -100,6 +100,7 @@ def check_letters(page: Page, stays: Page | None = None) -> None:
             assert gap <= NEAR * text.size * page.em * 1.001, text.text
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", DRAWN)
 def test_letters_are_legible_and_the_sheet_fills_its_pane(name: str) -> None:
     drawing = drawing_of(name)
@@ -133,6 +134,7 @@ def test_letters_are_legible_and_the_sheet_fills_its_pane(name: str) -> None:
         assert scale * max(curves.real, curves.imag) >= 0.45 * min(width, height)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("name", "rule"),
     [*((name, None) for name in DRAWN), *product(["ap57", "half_car_pitch", "leaf_spring"], RULES)],
@@ -294,6 +296,7 @@ def test_steps_are_told_of_the_whole_motion() -> None:
     assert thirds == {0, 1, 2}
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", DRAWN)
 def test_no_line_strikes_the_name_of_an_axis(name: str) -> None:
     """Neither an axis nor one of the lines I to IV, all of which are horizontal or upright.
@@ -334,6 +337,7 @@ def test_the_name_of_an_axis_keeps_clear_of_the_motion() -> None:
         assert not any(box.holds(z) for z in motion), text.text
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", DRAWN)
 def test_planes_do_not_overlap(name: str) -> None:
     drawing = drawing_of(name)
@@ -352,6 +356,7 @@ def test_small_motions_are_not_lost_on_the_sheet(name: str) -> None:
         assert np.ptp(motion.imag) >= 0.1 * 2.0 * stays.view.half.imag
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("name", DRAWN)
 def test_the_turn_angles_leave_the_sheet_to_the_planes(name: str) -> None:
     """They are below the motion, not on it, and the planes take up most of the height."""

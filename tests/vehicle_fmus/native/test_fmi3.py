@@ -69,6 +69,7 @@ def test_both_versions_give_the_same_bits_in_many_runs(
     same_as_fmi2(what, range(100, 110), True, native_fmu, slave, tmp_path)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("model", ["QuarterCar", "Elastoplastic", "Road"])
 def test_what_describes_it_is_valid(model: str, native_fmu: Packer, tmp_path: Path) -> None:
     fmu = native_fmu(model, *STRUCTURES[model].settings.items(), fmi=3)

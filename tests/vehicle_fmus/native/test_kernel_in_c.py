@@ -64,7 +64,13 @@ def test_the_kernel_is_in_the_small_language() -> None:
     assert check(KERNEL) == []
 
 
-@pytest.mark.parametrize("is_specialised", [False, True], ids=["any system", "this system"])
+@pytest.mark.parametrize(
+    "is_specialised",
+    [
+        pytest.param(False, id="any system", marks=pytest.mark.slow),
+        pytest.param(True, id="this system"),
+    ],
+)
 @pytest.mark.parametrize("what", RUNS)
 def test_the_same_bits_as_the_compiled_kernel(
     what: str, is_specialised: bool, tmp_path: Path, compiler: str
