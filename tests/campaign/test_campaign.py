@@ -142,6 +142,11 @@ def test_a_curved_tyre_in_flight_touches_down_when_its_force_says_so() -> None:
     assert judging.examine(draws.draw(1425))["failures"] == []
 
 
+def test_a_step_is_not_continued_over_a_point_of_another_table() -> None:
+    """To the point of a damper's table, 15 us after one of a tyre's, both beyond the step's end."""
+    assert judging.examine(draws.draw(992), "1e-08")["failures"] == []
+
+
 @pytest.mark.parametrize(
     ("seed", "only"),
     [

@@ -106,9 +106,25 @@ class Knots:
         step = h + way
         if self.ends_table:
             step += _BEYOND_END * h
-        if fabs(step - h) < _NEAR_KNOT * h and self.stepper.errors.can_read(step / h, h):
-            return step
-        return h
+        if fabs(step - h) >= _NEAR_KNOT * h or self._passes_another(step - h):
+            return h
+        return step if self.stepper.errors.can_read(step / h, h) else h
+
+    def _passes_another(self, way):
+        """Return whether the attempt, continued by `way`, passes a point of another row.
+
+        The jerk at its end would be that beyond the point, and would not describe it.
+        """
+        row = self.stepper.rows.row
+        for i in range(self.count):
+            at = 8 * self.net.element_row[self.element[i]] + (1 if self.kind[i] == DAMPER else 0)
+            if at == self.row:
+                continue
+            x = row[at + 4]
+            there = x + way * (row[at + 5] + way * row[at + 6] / 2.0)
+            if self.net.place(self.piece[i], x) != self.net.place(self.piece[i], there):
+                return 1
+        return 0
 
     def _find(self, h, least, most):
         """Find the fraction of the attempt after which it should end because of points; 2 if nowhere.
