@@ -29,8 +29,6 @@ class Bends:
         self.low, self.high = memory.zeros(laws), memory.zeros(laws)
         # of each curved row, at the state last evaluated; literal sizes, as these are C arrays
         self.force, self.force_k, self.force_c = [0.0] * 64, [0.0] * 64, [0.0] * 64
-        # the largest third derivatives of the springs and of the dampers of each, huge if not known
-        self.third_k, self.third_c = memory.zeros(rows), memory.zeros(rows)
         self.bow = [0.0] * 64  # its second derivative along a line
 
     def enter(self):
@@ -67,22 +65,8 @@ class Bends:
                     self.order = 2
             if count > first:
                 self.row[self.count], self.first[self.count] = r, first
-                self._add_thirds(first, count)
                 self.count += 1
                 self.first[self.count] = count
-
-    def _add_thirds(self, first, last):
-        """Find the largest third derivatives of the next row, whose curved laws are `first` to `last`."""
-        self.third_k[self.count] = self.third_c[self.count] = 0.0
-        for i in range(first, last):
-            p = self.piece[i]
-            most = 0.0
-            for m in range(self.net.run_first[p], self.net.run_last[p] + 1):
-                most = max(most, self.net.third[m])
-            if self.law[i] == DAMPER and not self.modulated:
-                self.third_c[self.count] += most
-            else:  # the product of a damper and its modulation counts as unknown
-                self.third_k[self.count] += most if self.law[i] == SPRING else 1e300
 
     def _bound(self, i):
         """Find where the piece of law i begins and ends."""

@@ -13,7 +13,6 @@ cdef class Iteration:
 
     cdef inline void begin(self, int p, double x, double rate) noexcept nogil
     cdef inline int find(self, int bends, int c) noexcept nogil
-    cdef double _expected_bend(self, int bends, int c, double size) noexcept nogil
     cdef inline double _power(self, double size) noexcept nogil
     cdef bint _stays(self, int bends, int c) noexcept nogil
     cdef inline int _factorise(self, int bends, int c) noexcept nogil

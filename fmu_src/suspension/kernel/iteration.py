@@ -99,10 +99,6 @@ class Iteration:
             limit = max(self.enough, rounding)
             if before < 1e300 and self._power(before) > 0.0:
                 self.bend = max(self.bend, size / self._power(before))
-            elif self.bend < 0.0 and size > limit:
-                bend = self._expected_bend(bends, c, size)
-                if _AHEAD * bend * self._power(size) <= limit:
-                    self.bend = bend
             if (
                 size <= limit
                 or (
@@ -116,28 +112,6 @@ class Iteration:
             before = size
             lack_before = lack
         return NOT_CONVERGED
-
-    def _expected_bend(self, bends, c, size):
-        """Return the ratio of the next correction to the cube of this one, or -1 if it is not known.
-
-        It is 2 A2^2 - A3, where A2 and A3 are the derivatives of second and third order of the residual,
-        over 2 and 6, and over the first derivative.
-        """
-        if self.bends.order < 3 or not size * size > 0.0:
-            return -1.0
-        sixth, half = self.inverses.sixth[c], self.inverses.half[c]
-        second = 0.0
-        third = 0.0
-        for p in range(bends):
-            second = max(second, fabs(self.second[p]))
-            x = 0.0
-            for o in range(bends):
-                k, w = self.bends.third_k[o], self.bends.third_c[o]
-                change = k * sixth * sixth * sixth + w * half * half * half
-                x += fabs(self._coupling(c, p, o)) * change
-            third = max(third, x)
-        second /= size * size
-        return 2.0 * second * second + third / 6.0
 
     def _power(self, size):
         """Return the power of a correction to which the next one is proportional."""

@@ -4,14 +4,13 @@ cdef class Laws(Signals):
     cdef int *straight, *cubic  # whether each piece is a line, or at most a cubic
     cdef double value, slope, curvature  # of the law last asked for
     cdef double *low, *high  # range in which each piece is curved
-    cdef double *jump, *third
+    cdef double *jump
     cdef bint joins
     cdef int *run_first, *run_last
     cdef list functions  # in Python, one for each piece, or None
     cdef readonly object failure
 
     cdef int enter_laws(self, int e, double *x, int at) noexcept nogil
-    cdef double _third_derivative(self, int at) noexcept nogil
     cdef void _join(self, int law) noexcept nogil
     cdef double _jump_at(self, int p) noexcept nogil
     cdef bint _meets_smoothly(self, int p) noexcept nogil

@@ -36,7 +36,6 @@ _SMOOTH = 1e-9  # relative difference of slopes that are the same to rounding
 _NEAR = 1e-5  # relative distance for the difference quotient of a slope in Python
 _FARTHEST = 1e27  # m or m/s, up to which powers grow: the 11th is still finite
 _SMALL_ARGUMENT = 0.549  # of tanh, half the logarithm of 3
-_UNKNOWN = 1e300
 _LOG_2 = 0.6931471805599453
 
 
@@ -63,8 +62,6 @@ class Laws(Signals):
         self.failure = None  # the first exception raised by a function
         # beyond its ends a cubic is continued by its tangent
         self.low, self.high = memory.zeros(sum(count)), memory.zeros(sum(count))
-        # the largest third derivative of each piece
-        self.third = memory.zeros(sum(count))
         # by how much the second derivative jumps where each piece begins
         self.jump = memory.zeros(sum(count) + 1)
         # the first and the last of the pieces that each is joined with
@@ -90,7 +87,6 @@ class Laws(Signals):
             )
             self.straight[p] = self.cubic[p] and not curved
             self.low[p], self.high[p] = -1e300, 1e300
-            self.third[p] = self._third_derivative(k)
         for law in range(LAWS * e, LAWS * (e + 1)):
             for p in range(self.first[law], self.first[law] + self.count[law]):
                 k = p * PIECE
@@ -105,17 +101,6 @@ class Laws(Signals):
                         self.high[p] = self.piece[k + PIECE + START]
             self._join(law)
         return at + PIECE * (last - first)
-
-    def _third_derivative(self, at):
-        """Return the largest third derivative of the piece at `at`, a huge number if it is not known."""
-        if self.piece[at + POWER] != 0.0 or self.piece[at + OWN] != 0.0:
-            return _UNKNOWN
-        scale = self.piece[
-            at + SCALE
-        ]  # the third derivative of tanh is -2 at 0, and smaller elsewhere
-        return 6.0 * fabs(self.piece[at + C3]) + 2.0 * fabs(self.piece[at + SATURATION]) / (
-            scale * scale * scale
-        )
 
     def _join(self, law):
         """Find which pieces of a law are joined."""
