@@ -25,6 +25,7 @@ from phaseplane.suspension.systems import Element, Load, System
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-6
+_ROUNDING = 1e-15  # of displacements, relative
 _SHORT = (1e-8, 1e-9)  # s, to pass the ramps that a kerb is the limit of: short beside any decay
 
 
@@ -76,6 +77,7 @@ def public(model: str, parameters: Parameters, times: Array, names: list[str]) -
 
 def apart(one: Array, other: Array, rounding: float = 0.0) -> float:
     """The largest difference over the largest motion of the first; none if it is but rounding, m."""
+    rounding = max(rounding, _ROUNDING * float(np.abs(one).max()))
     most = float(np.abs(one - other).max())
     return most / float(np.abs(one - one[0]).max()) if most > rounding else 0.0
 

@@ -97,6 +97,11 @@ def test_what_rests_on_a_high_road_may_differ_by_its_rounding() -> None:
     assert found["symmetries"]["zero of the road"] == 0.0
 
 
+def test_what_rests_may_differ_from_its_mirror_image_by_rounding() -> None:
+    """The same for a mirror image: what is apart is the last digit of a sag of centimetres."""
+    assert symmetries.mirror(symmetries.case(draws.draw(1337))) == 0.0
+
+
 def test_what_rests_but_for_rounding_has_no_errors() -> None:
     """The true motion is one of 1e-14 m, beside which any other would be all wrong."""
     right = judging.standard(draws.draw(1337))

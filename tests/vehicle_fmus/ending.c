@@ -22,7 +22,7 @@ typedef struct {
 } Callbacks;
 
 typedef struct {
-    void *library, *instance;
+    void *handle, *instance;
 } Fmu;
 
 static volatile sig_atomic_t interrupted;
@@ -44,7 +44,7 @@ static void expect(int holds, const char *what) {
 }
 
 static void *function(const Fmu *fmu, const char *name) {
-    void *found = dlsym(fmu->library, name);
+    void *found = dlsym(fmu->handle, name);
     expect(found != NULL, name);
     return found;
 }
@@ -59,7 +59,7 @@ static int step(const Fmu *fmu, double time, double size) {
 
 static Fmu opened(const char *library, const char *guid, const char *resources, const Callbacks *callbacks) {
     Fmu fmu = {dlopen(library, RTLD_NOW | RTLD_LOCAL), NULL};
-    expect(fmu.library != NULL, "load");
+    expect(fmu.handle != NULL, "load");
     fmu.instance = ((void *(*)(const char *, int, const char *, const char *, const Callbacks *, int, int))
                         function(&fmu, "fmi2Instantiate"))("vehicle", CO_SIMULATION, guid, resources, callbacks, 0, 0);
     expect(fmu.instance != NULL, "fmi2Instantiate");
@@ -99,7 +99,7 @@ int main(int count, char **given) {
     }
     for (int k = 0; k < freed; k++) {
         ((void (*)(void *))function(&all[k], "fmi2FreeInstance"))(all[k].instance);
-        dlclose(all[k].library);
+        dlclose(all[k].handle);
     }
     return status;
 }

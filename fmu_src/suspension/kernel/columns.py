@@ -97,7 +97,7 @@ class Columns:
 
         Returns
         -------
-        0, or the key in `integrator.FAILURES` of the reason why it failed.
+        0, or the key in `outcomes.FAILURES` of the reason why it failed.
         """
         if h != self.inverses.step and self.inverses.prepare(h) != 0:
             return NOT_POSITIVE

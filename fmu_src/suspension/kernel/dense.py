@@ -26,8 +26,8 @@ class Dense:
 
     def __init__(self, place, kept, motion, cubic, to_end):
         self.memory, self.motion, self.cubic, self.to_end = place, motion, cubic, to_end
-        memory, self.n = self.memory, self.motion.n
-        n = self.n
+        memory = self.memory
+        self.n = n = self.motion.n
         self.start = self.end = 0.0
         self.ends = kept
         self.qa, self.va = self.ends.zeros(n), self.ends.zeros(n)

@@ -52,7 +52,7 @@ class Propagator:
         self.size = most
 
     def attempt(self, t, h):
-        """Step from `start` at t over h, in two halves; return 0 or a key of `FAILURES`."""
+        """Step from `start` at t over h, in two halves; return 0 or a key of `outcomes.FAILURES`."""
         n = self.n
         doublings = 0
         self.part = 0.5 * h

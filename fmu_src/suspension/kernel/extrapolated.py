@@ -70,7 +70,7 @@ class Extrapolated(Method):
         self.columns.inverses.forget()
 
     def attempt(self, t, h):
-        """Step from t to t + h; return 0 or a key of `integrator.FAILURES`."""
+        """Step from t to t + h; return 0 or a key of `outcomes.FAILURES`."""
         return self.extrapolate(t, h)
 
     def extrapolate(self, t, h):

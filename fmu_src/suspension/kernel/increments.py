@@ -57,7 +57,7 @@ class Increments:
         return 0
 
     def add(self, t, h, q, v, a):
-        """Step from t to t + h; return 0 or a key of `FAILURES`."""
+        """Step from t to t + h; return 0 or a key of `outcomes.FAILURES`."""
         self._begin(t, q, v, a)
         before = 1e300
         share = 1.0
@@ -197,7 +197,7 @@ class Mean(Extrapolated):
         return 2
 
     def attempt(self, t, h):
-        """Step from t to t + h; return 0 or a key of `integrator.FAILURES`."""
+        """Step from t to t + h; return 0 or a key of `outcomes.FAILURES`."""
         if not self.balance.bends.count or self.net.stuck:
             return self.extrapolate(t, h)
         for i in range(self.n):

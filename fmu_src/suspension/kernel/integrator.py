@@ -14,10 +14,10 @@ from .lines import Lines
 from .method import Method
 from .methods import METHODS
 from .network import Network, laws_of
-from .outcomes import INTERRUPTED, NO_MASS, PAUSED, TOO_MANY
+from .outcomes import FAILURES, INTERRUPTED, PAUSED, TOO_MANY
 from .rest import Rest
 from .run import Run
-from .switch_log import CAPACITY
+from .run_queue import RunQueue
 from .time_loop import TimeLoop
 
 if not cython.compiled:
@@ -38,26 +38,6 @@ __all__ = [
     "RunQueue",
     "laws_of",
 ]
-
-# Why a run of steps ended early, and after the semicolon what to try.
-FAILURES = {
-    2: "the motion has diverged; shorten a fixed solver.step, or look for forces that add energy",
-    3: "the step has become too small; increase solver.tolerance, or look for extreme parameters",
-    4: "no equilibrium was found at the end of a step; "
-    "shorten a fixed solver.step, or look for extreme parameters",
-    5: "the matrix of a step is not positive definite; "
-    "shorten a fixed solver.step, or look for extreme parameters",
-    6: "solver.step is longer than the largest stable step; shorten it, or set it to 0",
-    7: "energy grows without external work; "
-    "shorten a fixed solver.step, or reduce solver.tolerance",
-    8: "switches follow one another without time between them; "
-    "shorten a fixed solver.step, or look for extreme parameters",
-    9: "the run needs more than 30 million steps; shorten the run, or look for extreme parameters",
-    10: "the mass matrix must be symmetric and positive definite; check masses and inertias",
-    11: "the energy balance is off by more than all energy stored or supplied; "
-    "shorten a fixed solver.step, or reduce solver.tolerance",
-    12: "the run was interrupted; run it to its end for complete results",
-}
 
 _ENOUGH_STEPS = 200000  # steps between two estimates of the number of steps still to come
 _MOST_STEPS = 30000000  # still to come, in one call
@@ -247,7 +227,7 @@ class Integrator(TimeLoop):
 
         Returns
         -------
-        0, or the key in `FAILURES` of the reason why the run ended early.
+        0, or the key in `outcomes.FAILURES` of the reason why the run ended early.
         """
         self._look_at_pace()
         while True:
@@ -273,8 +253,8 @@ class Integrator(TimeLoop):
     def _reason_to_end(self, until):
         """Between parts of a long run, move switches to the log and let an interrupt end the run.
 
-        Return 0, or the key in `FAILURES` of a reason to end it: `going_on` returns false, or too many
-        steps are still to come at the present pace.
+        Return 0, or the key in `outcomes.FAILURES` of a reason to end it: `going_on` returns false, or
+        too many steps are still to come at the present pace.
         """
         self.noted.all()
         self.since_pause = 0
@@ -300,7 +280,8 @@ class Integrator(TimeLoop):
 
         Returns
         -------
-        0, or the key in `FAILURES` of the reason why the run ended early; `filled` instants are valid.
+        0, or the key in `outcomes.FAILURES` of the reason why the run ended early; `filled` instants are
+        valid.
 
         Raises
         ------
@@ -319,7 +300,7 @@ class Integrator(TimeLoop):
 
         Returns
         -------
-        0, or the key in `FAILURES` of the reason why the run ended early.
+        0, or the key in `outcomes.FAILURES` of the reason why the run ended early.
         """
         self.last = last
         self._look_at_pace()
@@ -628,140 +609,3 @@ class Integrator(TimeLoop):
             raise ValueError("this snapshot belongs to another system; use one of this integrator")
         self.noted.clear()
         self._resume(bytes(state))
-
-
-class RunQueue:
-    """Runs of systems that differ only in their numbers, in sequence, without Python in between.
-
-    Other Python threads can run meanwhile.
-
-    Parameters
-    ----------
-    integrator : prepared for the number of runs in one batch
-    logs : whether to log the switches of all runs of a batch
-    every : instants from one mark of a run to the next, from which it can be resumed; 0 for no marks
-
-    Attributes
-    ----------
-    marks : for each run of the last batch the times (s) and snapshots of its marks
-    """
-
-    def __init__(self, integrator, logs, every=0):
-        self.integrator, self.logs, self.every = integrator, logs, every
-        most = self.most = self.integrator.places
-        self.width = 1 + 2 * self.integrator.net.series.outer + self.integrator.net.size
-        self.contacts = self.integrator.limited.count
-        self.memory = memory = Memory()
-        self.status, self.filled = memory.marks(most), memory.marks(most)
-        self.steps, self.log_end = memory.marks(most), memory.marks(most)
-        self.time, self.limited = memory.zeros(most), memory.zeros(most * max(self.contacts, 1))
-
-    def take(self, numbers, start):
-        """Set the rows of all runs.
-
-        Parameters
-        ----------
-        numbers : the `row` of each run, one after the other; an array of doubles
-        start : start time of all runs, s
-
-        Raises
-        ------
-        ValueError : if the rows are of another system.
-        """
-        if len(numbers) % self.width:
-            raise ValueError(f"{len(numbers)} numbers do not form whole rows of {self.width}")
-        self.lent = Lent(numbers)
-        self.numbers, self.start, self.rows = self.lent.numbers, start, len(numbers) // self.width
-
-    def go(self, first, last):
-        """Make the runs from `first` up to `last`, or as many of them as fit; at least one.
-
-        At most as many fit as the integrator is prepared for; with a log, the next run starts only while
-        three quarters of the log are empty.
-
-        Returns
-        -------
-        For each run 0 or the key in `FAILURES` of the reason why it ended early, the number of instants
-        reached, time (s) and number of steps at its end, and the end of its switches in `log`.
-
-        Raises
-        ------
-        ValueError : if the integrator is not prepared, or rows for these runs are missing.
-        """
-        one = self.integrator
-        if one.count == 0 or one.places < self.most or not 0 <= first < last <= self.rows:
-            raise ValueError(
-                f"runs {first} to {last} of {self.rows}: no such rows, or the integrator is not prepared"
-            )
-        one.take_log()
-        self.first, self.wanted = first, min(last - first, self.most)
-        self.made = 0
-        self.marks = [[] for _ in range(self.wanted)]
-        self.underway = False
-        while True:
-            with cython.nogil:
-                paused = self._go()
-            if not paused:
-                break
-            if one.filled == one.next_mark:
-                self.marks[self.made].append((one.state.time, one.snapshot()))
-                one.next_mark += self.every
-                continue
-            status = one._reason_to_end(one.instants[one.count - 1])
-            if status != 0:
-                self._end(status)
-        one._raise_failure(max([self.status[k] for k in range(self.made)]))
-        return [
-            (self.status[k], self.filled[k], self.time[k], self.steps[k], self.log_end[k])
-            for k in range(self.made)
-        ]
-
-    def return_to(self, k):
-        """Return to the system of run k of the last batch, so that its marks can be restored."""
-        self.integrator.begin_row(self.numbers, (self.first + k) * self.width, self.start)
-
-    def limited_time(self, k, e):
-        """Return how long element e was at its limit, s, in run k of the last batch."""
-        for i in range(self.contacts):
-            if self.integrator.limited.element[i] == e:
-                return self.limited[k * self.contacts + i]
-        return 0.0  # it has no limit
-
-    def _go(self):
-        """Return whether a run has paused; otherwise all runs have been made, or as many as fit."""
-        while self.made < self.wanted:
-            status = 0
-            if not self.underway:
-                if not self.logs:
-                    self.integrator.noted.count = 0
-                elif self.integrator.noted.count > CAPACITY // 4:
-                    return 0
-                status = self._begin()
-            if status == 0:
-                status = self.integrator._run(self.made)
-            if status == PAUSED:
-                return 1
-            self._end(status)
-        return 0
-
-    def _begin(self):
-        at = (self.first + self.made) * self.width
-        status = self.integrator.begin_row(self.numbers, at, self.start)
-        self.integrator._look_at_pace()
-        self.integrator.next_mark = 0 if self.every > 0 else -1
-        self.underway = True
-        return NO_MASS if status != 0 else 0
-
-    def _end(self, status):
-        """Store how the present run has ended."""
-        k = self.made
-        self.status[k], self.filled[k] = status, self.integrator.filled
-        self.time[k], self.steps[k] = self.integrator.state.time, self.integrator.state.step_count
-        self.log_end[k] = self.integrator.noted.flushed + self.integrator.noted.count
-        for i in range(self.integrator.limited.count):
-            self.limited[k * self.contacts + i] = self.integrator.limited_time_at(
-                self.integrator.limited.element[i],
-                self.integrator.instants[self.integrator.count - 1],
-            )
-        self.made += 1
-        self.underway = False

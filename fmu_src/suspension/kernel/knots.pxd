@@ -17,6 +17,7 @@ cdef class Knots:
     cdef double ahead(self, double h, double end) noexcept nogil
     cdef double within(self, double h) noexcept nogil
     cdef double met(self, double h) noexcept nogil
+    cdef inline int _argument(self, int e, int kind) noexcept nogil
     cdef bint _passes_another(self, double way) noexcept nogil
     cdef void _find(self, double h, double least, double most) noexcept nogil
     cdef inline bint _passes(self, int p, int side) noexcept nogil

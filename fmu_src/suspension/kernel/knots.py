@@ -110,6 +110,10 @@ class Knots:
             return h
         return step if self.stepper.errors.can_read(step / h, h) else h
 
+    def _argument(self, e, kind):
+        """Return where `rows.row` has the argument of a law at the start of the attempt."""
+        return 8 * self.net.element_row[e] + (1 if kind == DAMPER else 0)
+
     def _passes_another(self, way):
         """Return whether the attempt, continued by `way`, passes a point of another row.
 
@@ -117,7 +121,7 @@ class Knots:
         """
         row = self.stepper.rows.row
         for i in range(self.count):
-            at = 8 * self.net.element_row[self.element[i]] + (1 if self.kind[i] == DAMPER else 0)
+            at = self._argument(self.element[i], self.kind[i])
             if at == self.row:
                 continue
             x = row[at + 4]
@@ -137,7 +141,7 @@ class Knots:
         for i in range(self.count):
             e, kind, p = self.element[i], self.kind[i], self.piece[i]
             first, last = self.net.run_first[p], self.net.run_last[p]
-            row = 8 * self.net.element_row[e] + (1 if kind == DAMPER else 0)
+            row = self._argument(e, kind)
             k = self.net.place(p, self.stepper.rows.row[row])
             degree = self.switches.polynomial(e, kind, h)
             self.crossing.extent(degree)
@@ -165,7 +169,7 @@ class Knots:
     def _effect(self, e, kind, h):
         """Return the error that the attempt makes where the second derivative of a law jumps by 1, m."""
         n, r = self.net.n, self.net.element_row[e]
-        row, at = self.stepper.rows.row, 8 * r + (1 if kind == DAMPER else 0)
+        row, at = self.stepper.rows.row, self._argument(e, kind)
         rate = max(fabs(row[at + 1]), fabs(row[at + 5]), fabs(row[at + 4] - row[at]) / h)
         most = 0.0
         for i in range(n):

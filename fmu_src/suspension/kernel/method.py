@@ -65,7 +65,7 @@ class Method:
         """Discard what belongs to earlier branches, after a change of the branches or of the state."""
 
     def attempt(self, t, h):
-        """Step from t to t + h; return 0 or a key of `integrator.FAILURES`."""
+        """Step from t to t + h; return 0 or a key of `outcomes.FAILURES`."""
         try:
             q = [self.motion.q[i] for i in range(self.n)]
             v = [self.motion.v[i] for i in range(self.n)]

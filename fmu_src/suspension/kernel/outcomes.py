@@ -1,7 +1,30 @@
-"""How attempts and runs end: 0 as requested, otherwise why, mostly a key of `integrator.FAILURES`."""
+"""How attempts and runs end: 0 as requested, otherwise why, mostly a key of `FAILURES`."""
 
 REACHED, PAUSED, DIVERGED, STEP_TOO_SMALL = 0, 1, 2, 3
 NOT_CONVERGED, NOT_POSITIVE, UNSTABLE, ENERGY_GROWS = 4, 5, 6, 7
 NO_TIME_PASSES, TOO_MANY, NO_MASS, OUT_OF_BALANCE = 8, 9, 10, 11
 INTERRUPTED = 12
 HALTED = -1  # at a switch or step that the host wants to see, before the time requested
+
+# Why a run of steps ended early, and after the semicolon what to try.
+FAILURES = {
+    DIVERGED: "the motion has diverged; "
+    "shorten a fixed solver.step, or look for forces that add energy",
+    STEP_TOO_SMALL: "the step has become too small; "
+    "increase solver.tolerance, or look for extreme parameters",
+    NOT_CONVERGED: "no equilibrium was found at the end of a step; "
+    "shorten a fixed solver.step, or look for extreme parameters",
+    NOT_POSITIVE: "the matrix of a step is not positive definite; "
+    "shorten a fixed solver.step, or look for extreme parameters",
+    UNSTABLE: "solver.step is longer than the largest stable step; shorten it, or set it to 0",
+    ENERGY_GROWS: "energy grows without external work; "
+    "shorten a fixed solver.step, or reduce solver.tolerance",
+    NO_TIME_PASSES: "switches follow one another without time between them; "
+    "shorten a fixed solver.step, or look for extreme parameters",
+    TOO_MANY: "the run needs more than 30 million steps; "
+    "shorten the run, or look for extreme parameters",
+    NO_MASS: "the mass matrix must be symmetric and positive definite; check masses and inertias",
+    OUT_OF_BALANCE: "the energy balance is off by more than all energy stored or supplied; "
+    "shorten a fixed solver.step, or reduce solver.tolerance",
+    INTERRUPTED: "the run was interrupted; run it to its end for complete results",
+}

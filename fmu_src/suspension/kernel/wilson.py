@@ -33,7 +33,7 @@ class Wilson(Method):
         self.columns.inverses.forget()
 
     def attempt(self, t, h):
-        """Step from t to t + h; return 0 or a key of `integrator.FAILURES`."""
+        """Step from t to t + h; return 0 or a key of `outcomes.FAILURES`."""
         n = self.n
         self.balance.prepare(t, h)
         for i in range(n):

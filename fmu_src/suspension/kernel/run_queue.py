@@ -1,0 +1,146 @@
+"""Runs of systems that differ only in their numbers, one after the other."""
+
+from __future__ import annotations
+
+import cython
+
+from .arrays import Lent, Memory
+from .outcomes import NO_MASS, PAUSED
+from .switch_log import CAPACITY
+
+
+class RunQueue:
+    """Runs of systems that differ only in their numbers, in sequence, without Python in between.
+
+    Other Python threads can run meanwhile.
+
+    Parameters
+    ----------
+    integrator : prepared for the number of runs in one batch
+    logs : whether to log the switches of all runs of a batch
+    every : instants from one mark of a run to the next, from which it can be resumed; 0 for no marks
+
+    Attributes
+    ----------
+    marks : for each run of the last batch the times (s) and snapshots of its marks
+    """
+
+    def __init__(self, integrator, logs, every=0):
+        self.integrator, self.logs, self.every = integrator, logs, every
+        most = self.most = self.integrator.places
+        self.width = 1 + 2 * self.integrator.net.series.outer + self.integrator.net.size
+        self.contacts = self.integrator.limited.count
+        self.memory = memory = Memory()
+        self.status, self.filled = memory.marks(most), memory.marks(most)
+        self.steps, self.log_end = memory.marks(most), memory.marks(most)
+        self.time, self.limited = memory.zeros(most), memory.zeros(most * max(self.contacts, 1))
+
+    def take(self, numbers, start):
+        """Set the rows of all runs.
+
+        Parameters
+        ----------
+        numbers : the `row` of each run, one after the other; an array of doubles
+        start : start time of all runs, s
+
+        Raises
+        ------
+        ValueError : if the rows are of another system.
+        """
+        if len(numbers) % self.width:
+            raise ValueError(f"{len(numbers)} numbers do not form whole rows of {self.width}")
+        self.lent = Lent(numbers)
+        self.numbers, self.start, self.rows = self.lent.numbers, start, len(numbers) // self.width
+
+    def go(self, first, last):
+        """Make the runs from `first` up to `last`, or as many of them as fit; at least one.
+
+        At most as many fit as the integrator is prepared for; with a log, the next run starts only while
+        three quarters of the log are empty.
+
+        Returns
+        -------
+        For each run 0 or the key in `outcomes.FAILURES` of the reason why it ended early, the number of
+        instants reached, time (s) and number of steps at its end, and the end of its switches in `log`.
+
+        Raises
+        ------
+        ValueError : if the integrator is not prepared, or rows for these runs are missing.
+        """
+        one = self.integrator
+        if one.count == 0 or one.places < self.most or not 0 <= first < last <= self.rows:
+            raise ValueError(
+                f"runs {first} to {last} of {self.rows}: no such rows, or the integrator is not prepared"
+            )
+        one.take_log()
+        self.first, self.wanted = first, min(last - first, self.most)
+        self.made = 0
+        self.marks = [[] for _ in range(self.wanted)]
+        self.underway = False
+        while True:
+            with cython.nogil:
+                paused = self._go()
+            if not paused:
+                break
+            if one.filled == one.next_mark:
+                self.marks[self.made].append((one.state.time, one.snapshot()))
+                one.next_mark += self.every
+                continue
+            status = one._reason_to_end(one.instants[one.count - 1])
+            if status != 0:
+                self._end(status)
+        one._raise_failure(max([self.status[k] for k in range(self.made)]))
+        return [
+            (self.status[k], self.filled[k], self.time[k], self.steps[k], self.log_end[k])
+            for k in range(self.made)
+        ]
+
+    def return_to(self, k):
+        """Return to the system of run k of the last batch, so that its marks can be restored."""
+        self.integrator.begin_row(self.numbers, (self.first + k) * self.width, self.start)
+
+    def limited_time(self, k, e):
+        """Return how long element e was at its limit, s, in run k of the last batch."""
+        for i in range(self.contacts):
+            if self.integrator.limited.element[i] == e:
+                return self.limited[k * self.contacts + i]
+        return 0.0  # it has no limit
+
+    def _go(self):
+        """Return whether a run has paused; otherwise all runs have been made, or as many as fit."""
+        while self.made < self.wanted:
+            status = 0
+            if not self.underway:
+                if not self.logs:
+                    self.integrator.noted.count = 0
+                elif self.integrator.noted.count > CAPACITY // 4:
+                    return 0
+                status = self._begin()
+            if status == 0:
+                status = self.integrator._run(self.made)
+            if status == PAUSED:
+                return 1
+            self._end(status)
+        return 0
+
+    def _begin(self):
+        at = (self.first + self.made) * self.width
+        status = self.integrator.begin_row(self.numbers, at, self.start)
+        self.integrator._look_at_pace()
+        self.integrator.next_mark = 0 if self.every > 0 else -1
+        self.underway = True
+        return NO_MASS if status != 0 else 0
+
+    def _end(self, status):
+        """Store how the present run has ended."""
+        k = self.made
+        self.status[k], self.filled[k] = status, self.integrator.filled
+        self.time[k], self.steps[k] = self.integrator.state.time, self.integrator.state.step_count
+        self.log_end[k] = self.integrator.noted.flushed + self.integrator.noted.count
+        for i in range(self.integrator.limited.count):
+            self.limited[k * self.contacts + i] = self.integrator.limited_time_at(
+                self.integrator.limited.element[i],
+                self.integrator.instants[self.integrator.count - 1],
+            )
+        self.made += 1
+        self.underway = False
