@@ -37,25 +37,13 @@ MACROS = [("Py_LIMITED_API", "0x030B0000"), ("CYTHON_LIMITED_API", "1")] if STAB
 # if -w keeps the warnings back.
 FLAGS = ["-g0", "-Wno-all", "-w", "-ffp-contract=off", "-fno-wrapv", "-fno-math-errno"]
 # What makes steps fast is that small functions are inlined and that others are compiled for the
-# arguments they get. With these passes steps take less time at -O1 than at -O3, which takes twice as long
-# to compile. Inlining may enlarge the code by 80 %, twice the default: steps take 3 to 7 % less time.
+# arguments they get. Inlining may enlarge the code by 80 %, twice the default: steps take 3 to 7 % less
+# time. At -O3 long functions with few steps in a loop become slower, those of substeps faster (below).
 FLAGS_OF_GCC = [
-    "-O1",
-    "-finline-functions",
-    "-finline-small-functions",
-    "-findirect-inlining",
-    "-fpartial-inlining",
+    "-O2",
     "-finline-limit=400",
     "--param=inline-unit-growth=80",
-    "-fipa-cp",
     "-fipa-cp-clone",
-    "-fipa-ra",
-    "-fstrict-aliasing",
-    "-fpeel-loops",
-    "-fcaller-saves",
-    "-fthread-jumps",
-    "-freorder-blocks-algorithm=stc",
-    "-fno-tree-dominator-opts",
 ]
 # GCC compiles one file on all cores if it does so when it links.
 ON_ALL_CORES = ["-flto=auto", "-fno-fat-lto-objects"] if sys.platform == "linux" else []

@@ -10,7 +10,7 @@ cdef class Balance:
     cdef double *fraction, *tangent_k, *tangent_c
     cdef double *constant, *loads, *load_rate, *under, *carrier
     cdef double[1024] stiffness, damping, flexibility
-    cdef double[32] q, v, a, j, f
+    cdef double[32] f
 
     cdef void enter(self) noexcept nogil
     cdef void prepare(self, double t, double h) noexcept nogil
@@ -31,9 +31,10 @@ cdef class Balance:
     cdef void _solve_rows(self, double *q, double *v, double *a,
                           double *j) noexcept nogil
     cdef void _solve(self, double *q, double *v, double *a, double *j) noexcept nogil
-    cdef inline void _solve_motion(self, int n) noexcept nogil
-    cdef inline void _find_force(self, int n, int k) noexcept nogil
-    cdef void _add_bend_rates(self, int n) noexcept nogil
+    cdef inline void _solve_motion(self, int n, double *q, double *v, double *a,
+                                   double *j) noexcept nogil
+    cdef inline void _find_force(self, int n, int k, double *q, double *v) noexcept nogil
+    cdef void _add_bend_rates(self, int n, double *v, double *a) noexcept nogil
 
 cdef inline void multiply(double *m, int at, double *x, int first, int n, double *out,
                           int to) noexcept nogil

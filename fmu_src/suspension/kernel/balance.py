@@ -46,7 +46,6 @@ class Balance:
         # literal sizes, as these are C arrays: the compiler knows that they do not overlap
         self.stiffness, self.damping = [0.0] * 1024, [0.0] * 1024  # of the straight pieces
         self.flexibility = [0.0] * 1024
-        self.q, self.v, self.a, self.j = [0.0] * 32, [0.0] * 32, [0.0] * 32, [0.0] * 32
         self.f = [0.0] * 32
         # loads at all instants of a step, and at one more within it
         self.loads = memory.zeros(n * (self.instants + 1))
@@ -200,12 +199,8 @@ class Balance:
 
     def _accelerate(self, k, q, v, a):
         """Find the accelerations of any state, with the loads at instant k."""
-        for i in range(self.n):
-            self.q[i], self.v[i] = q[i], v[i]
-        self._find_force(self.n, k)
-        multiply(self.flexibility, 0, self.f, 0, self.n, self.a, 0)
-        for i in range(self.n):
-            a[i] = self.a[i]
+        self._find_force(self.n, k, q, v)
+        multiply(self.flexibility, 0, self.f, 0, self.n, a, 0)
 
     def _solve_rows(self, q, v, a, j):
         """Find acceleration, jerk and all tangents while rows stick."""
@@ -217,42 +212,38 @@ class Balance:
 
     def _solve(self, q, v, a, j):
         """Find acceleration, jerk and all tangents with the loads at the end of a step."""
-        for i in range(self.n):
-            self.q[i], self.v[i] = q[i], v[i]
         # with a constant in place of n the compiler unrolls the loops
         if self.n == 2:
-            self._solve_motion(2)
+            self._solve_motion(2, q, v, a, j)
         elif self.n == 4:
-            self._solve_motion(4)
+            self._solve_motion(4, q, v, a, j)
         else:
-            self._solve_motion(self.n)
-        for i in range(self.n):
-            a[i], j[i] = self.a[i], self.j[i]
+            self._solve_motion(self.n, q, v, a, j)
 
-    def _solve_motion(self, n):
-        self._find_force(n, self.instants - 1)
-        multiply(self.flexibility, 0, self.f, 0, n, self.a, 0)
-        resist(self.damping, self.a, self.stiffness, self.v, 0, n, self.load_rate, 0, self.f)
+    def _solve_motion(self, n, q, v, a, j):
+        self._find_force(n, self.instants - 1, q, v)
+        multiply(self.flexibility, 0, self.f, 0, n, a, 0)
+        resist(self.damping, a, self.stiffness, v, 0, n, self.load_rate, 0, self.f)
         if self.bends.count:
-            self._add_bend_rates(n)
-        multiply(self.flexibility, 0, self.f, 0, n, self.j, 0)
+            self._add_bend_rates(n, v, a)
+        multiply(self.flexibility, 0, self.f, 0, n, j, 0)
 
-    def _find_force(self, n, k):
-        """Set `f` to all forces on the masses at the state `q`, `v`, with the loads at instant k."""
-        resist(self.damping, self.v, self.stiffness, self.q, 0, n, self.loads, n * k, self.f)
+    def _find_force(self, n, k, q, v):
+        """Set `f` to all forces on the masses in a state, with the loads at instant k."""
+        resist(self.damping, v, self.stiffness, q, 0, n, self.loads, n * k, self.f)
         for p in range(self.bends.count):
             r = self.bends.row[p]
             at = 2 * (self.net.rows * k + p)
             d = -self.under[at]
             w = -self.under[at + 1]
             for i in range(n):
-                d += self.net.row_direction[n * r + i] * self.q[i]
-                w += self.net.row_direction[n * r + i] * self.v[i]
+                d += self.net.row_direction[n * r + i] * q[i]
+                w += self.net.row_direction[n * r + i] * v[i]
             self.bends.find(p, d, w, 0.0, 0.0)
             for i in range(n):
                 self.f[i] -= self.net.row_direction[n * r + i] * self.bends.force[p]
 
-    def _add_bend_rates(self, n):
+    def _add_bend_rates(self, n, v, a):
         """Add the rates of the curved forces to `f`, and find the tangents with them."""
         for i in range(n * n):
             self.tangent_k[i], self.tangent_c[i] = self.stiffness[i], self.damping[i]
@@ -262,8 +253,8 @@ class Balance:
             dv = -self.net.road[4 * s + 1] if s >= 0 else 0.0
             da = -self.net.road[4 * s + 2] if s >= 0 else 0.0
             for i in range(n):
-                dv += self.net.row_direction[n * r + i] * self.v[i]
-                da += self.net.row_direction[n * r + i] * self.a[i]
+                dv += self.net.row_direction[n * r + i] * v[i]
+                da += self.net.row_direction[n * r + i] * a[i]
             rate = self.bends.force_k[p] * dv + self.bends.force_c[p] * da
             for i in range(n):
                 b = self.net.row_direction[n * r + i]
