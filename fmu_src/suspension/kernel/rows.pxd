@@ -7,7 +7,7 @@ cdef class Rows:
     cdef Balance balance
     cdef Errors errors
     cdef Network net
-    cdef bint roads_known, start_known, end_known, own_jerks
+    cdef bint roads_known, start_known, end_known, continues, own_jerks
     cdef double *row, *road
 
     cdef void forget(self) noexcept nogil

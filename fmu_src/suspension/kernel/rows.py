@@ -22,11 +22,12 @@ class Rows:
         self.road = memory.zeros(8 * max(self.net.signals, 1))
         self.roads_known = False
         self.start_known = self.end_known = False  # whether all rows have been read there
+        self.continues = False  # whether the start is the end of the last step
         self.own_jerks = False  # whether the attempt last read had jerks of its own
 
     def forget(self):
         """Read everything anew, after a change of branch."""
-        self.roads_known = self.start_known = self.end_known = False
+        self.roads_known = self.start_known = self.end_known = self.continues = False
 
     def read(self, t, h):
         """Read signals and rows at both ends of the attempt just made."""
@@ -35,6 +36,7 @@ class Rows:
         # an attempt with jerks of its own does not start with those at the end of the last one
         known = self.start_known and not (self.own_jerks or self.errors.own_jerks)
         self.own_jerks = self.errors.own_jerks
+        self.continues = self.continues and known
         for r in range(self.net.rows):
             if not known:
                 self._read_row(r, 0)
@@ -50,7 +52,8 @@ class Rows:
 
     def carry_on(self):
         """After the attempt was accepted, take its end as the start of the next one."""
-        self.start_known, self.end_known = self.end_known, False
+        self.continues = self.start_known = self.end_known
+        self.end_known = False
         if self.start_known:
             for r in range(self.net.rows):
                 for k in range(8 * r, 8 * r + 4):

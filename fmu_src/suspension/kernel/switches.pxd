@@ -13,15 +13,13 @@ cdef class Switches:
     cdef bint recedes, across, only_opens
     cdef double at, miss
     cdef int *watched_element, *watched_kind
-    cdef double *low, *high, *row, *point
+    cdef double *low, *high, *far_start, *far_end, *row, *point
 
     cdef void enter_branches(self) noexcept nogil
     cdef double first(self, double t, double h) noexcept nogil
-    cdef bint _stays_far(self, int k, double h) noexcept nogil
-    cdef bint _rate_stays_far(self, int k, double h) noexcept nogil
-    cdef bint _force_stays_far(self, int k, int e, double h) noexcept nogil
-    cdef inline bint _end_is_far(self, int k, double x, double dx, double ddx,
-                                 double h) noexcept nogil
+    cdef bint _stays_far(self, int k, int e, int kind, double h) noexcept nogil
+    cdef bint _is_far(self, int k, int e, int kind, int end, double h) noexcept nogil
+    cdef void carry_on(self) noexcept nogil
     cdef int polynomial(self, int e, int kind, double h) noexcept nogil
     cdef double _rate_left(self, int e, double *j, double *jerk) noexcept nogil
     cdef double _end_rate(self, int e, double h) noexcept nogil

@@ -41,6 +41,9 @@ class Switches:
         self.watched = 0
         self.watched_element, self.watched_kind = memory.marks(most), memory.marks(most)
         self.low, self.high = memory.zeros(most), memory.zeros(most)
+        # the longest step for which the coefficients that an end of the attempt sets are within these
+        # bounds, as far as is known, s
+        self.far_start, self.far_end = memory.zeros(most), memory.zeros(most)
         # four numbers of a row, as in `rows`, at the ends of all parts
         self.point = memory.zeros(4 * (_STRETCHES + 1))
         self.tyres = StraightTyres(self.net)
@@ -79,13 +82,10 @@ class Switches:
         self.rows.read(t, h)
         for k in range(self.watched):
             e, kind = self.watched_element[k], self.watched_kind[k]
-            if kind == CONTACT:
-                if self._searches_flight(k, e, h) or self._force_stays_far(k, e, h):
-                    continue
-            elif kind == DAMPER:
-                if self._rate_stays_far(k, h):
-                    continue
-            elif kind in (SPRING, MODULATION) and self._stays_far(k, h):
+            self.far_end[k] = 0.0
+            if kind == CONTACT and self._searches_flight(k, e, h):
+                continue
+            if self._stays_far(k, e, kind, h):
                 continue
             degree = self.polynomial(e, kind, h)
             self.crossing.extent(degree)
@@ -95,41 +95,41 @@ class Switches:
                 self._search(k, 1, self.high[k], degree, h)
         return self.at
 
-    def _stays_far(self, k, h):
-        """Return whether all coefficients of a deflection's septic are within its bounds."""
-        at = 8 * self.net.element_row[self.watched_element[k]]
-        d1 = h * 3.0 / 7.0
-        d2 = h * h / 14.0
-        d3 = h * h * h / 210.0
-        x = self.row[at]
-        y = self.row[at + 4]
-        dx = d1 * fabs(self.row[at + 1]) + d2 * fabs(self.row[at + 2]) + d3 * fabs(self.row[at + 3])
-        dy = d1 * fabs(self.row[at + 5]) + d2 * fabs(self.row[at + 6]) + d3 * fabs(self.row[at + 7])
-        low, high = self.low[k], self.high[k]
-        return x - dx > low and y - dy > low and x + dx < high and y + dy < high
+    def _stays_far(self, k, e, kind, h):
+        """Return whether all coefficients of the polynomial of a watched quantity are within its bounds.
 
-    def _rate_stays_far(self, k, h):
-        """Return whether all coefficients of a rate's quintic are within its bounds."""
-        at = 8 * self.net.element_row[self.watched_element[k]]
-        return self._end_is_far(
-            k, self.row[at + 1], self.row[at + 2], self.row[at + 3], h
-        ) and self._end_is_far(k, self.row[at + 5], self.row[at + 6], self.row[at + 7], h)
-
-    def _force_stays_far(self, k, e, h):
-        """Return the same of the force of a straight tyre, unless it is described by a cubic."""
-        if not self.tyres.straight[e] or self._is_slaved(e, h):
+        Each end sets half of them. Those of the start have already been looked at if it is the end of the
+        last attempt.
+        """
+        if kind == FRICTION or kind == CONTACT and (not self.tyres.straight[e] or self._is_slaved(e, h)):
             return 0
-        at = 8 * self.net.element_row[e]
-        for end in range(2):
-            self._contact_force(e, at + 4 * end)
-            if not self._end_is_far(k, self.net.force0, self.net.force1, self.net.force2, h):
-                return 0
-        return 1
+        if not self._is_far(k, e, kind, 4, h):
+            return 0
+        self.far_end[k] = h
+        if self.rows.continues and self.far_start[k] >= h:
+            return 1
+        return self._is_far(k, e, kind, 0, h)
 
-    def _end_is_far(self, k, x, dx, ddx, h):
-        """Return whether the half of a quintic's coefficients that one end sets is within the bounds."""
-        reach = 0.4 * h * fabs(dx) + 0.05 * h * h * fabs(ddx)
+    def _is_far(self, k, e, kind, end, h):
+        """Return whether the coefficients that one end sets (0: the start, 4) are within the bounds."""
+        at = 8 * self.net.element_row[e] + end
+        if kind == CONTACT:
+            self._contact_force(e, at)
+            x, dx, ddx = self.net.force0, self.net.force1, self.net.force2
+            reach = 0.4 * h * fabs(dx) + 0.05 * h * h * fabs(ddx)
+        elif kind == DAMPER:
+            x, dx, ddx = self.row[at + 1], self.row[at + 2], self.row[at + 3]
+            reach = 0.4 * h * fabs(dx) + 0.05 * h * h * fabs(ddx)
+        else:
+            x, dx, ddx = self.row[at], self.row[at + 1], self.row[at + 2]
+            reach = h * 3.0 / 7.0 * fabs(dx) + h * h / 14.0 * fabs(ddx)
+            reach += h * h * h / 210.0 * fabs(self.row[at + 3])
         return x - reach > self.low[k] and x + reach < self.high[k]
+
+    def carry_on(self):
+        """After the attempt was accepted, take its end as the start of the next one."""
+        self.rows.carry_on()
+        self.far_start, self.far_end = self.far_end, self.far_start
 
     def polynomial(self, e, kind, h):
         """Set the polynomial of a watched quantity over the attempt; return its degree."""

@@ -512,7 +512,7 @@ class TimeLoop:
             self.trial.length,
             self.trial.end if self.trial.to_end else self.state.time + self.trial.length,
         )
-        self.stepper.rows.carry_on()
+        self.switches.carry_on()
         if self.trial.lands:
             self._switch(self.switches.element, self.switches.kind, self.switches.side)
         if self.trial.to_end and self.trial.end == self.trial.joint:
