@@ -152,6 +152,11 @@ def test_a_step_is_not_continued_over_a_point_of_another_table() -> None:
     assert judging.examine(draws.draw(992), "1e-08")["failures"] == []
 
 
+def test_a_step_that_ends_on_a_switch_passes_no_other_one() -> None:
+    """A rate of 1e-10 m/s reaches zero later than expected, and a gap closes before that."""
+    assert judging.examine(draws.draw(4837), "symmetries")["failures"] == []
+
+
 @pytest.mark.parametrize(
     ("seed", "only"),
     [

@@ -47,7 +47,7 @@ class Switches:
         # four numbers of a row, as in `rows`, at the ends of all parts
         self.point = memory.zeros(4 * (_STRETCHES + 1))
         self.tyres = StraightTyres(self.net)
-        self.at = 2.0
+        self.at = self.next = 2.0  # fractions of the attempt: the switch found, and the one after it
         self.element = self.kind = self.side = 0
         self.across = False  # whether the switch found is the end of a gap
         # whether only the opening of a gap was found, which is watched from there on
@@ -76,7 +76,7 @@ class Switches:
 
     def first(self, t, h):
         """Return the earliest switch from t to t + h as a fraction of h, or 2 if there is none."""
-        self.at = 2.0
+        self.at = self.next = 2.0
         if self.watched == 0:
             return 2.0
         self.rows.read(t, h)
@@ -219,10 +219,8 @@ class Switches:
             and (kind != FRICTION or self.net.branch[BRANCHES * e + FRICTION] != 0)
         )
         at = self.crossing.exit(bound, side, degree, departing)
-        if at < self.at:
-            self._keep(k, at, side)
-            if kind == CONTACT and side < 0:
-                self._look_for_gap(e, at, h)
+        if self._is_earliest(k, at, side) and kind == CONTACT and side < 0:
+            self._look_for_gap(e, at, h)
 
     def _is_within_error(self, bound, side):
         """Return whether the quantity last read passes a bound by no more than the error allowed.
@@ -238,12 +236,21 @@ class Switches:
         self.crossing.hermite7(self.row, 8 * self.net.element_row[e], h)
         self.only_opens = self.crossing.value(at, 7) > self.net.opening[e]
 
-    def _keep(self, k, at, side):
-        self.at = at
+    def _is_earliest(self, k, at, side):
+        """Store an exit if it is earlier than those found so far, and return whether it is.
+
+        An exit at the same time is of the same quantity, as a damper and friction along one row have.
+        """
+        if at >= self.at:
+            if at > self.at:
+                self.next = min(self.next, at)
+            return 0
+        self.at, self.next = at, self.at
         self.element = self.watched_element[k]
         self.kind = self.watched_kind[k]
         self.side = side
         self.across = self.only_opens = False
+        return 1
 
     def _searches_flight(self, k, e, h):
         """Search for the end of a flight, and return true, if the force of tyre e does not show it.
@@ -269,8 +276,7 @@ class Switches:
         if self.crossing.low < bound:
             departing = self.net.departing[BRANCHES * e + CONTACT] == -1
             at = self.crossing.exit(bound, -1, 7, departing)
-            if at < self.at:
-                self._keep(k, at, -1)
+            if self._is_earliest(k, at, -1):
                 self.across = True
 
     def _search_touchdown(self, k, h):
@@ -293,8 +299,7 @@ class Switches:
             at = self.crossing.exit(self.low[k], -1, 5, departing and m == 0)
             if at <= 1.0:
                 at = (m + at) * share
-                if at < self.at:
-                    self._keep(k, at, -1)
+                if self._is_earliest(k, at, -1):
                     self._look_for_gap(e, at, h)
                 return
 

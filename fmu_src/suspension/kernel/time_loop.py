@@ -52,6 +52,7 @@ _RUNAWAY = 1e4  # times that scale: a larger motion has diverged if steps vanish
 _DECAY_PHASE = 1.0  # of the fastest motion in a step after a switch, where it may decay
 _FIRST_PHASE = 0.25  # phase of the fastest mode in the first step
 _SHORT_PHASE = 1e-4  # phase of the fastest motion up to which its Taylor series replaces a step
+_SIMULTANEOUS = 1e-6  # of a step: switches that are closer may be exchanged
 _KNOTS = 4  # attempts to end a step on its first knot
 _AFTER_KNOT = 0.85  # least part of the step proposed before one that a point shortens, for the next
 # of an attempt: this close to its end, its septic is far more accurate than halfway
@@ -594,8 +595,8 @@ class TimeLoop:
 
         Under error control the state is read from the septic through the ends of the attempt, if that is
         accurate enough. Otherwise the step is repeated; as short steps are more accurate, it may then not
-        reach the bound and is accepted without a switch at its end. A step that is shortened because a
-        gap opens in it has no switch at its end, either.
+        reach the bound, or only after another switch, and is accepted without a switch at its end. A step
+        that is shortened because a gap opens in it has no switch at its end, either.
         """
         step = self.switches.at * h
         near = h  # how far from the switch expected the stored attempt may be read
@@ -607,6 +608,7 @@ class TimeLoop:
             status = self.stepper.attempt(self.state.time, step)
             near = self._keep_near(step)
         self.switches.recedes = False
+        latest = h * min(1.0, self.switches.next + _SIMULTANEOUS)
         best = 1e300
         for _iteration in range(0 if self.switches.only_opens else 8):
             if status != 0:
@@ -615,7 +617,10 @@ class TimeLoop:
             if self.switches.recedes:
                 break
             new = step - late
-            if late == 0.0 or self.switches.miss >= best or not (0.0 < new <= h):
+            if late == 0.0 or self.switches.miss >= best or new <= 0.0:
+                break
+            if new > latest:
+                self.switches.recedes = True
                 break
             if self.state.time + new == self.state.time + step:
                 break
