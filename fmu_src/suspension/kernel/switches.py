@@ -129,7 +129,8 @@ class Switches:
     def carry_on(self):
         """After the attempt was accepted, take its end as the start of the next one."""
         self.rows.carry_on()
-        self.far_start, self.far_end = self.far_end, self.far_start
+        for k in range(self.watched):
+            self.far_start[k] = self.far_end[k]
 
     def polynomial(self, e, kind, h):
         """Set the polynomial of a watched quantity over the attempt; return its degree."""
