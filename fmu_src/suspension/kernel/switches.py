@@ -47,7 +47,8 @@ class Switches:
         # four numbers of a row, as in `rows`, at the ends of all parts
         self.point = memory.zeros(4 * (_STRETCHES + 1))
         self.tyres = StraightTyres(self.net)
-        self.at = self.next = 2.0  # fractions of the attempt: the switch found, and the one after it
+        # fractions of the attempt: the switch found, and the one after it
+        self.at = self.next = 2.0
         self.element = self.kind = self.side = 0
         self.across = False  # whether the switch found is the end of a gap
         # whether only the opening of a gap was found, which is watched from there on
@@ -101,7 +102,9 @@ class Switches:
         Each end sets half of them. Those of the start have already been looked at if it is the end of the
         last attempt.
         """
-        if kind == FRICTION or kind == CONTACT and (not self.tyres.straight[e] or self._is_slaved(e, h)):
+        if kind == FRICTION or (
+            kind == CONTACT and (not self.tyres.straight[e] or self._is_slaved(e, h))
+        ):
             return 0
         if not self._is_far(k, e, kind, 4, h):
             return 0
