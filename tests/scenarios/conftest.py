@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from phaseplane.scenarios.simulate.fmu_cache import FOLDER_VARIABLE
 from phaseplane.vehicle_fmus.build import build
+from small_sweep import SCENE
 
 
 @pytest.fixture(scope="session")
@@ -27,3 +28,8 @@ def _kept_here(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 @pytest.fixture(autouse=True)
 def _in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def scene_of_a_sweep(tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text(SCENE)

@@ -1,65 +1,26 @@
-"""Sweeps: what a file may say, rows against runs by hand, failures, interruption, the FMU, a cluster."""
+"""Sweeps: what a file may say, rows against runs by hand, failures, the FMU, folders."""
 
 from __future__ import annotations
 
-import csv
 import json
 import os
-import signal
-import subprocess
-import sys
-import zipfile
-from collections.abc import Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from command_line import phaseplane
-from hosting import HANGS, started, wait_until
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.measures.linearised import linearised
 from phaseplane.scenarios.scene.names import SWEEPS, sweep_titles
 from phaseplane.scenarios.sweeps import running
-from phaseplane.scenarios.sweeps.plan import Plan, load_plan
-from phaseplane.scenarios.sweeps.running import Row, journal_key, sweep
+from phaseplane.scenarios.sweeps.plan import load_plan
+from phaseplane.scenarios.sweeps.running import sweep
 from phaseplane.suspension import engine
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
+from small_sweep import GRID, SCENE, rows, written
 
-ROOT = Path(__file__).parents[2]
-GRID = """
-scene = "scene.toml"
-measures = ["peak.body_displacement", "lift_off_count"]
-[vary]
-speed = { from = "36 km/h", to = 20.0, count = 3 }
-"road.height" = ["2 cm", 0.05]
-"""
-SCENE = """
-fmu = "QuarterCar"
-duration = 0.2
-[show]
-output_interval = "5 ms"
-"""
-
-
-@pytest.fixture(autouse=True)
-def here(tmp_path: Path) -> Path:
-    (tmp_path / "scene.toml").write_text(SCENE)
-    return tmp_path
-
-
-def written(text: str, name: str = "sweep.toml") -> Path:
-    Path(name).write_text(text)
-    return Path(name)
-
-
-def rows(folder: str = "out/sweeps/sweep") -> list[dict[str, str]]:
-    with Path(folder, "runs.csv").open(newline="") as file:
-        return list(csv.DictReader(file))
+pytestmark = pytest.mark.usefixtures("scene_of_a_sweep")
 
 
 # -- plans -----------------------------------------------------------------------------------------
@@ -356,207 +317,6 @@ def test_parquet_and_refusals(monkeypatch: pytest.MonkeyPatch) -> None:
         assert words in result.stderr
         assert len(result.stderr.splitlines()) == 1
     assert not list(Path().glob(".x*"))  # no journal of what has not begun
-
-
-# -- interruption ----------------------------------------------------------------------------------
-
-
-def test_what_is_in_the_journal_is_not_done_again(tmp_path: Path) -> None:
-    plan = load_plan(written(GRID))
-    journal = tmp_path / "journal"
-    made_up = (123.0, 45)
-    journal.write_text(
-        json.dumps({"journal": journal_key(plan, "process")})
-        + "\n"
-        + json.dumps([2, list(made_up), ""])
-        + "\n[3, [1"
-    )
-    found, told = sweep(plan, journal, workers=1)
-    assert told["made"] == 5
-    assert found[2] == Row(2, made_up)
-    assert found[3].values != made_up
-    _, told = sweep(plan, journal, workers=1)
-    assert told["made"] == 0  # what followed the incomplete line is there, too
-    journal.write_text(
-        json.dumps({"journal": "another"}) + "\n" + json.dumps([2, list(made_up), ""])
-    )
-    found, told = sweep(plan, journal, workers=1)
-    assert told["made"] == 6
-    assert found[2].values != made_up
-
-
-def test_a_journal_is_that_of_one_way_to_run_one_version_and_one_content(
-    fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Rows of the process are not passed off as the FMU's, nor old ones as those of new code."""
-    plan = load_plan(written(GRID))
-    key = journal_key(plan, "process")
-    assert key == journal_key(load_plan("sweep.toml"), "process")
-    assert key != journal_key(plan, "fmu")
-    with monkeypatch.context() as patch:
-        patch.setattr(running, "versions", lambda: {"phaseplane": "99"})
-        assert key != journal_key(plan, "process")
-    own = tmp_path / "own.fmu"
-    own.write_bytes(fmu.read_bytes())
-    Path("scene.toml").write_text(SCENE.replace('"QuarterCar"', '"own.fmu"'))
-    before = journal_key(load_plan("sweep.toml"), "fmu")
-    assert before == journal_key(load_plan("sweep.toml"), "fmu")
-    with zipfile.ZipFile(own, "a") as archive:
-        archive.writestr("resources/note.txt", "another content")
-    assert before != journal_key(load_plan("sweep.toml"), "fmu")
-
-
-def test_an_interrupted_sweep_of_the_process_is_not_that_of_the_fmu(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    made: list[str] = []
-
-    def stopping(plan: Plan, runs: Sequence[int], through: str) -> list[Row]:
-        made.append(through)
-        if len(made) > 1:
-            raise KeyboardInterrupt
-        return [Row(run, (123.0, 45)) for run in runs]
-
-    command = ("sweep", str(written(GRID)), "--workers", "1")
-    with monkeypatch.context() as patch:
-        patch.setattr(running, "run_chunk", stopping)
-        assert phaseplane(*command).exit_code == 130
-    through_fmu = phaseplane(*command, "--through", "fmu", "--json")
-    assert json.loads(through_fmu.stdout)["made"] == 6
-    assert "123" not in {row["peak.body_displacement"] for row in rows()}
-    in_process = phaseplane(*command, "--json")
-    assert json.loads(in_process.stdout)["made"] == 5
-
-
-@pytest.mark.slow
-def test_an_interrupted_sweep_goes_on_where_it_stopped() -> None:
-    Path("scene.toml").write_text(SCENE.replace("0.2", "20.0").replace("5 ms", "1 ms"))
-    text = GRID.replace("count = 3", "count = 60")
-    command = [
-        sys.executable,
-        "-m",
-        "phaseplane",
-        "sweep",
-        str(written(text)),
-        "--workers",
-        "2",
-    ]
-    environment = {**os.environ, "PYTHONPATH": f"{ROOT / 'fmu_src'}{os.pathsep}{ROOT}"}
-    journal = Path(
-        "out/sweeps", f".sweep.{journal_key(load_plan('sweep.toml'), 'process')}.journal"
-    )
-    with started(command, environment, stderr=subprocess.PIPE) as process:
-        wait_until(lambda: journal.exists() and journal.read_text().count("\n") > 3, process)
-        process.send_signal(signal.SIGINT)
-        _, complaint = process.communicate(timeout=HANGS)
-    assert process.returncode == 130
-    assert complaint.splitlines()[-1].startswith("phaseplane: interrupted")
-    assert not Path("out/sweeps/sweep").exists()
-    kept = len(journal.read_text().splitlines()) - 1
-    assert 0 < kept < 120
-    again = subprocess.run([*command, "--json"], env=environment, capture_output=True, text=True,
-                           check=True, timeout=HANGS)  # fmt: skip
-    assert json.loads(again.stdout)["made"] == 120 - kept
-    assert len(rows()) == 120
-    assert not journal.exists()
-
-
-def test_an_interrupt_waits_for_the_run_under_way_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Runs of the chunk under way are kept as far as they are made, and no more are begun."""
-
-    def interrupted(_plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
-        for k, run in enumerate(runs):
-            if k == 2:
-                os.kill(os.getpid(), signal.SIGINT)
-                assert running._STOPPING.wait(HANGS)
-            yield Row(run, (123.0, 45))
-
-    monkeypatch.setattr(running, "_in_process", interrupted)
-    sweep_file = written(GRID.replace("count = 3", "count = 60"))
-    result = phaseplane("sweep", str(sweep_file), "--workers", "1")
-    assert result.exit_code == 130
-    said = "phaseplane: interrupted after 3 of 120 runs; start it again to continue\n"
-    assert result.stderr.lstrip() == said
-    (journal,) = Path("out/sweeps").glob(".sweep.*.journal")
-    assert len(journal.read_text().splitlines()) == 1 + 3
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="not on this platform: no signal masks")
-def test_a_process_that_only_starts_survives_ctrl_c(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    """A terminal sends it to all processes; if one ended of it, the others would break, or hang."""
-    (tmp_path / "startled.py").write_text("""
-import os, signal
-from phaseplane.scenarios.sweeps.running import _begin_worker
-
-def begin(receiver):
-    os.kill(os.getpid(), signal.SIGINT)
-    _begin_worker(receiver)
-""")
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(running, "_begin_worker", import_module("startled").begin)
-    made, _ = sweep(load_plan(written(GRID)), tmp_path / "journal", workers=2)
-    assert len(made) == 6
-
-
-def test_a_process_that_is_killed_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As where the memory does not suffice; what is done is kept."""
-
-    class Broken(ThreadPoolExecutor):
-        def submit(self, *_: object, **__: object) -> Future[Any]:
-            future: Future[Any] = Future()
-            future.set_exception(BrokenProcessPool("terminated abruptly"))
-            return future
-
-    monkeypatch.setattr(running, "ThreadPoolExecutor", Broken)
-    result = phaseplane("sweep", str(written(GRID)), "--workers", "1")
-    assert result.exit_code == 1
-    told = "phaseplane: a process of the sweep was killed after 0 of 6 runs; start it again to continue\n"
-    assert result.stderr == told
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="not on this platform: no /proc")
-def test_processes_of_a_sweep_that_is_killed_end_with_it() -> None:
-    Path("scene.toml").write_text(SCENE.replace("0.2", "20.0").replace("5 ms", "1 ms"))
-    command = [
-        sys.executable, "-m", "phaseplane",
-        "sweep", str(written(GRID.replace("count = 3", "count = 60"))), "--workers", "2",
-    ]  # fmt: skip
-    environment = {**os.environ, "PYTHONPATH": f"{ROOT / 'fmu_src'}{os.pathsep}{ROOT}"}
-
-    def some_rows_are_made() -> bool:
-        journals = Path("out/sweeps").glob(".sweep.*.journal")
-        return any(journal.read_text().count("\n") > 1 for journal in journals)
-
-    with started(command, environment, stderr=subprocess.DEVNULL) as process:
-        wait_until(some_rows_are_made, process)
-        children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
-        process.kill()
-    assert len(children) >= 2
-    wait_until(lambda: not any(running_still(int(child)) for child in children))
-
-
-def running_still(number: int) -> bool:
-    try:
-        return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
-        return False
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("ignore")  # of the cluster's own libraries
-def test_a_dask_cluster_does_the_same_work(tmp_path: Path) -> None:
-    import distributed  # noqa: PLC0415  (its warnings are let pass above)
-
-    plan = load_plan(written(GRID))
-    alone, _ = sweep(plan, tmp_path / "a", workers=1)
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None
-    ) as cluster:
-        together, _ = sweep(plan, tmp_path / "b", dask=cluster.scheduler_address)
-    assert together == alone
 
 
 def test_a_picture_that_cannot_be_drawn_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,6 @@
 """Names for the offsets of the numbers of branches, pieces and segments.
 
-`characteristics.Piece` and `signals.Segment` give their numbers in this order.
+`pieces.Piece` and `signals.Segment` give their numbers in this order.
 """
 
 # the kinds of branches of an element: `branch[BRANCHES e + kind]`

@@ -26,7 +26,7 @@ cdef class Switches:
     cdef bint _is_slaved(self, int e, double h) noexcept nogil
     cdef void _contact_force(self, int e, int at) noexcept nogil
     cdef void _search(self, int k, int side, double bound, int degree, double h) noexcept nogil
-    cdef bint _is_earliest(self, int k, double at, int side) noexcept nogil
+    cdef bint _takes_earliest(self, int k, double at, int side) noexcept nogil
     cdef bint _searches_flight(self, int k, int e, double h) noexcept nogil
     cdef void _search_gap(self, int k, double h) noexcept nogil
     cdef bint _is_within_error(self, double bound, int side) noexcept nogil

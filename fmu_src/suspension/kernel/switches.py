@@ -99,8 +99,8 @@ class Switches:
     def _stays_far(self, k, e, kind, h):
         """Return whether all coefficients of the polynomial of a watched quantity are within its bounds.
 
-        Each end sets half of them. Those of the start have already been looked at if it is the end of the
-        last attempt.
+        Each end sets half of them. If the step continues the last one, those of its start have already
+        been compared.
         """
         if kind == FRICTION or (
             kind == CONTACT and (not self.tyres.straight[e] or self._is_slaved(e, h))
@@ -119,12 +119,12 @@ class Switches:
         if kind == CONTACT:
             self._contact_force(e, at)
             x, dx, ddx = self.net.force0, self.net.force1, self.net.force2
-            reach = 0.4 * h * fabs(dx) + 0.05 * h * h * fabs(ddx)
-        elif kind == DAMPER:
-            x, dx, ddx = self.row[at + 1], self.row[at + 2], self.row[at + 3]
+        else:
+            at += 1 if kind == DAMPER else 0
+            x, dx, ddx = self.row[at], self.row[at + 1], self.row[at + 2]
+        if kind in (CONTACT, DAMPER):  # a quintic; otherwise a septic
             reach = 0.4 * h * fabs(dx) + 0.05 * h * h * fabs(ddx)
         else:
-            x, dx, ddx = self.row[at], self.row[at + 1], self.row[at + 2]
             reach = h * 3.0 / 7.0 * fabs(dx) + h * h / 14.0 * fabs(ddx)
             reach += h * h * h / 210.0 * fabs(self.row[at + 3])
         return x - reach > self.low[k] and x + reach < self.high[k]
@@ -223,7 +223,7 @@ class Switches:
             and (kind != FRICTION or self.net.branch[BRANCHES * e + FRICTION] != 0)
         )
         at = self.crossing.exit(bound, side, degree, departing)
-        if self._is_earliest(k, at, side) and kind == CONTACT and side < 0:
+        if self._takes_earliest(k, at, side) and kind == CONTACT and side < 0:
             self._look_for_gap(e, at, h)
 
     def _is_within_error(self, bound, side):
@@ -240,10 +240,11 @@ class Switches:
         self.crossing.hermite7(self.row, 8 * self.net.element_row[e], h)
         self.only_opens = self.crossing.value(at, 7) > self.net.opening[e]
 
-    def _is_earliest(self, k, at, side):
+    def _takes_earliest(self, k, at, side):
         """Store an exit if it is earlier than those found so far, and return whether it is.
 
-        An exit at the same time is of the same quantity, as a damper and friction along one row have.
+        A damper and friction along one row have the same rate, so their exits coincide and neither is the
+        next one.
         """
         if at >= self.at:
             if at > self.at:
@@ -280,7 +281,7 @@ class Switches:
         if self.crossing.low < bound:
             departing = self.net.departing[BRANCHES * e + CONTACT] == -1
             at = self.crossing.exit(bound, -1, 7, departing)
-            if self._is_earliest(k, at, -1):
+            if self._takes_earliest(k, at, -1):
                 self.across = True
 
     def _search_touchdown(self, k, h):
@@ -303,7 +304,7 @@ class Switches:
             at = self.crossing.exit(self.low[k], -1, 5, departing and m == 0)
             if at <= 1.0:
                 at = (m + at) * share
-                if self._is_earliest(k, at, -1):
+                if self._takes_earliest(k, at, -1):
                     self._look_for_gap(e, at, h)
                 return
 

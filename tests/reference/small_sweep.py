@@ -1,0 +1,30 @@
+"""A sweep of six short runs, and its files."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+GRID = """
+scene = "scene.toml"
+measures = ["peak.body_displacement", "lift_off_count"]
+[vary]
+speed = { from = "36 km/h", to = 20.0, count = 3 }
+"road.height" = ["2 cm", 0.05]
+"""
+SCENE = """
+fmu = "QuarterCar"
+duration = 0.2
+[show]
+output_interval = "5 ms"
+"""
+
+
+def written(text: str, name: str = "sweep.toml") -> Path:
+    Path(name).write_text(text)
+    return Path(name)
+
+
+def rows(folder: str = "out/sweeps/sweep") -> list[dict[str, str]]:
+    with Path(folder, "runs.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
