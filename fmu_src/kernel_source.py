@@ -1,15 +1,51 @@
-"""The kernel as one module for Cython, with the C types of constants and local variables."""
+"""The kernel as one module for Cython: its source, and the C types that are its annotations."""
 
 from __future__ import annotations
 
 import ast
 import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from graphlib import TopologicalSorter
 from pathlib import Path
 
-CLASS = re.compile(r"^cdef class (\w+)", re.MULTILINE)
-FUNCTIONS = re.compile(r"^    from math import (.+)$", re.MULTILINE)  # where uncompiled
-ROUTINE = re.compile(r"( *)cdef (?!class )(?:inline )?[\w ]+?\**(\w+)\(.*")
+from suspension.kernel_types import (
+    Declared,
+    Record,
+    Routine,
+    assigned,
+    declared,
+    is_condition,
+    modules_in,
+    number_in,
+    numbers_of,
+)
+
+# what modules use of Python's interface for C
+FROM_C = """\
+from cpython.buffer cimport PyBUF_C_CONTIGUOUS, PyBUF_FORMAT, PyBUF_WRITABLE
+from cpython.buffer cimport PyBuffer_Release, PyObject_GetBuffer
+from cpython.bytearray cimport PyByteArray_AsString
+from cpython.exc cimport PyErr_CheckSignals
+from libc.string cimport memcpy"""
+
+MARKS = ("inline", "open_to_python", "takes_gil", "uses_python")
+
+
+@dataclass(frozen=True)
+class Module:
+    """A module of the kernel.
+
+    Parameters
+    ----------
+    path : its file
+    tree : its source
+    types : the classes and functions in it that have C types
+    """
+
+    path: Path
+    tree: ast.Module
+    types: Declared
 
 
 def joined(folder: Path) -> tuple[str, str]:
@@ -21,37 +57,37 @@ def joined(folder: Path) -> tuple[str, str]:
     top; constants that several of them define must be the same in all, and functions and classes have
     names of their own.
     """
-    paths = modules(folder)
-    source, constants = one_source(paths)
-    functions = {
-        name
-        for path in paths
-        for names in FUNCTIONS.findall(path.read_text(encoding="utf-8"))
-        for name in names.split(", ")
-    }
-    types = [with_types_of_locals(path) for path in paths]
-    return source, one_set_of_types(types, constants, functions)
+    found = modules(folder)
+    source, functions = one_source(found)
+    return source, one_set_of_types(found, functions)
 
 
-def modules(folder: Path) -> list[Path]:
+def modules(folder: Path) -> list[Module]:
     """The modules in a folder, each after those whose classes are among its types."""
-    types = {path: declarations(path) for path in sorted(folder.glob("[a-z]*.py"))}
-    owners = {name: path for path, text in types.items() for name in CLASS.findall(text)}
+    paths = modules_in(folder)
+    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in paths]
+    found = list(map(Module, paths, trees, declared(trees)))
+    owner = {name: k for k, module in enumerate(found) for name in module.types.records}
     needed = {
-        path: {owners[name] for name in re.findall(r"\w+", text) if name in owners} - {path}
-        for path, text in types.items()
+        k: {owner[kind] for kind in kinds(module.types) if kind in owner} - {k}
+        for k, module in enumerate(found)
     }
-    return list(TopologicalSorter(needed).static_order())
+    return [found[k] for k in TopologicalSorter(needed).static_order()]
 
 
-def declarations(path: Path) -> str:
-    """The C types beside a module, if it has any."""
-    types = path.with_suffix(".pxd")
-    return types.read_text(encoding="utf-8") if types.exists() else ""
+def kinds(types: Declared) -> Iterator[str]:
+    """The types that the declarations of a module mention."""
+    routines = list(types.functions.values())
+    for record in types.records.values():
+        yield record.base
+        yield from record.fields.values()
+        routines += record.methods.values()
+    for routine in routines:
+        yield from (routine.returns, *routine.parameters.values())
 
 
-def one_source(paths: list[Path]) -> tuple[str, dict[str, int | float]]:
-    """All modules one after the other, and their constants.
+def one_source(modules: Iterable[Module]) -> tuple[str, set[str]]:
+    """All modules one after the other, and the functions of the C library that they call.
 
     Left out is what modules import from each other or uncompiled, and integers, which C has as constants.
 
@@ -61,104 +97,143 @@ def one_source(paths: list[Path]) -> tuple[str, dict[str, int | float]]:
         one module, the later would take the place of the earlier. Or one statement defines integers
         and other constants.
     """
+    modules = list(modules)
+    classes = {record for module in modules for record in module.types.records}
     imports: dict[str, None] = {}
     known: dict[str, str] = {}
     defined: dict[str, str] = {}
-    bodies = []
-    for path in paths:
-        text = path.read_text(encoding="utf-8")
-        lines = text.splitlines()
-        for node in ast.parse(text).body:
+    bodies: list[str] = []
+    functions: set[str] = set()
+    for module in modules:
+        name = module.path.name
+        for node in module.tree.body:
             written = ast.unparse(node)
             match node:
                 case ast.Import() | ast.ImportFrom(level=0):
                     imports[written] = None
                 case ast.Assign():
-                    pairs = assigned(node)
-                    for name, value in pairs:
-                        if known.setdefault(name, value) != value:
-                            raise ValueError(f"{path.name}: {name} = {value}, not {known[name]}")
-                    kinds = {isinstance(number(value), int) for _, value in pairs}
-                    if len(kinds) > 1:
-                        raise ValueError(f"{path.name}: integers stand apart: {written}")
-                    if kinds == {False}:
-                        continue
-                case ast.FunctionDef(name=name) | ast.ClassDef(name=name):
-                    if name in defined:
-                        raise ValueError(f"{path.name}: {name} is defined in {defined[name]}, too")
-                    defined[name] = path.name
-                    continue
-                case ast.ImportFrom():
-                    pass
-                case ast.If() if "cython.compiled" in written:
-                    pass
+                    pairs = list(assigned(node))
+                    for target, value in pairs:
+                        constant, number = ast.unparse(target), ast.unparse(value)
+                        if known.setdefault(constant, number) != number:
+                            raise ValueError(
+                                f"{name}: {constant} = {number}, not {known[constant]}"
+                            )
+                    integers = {isinstance(number_in(value), int) for _, value in pairs}
+                    if len(integers) > 1:
+                        raise ValueError(f"{name}: integers stand apart: {written}")
+                    if integers == {False}:
+                        bodies.append(written)
+                case ast.FunctionDef(name=own) | ast.ClassDef(name=own):
+                    if own in defined:
+                        raise ValueError(f"{name}: {own} is defined in {defined[own]}, too")
+                    defined[own] = name
+                    bodies.append(ast.unparse(Plain(classes).visit(node)))
+                case ast.If(body=body) if written.startswith("if not cython.compiled"):
+                    functions |= {
+                        alias.name
+                        for each in body
+                        if isinstance(each, ast.ImportFrom) and each.module == "math"
+                        for alias in each.names
+                    }
+                case ast.ImportFrom() | ast.If() | ast.Expr():
+                    pass  # from one another; for type checkers; a docstring
                 case _:
-                    continue
-            for line in range(node.lineno - 1, node.end_lineno or node.lineno):
-                lines[line] = ""
-        bodies.append("\n".join(lines))
-    constants = {name: x for name, value in known.items() if (x := number(value)) is not None}
-    return "\n".join([*imports, *bodies]), constants
+                    raise ValueError(f"{name}: not at the top of a module: {written}")
+    return "\n".join([*imports, *bodies]), functions
 
 
-def number(text: str) -> int | float | None:
-    """The value of an expression of numbers; None if it is another one."""
-    try:
-        value = eval(text, {"__builtins__": {}})
-    except NameError:
-        return None
-    return value if type(value) in (int, float) else None
+class Plain(ast.NodeTransformer):
+    """Takes away what `kernel_types` has read: Cython would take it in its own way.
+
+    What ordinary methods say of classes stays, so that they read the fields of these in C.
+    """
+
+    def __init__(self, classes: Iterable[str]) -> None:
+        self.classes = frozenset(classes)
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.FunctionDef:
+        self.generic_visit(node)
+        for parameter in node.args.args:
+            kept = not node.returns and parameter.annotation
+            if not (kept and ast.unparse(kept) in self.classes):
+                parameter.annotation = None
+        node.returns = None
+        marks = [mark for mark in node.decorator_list if ast.unparse(mark) not in MARKS]
+        node.decorator_list = marks
+        return node
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.stmt | None:
+        if node.value is None:
+            return None
+        return ast.copy_location(ast.Assign([node.target], node.value), node)
 
 
-def assigned(node: ast.Assign) -> list[tuple[str, str]]:
-    """The names that an assignment gives values, each with its own."""
-    target, value = node.targets[0], node.value
-    if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
-        pairs = zip(target.elts, value.elts, strict=True)
-        return [(ast.unparse(name), ast.unparse(x)) for name, x in pairs]
-    return [(ast.unparse(target), ast.unparse(value))]
-
-
-def one_set_of_types(
-    texts: list[str], constants: dict[str, int | float], functions: set[str]
-) -> str:
+def one_set_of_types(modules: Iterable[Module], functions: Iterable[str]) -> str:
     """All declarations of C types, and those of constants and mathematical functions."""
+    modules = list(modules)
+    constants = numbers_of(module.tree for module in modules)
     doubles = ", ".join(name for name, x in constants.items() if isinstance(x, float))
     integers = [f"    {name} = {x}" for name, x in constants.items() if isinstance(x, int)]
-    head = [
+    records = {name: x for module in modules for name, x in module.types.records.items()}
+    lines = [
         "cimport cython",
+        FROM_C,
         f"from libc.math cimport {', '.join(sorted(functions))}",
-        f"cdef double {doubles}",
+        *([f"cdef double {doubles}"] if doubles else []),
+        *(["cdef enum:", *integers] if integers else []),
     ]
-    bodies = [text.replace("cimport cython\n", "") for text in texts]
-    return "\n".join([*head, "cdef enum:", *integers, *bodies])
+    for module in modules:
+        for node in module.tree.body:
+            if isinstance(node, ast.FunctionDef) and node.name in module.types.functions:
+                lines += in_cython(module.types.functions[node.name], node, method=False)
+            elif isinstance(node, ast.ClassDef):
+                record = records[node.name]
+                lines += ["@cython.final"] if is_final(record, records) else []
+                lines += record_in_cython(record, node)
+    return "\n".join(lines)
 
 
-def with_types_of_locals(path: Path) -> str:
-    """The declarations of a module, with types for those local variables whose types Cython mistakes.
+def is_final(record: Record, records: Mapping[str, Record]) -> bool:
+    """Whether no class is derived from this one, and it defines no method of a base anew."""
+    inherited: set[str] = set()
+    base = record.base
+    while base:
+        inherited |= set(records[base].methods)
+        base = records[base].base
+    derived = any(other.base == record.name for other in records.values())
+    return not derived and inherited.isdisjoint(record.methods)
+
+
+def record_in_cython(record: Record, node: ast.ClassDef) -> list[str]:
+    """The declaration of a class."""
+    head = f"cdef class {record.name}" + (f"({record.base})" if record.base else "")
+    lines = [f"{head}:", *([] if record.fields or record.methods else ["    pass"])]
+    for name, kind in record.fields.items():
+        public = "public " if name in record.open and re.fullmatch(r"\w+", kind) else ""
+        lines.append(f"    cdef {public}{kind} {name}")
+    routines = {child.name: child for child in node.body if isinstance(child, ast.FunctionDef)}
+    for method in record.methods.values():
+        lines += ["    " + line for line in in_cython(method, routines[method.name], method=True)]
+    return lines
+
+
+def in_cython(routine: Routine, node: ast.FunctionDef, *, method: bool) -> list[str]:
+    """The declaration of a routine, with types for those local variables whose types Cython mistakes.
 
     It takes conditions for objects, and variables of loops for long integers, which cost time.
     """
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    owners = {"": tree} | {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
-    routines = {
-        (owner, node.name): node
-        for owner, place in owners.items()
-        for node in place.body
-        if isinstance(node, ast.FunctionDef)
-    }
-    owner, lines = "", []
-    for line in declarations(path).splitlines():
-        if line.startswith("cdef class "):
-            owner = re.split(r"\W+", line)[2]
-        if found := ROUTINE.fullmatch(line):
-            indent, name = found[1], found[2]
-            types = types_of_locals(routines[owner if indent else "", name])
-            if types:
-                given = ", ".join(f"{local}={kind}" for local, kind in types.items())
-                lines.append(f"{indent}@cython.locals({given})")
-        lines.append(line)
-    return "\n".join(lines)
+    types = [*routine.parameters.items()]
+    given = [f"{kind} {name}" for name, kind in types]
+    for k in range(len(given) - routine.optional, len(given)):
+        given[k] += "=*"
+    if method:
+        given.insert(0, "self")
+    end = " noexcept nogil" if routine.nogil else " noexcept with gil" if routine.with_gil else ""
+    local = ", ".join(f"{name}={kind}" for name, kind in types_of_locals(node).items())
+    kind = "cpdef" if routine.open else "cdef inline" if routine.inline else "cdef"
+    declaration = f"{kind} {routine.returns} {routine.name}({', '.join(given)}){end}"
+    return [f"@cython.locals({local})", declaration] if local else [declaration]
 
 
 def types_of_locals(routine: ast.FunctionDef) -> dict[str, str]:
@@ -171,13 +246,3 @@ def types_of_locals(routine: ast.FunctionDef) -> dict[str, str]:
             case ast.Assign(targets=[ast.Name(id=name)], value=value) if is_condition(value):
                 found[name] = "bint"
     return found
-
-
-def is_condition(node: ast.expr) -> bool:
-    """Whether an expression is true or false."""
-    match node:
-        case ast.Compare() | ast.UnaryOp(op=ast.Not()) | ast.Constant(value=bool()):
-            return True
-        case ast.BoolOp(values=values):
-            return any(map(is_condition, values))
-    return False

@@ -41,15 +41,16 @@ def installer() -> Any:
 
 
 @pytest.fixture(scope="module")
-def kernel_source() -> Any:
-    return module_at(ROOT / "fmu_src" / "kernel_source.py")
+def kernel_source(installer: Any) -> Any:
+    return sys.modules[installer.joined.__module__]
 
 
-def modules(folder: Path, *texts: str) -> list[Path]:
-    paths = [folder / f"part{number}.py" for number in range(len(texts))]
-    for path, text in zip(paths, texts, strict=True):
-        path.write_text(text)
-    return paths
+def joined(kernel_source: Any, folder: Path, *texts: str) -> tuple[list[str], list[str]]:
+    """The source and the types of a kernel of modules with these texts, line by line."""
+    for number, text in enumerate(texts):
+        folder.joinpath(f"part{number}.py").write_text(text)
+    source, types = kernel_source.joined(folder)
+    return [line for line in source.splitlines() if line.strip()], types.splitlines()
 
 
 @pytest.mark.parametrize(
@@ -65,42 +66,53 @@ def test_two_meanings_of_one_name_are_refused(
     kernel_source: Any, tmp_path: Path, first: str, second: str
 ) -> None:
     with pytest.raises(ValueError, match=r"part1\.py: _(same|Same|SAME) "):
-        kernel_source.one_source(modules(tmp_path, first, second))
+        joined(kernel_source, tmp_path, first, second)
+
+
+@pytest.mark.parametrize("text", ["_N, _X = 2, 0.5", "_N: int = 2", "for _n in range(2): pass"])
+def test_what_cannot_stand_at_the_top_of_a_module_is_refused(
+    kernel_source: Any, tmp_path: Path, text: str
+) -> None:
+    with pytest.raises(ValueError, match=r"part0\.py: (integers stand apart|not at the top)"):
+        joined(kernel_source, tmp_path, text)
 
 
 def test_modules_follow_one_another(kernel_source: Any, tmp_path: Path) -> None:
-    parts = modules(
+    source, _ = joined(
+        kernel_source,
         tmp_path,
         "from math import sqrt\n_N = 2.0\ndef root(): return sqrt(_N)",
         "from .part0 import root\n_N = 2.0\ndef twice(): return 2.0 * root()",
     )
     found: dict[str, Any] = {}
-    source, constants = kernel_source.one_source(parts)
-    exec(source, found)
+    exec("\n".join(source), found)
     assert found["twice"]() == pytest.approx(2.0 * 2.0**0.5)
-    assert constants == {"_N": 2.0}
 
 
 def test_integers_of_the_kernel_are_constants_of_c(kernel_source: Any, tmp_path: Path) -> None:
-    parts = modules(tmp_path, "_N, _M = 2, 3\n_X = 0.5", "from .part0 import _N\n_N = 2")
-    source, constants = kernel_source.one_source(parts)
-    assert constants == {"_N": 2, "_M": 3, "_X": 0.5}
-    assert [line for line in source.splitlines() if line] == ["_X = 0.5"]
-    types = kernel_source.one_set_of_types([], constants, {"sin", "cos"})
-    assert (
-        "from libc.math cimport cos, sin\ncdef double _X\ncdef enum:\n    _N = 2\n    _M = 3"
-        in types
+    uncompiled = "if not cython.compiled:\n    from math import sin, cos"
+    source, types = joined(
+        kernel_source, tmp_path, "_N, _M = 2, 3\n_X = 0.5", f"{uncompiled}\n_N = 2"
     )
-    with pytest.raises(ValueError, match="integers stand apart"):
-        kernel_source.one_source(modules(tmp_path, "_N, _X = 2, 0.5"))
+    assert source == ["_X = 0.5"]
+    at = types.index("from libc.math cimport cos, sin")
+    assert types[at + 1 :] == ["cdef double _X", "cdef enum:", "    _N = 2", "    _M = 3"]
 
 
-def test_loops_and_conditions_have_their_c_types(kernel_source: Any, tmp_path: Path) -> None:
-    (source,) = modules(
+def test_types_for_cython(kernel_source: Any, tmp_path: Path) -> None:
+    source, types = joined(
+        kernel_source,
         tmp_path,
         """
 class Sum:
-    def add(self, n):
+    open: bool
+
+    def __init__(self, blocks):
+        self.blocks: list = blocks
+
+    @open_to_python
+    @uses_python
+    def add(self, n: int, twice: bool = False) -> float:
         x = 0.0
         some = n > 1 and self.open
         for i in range(n):
@@ -110,12 +122,19 @@ class Sum:
         return x if some else 0.0
 """,
     )
-    types = source.with_suffix(".pxd")
-    types.write_text("cdef class Sum:\n    cdef bint open\n    cdef double add(self, int n) nogil")
-    typed = kernel_source.with_types_of_locals(source).splitlines()
-    assert typed[2:] == [
+    assert types[-6:] == [
+        "@cython.final",
+        "cdef class Sum:",
+        "    cdef public bint open",
+        "    cdef list blocks",
         "    @cython.locals(some=bint, i=int)",
-        "    cdef double add(self, int n) nogil",
+        "    cpdef double add(self, int n, bint twice=*)",
+    ]
+    assert source[:4] == [
+        "class Sum:",
+        "    def __init__(self, blocks):",
+        "        self.blocks = blocks",
+        "    def add(self, n, twice=False):",
     ]
 
 
@@ -138,8 +157,8 @@ static double __pyx_f_1k_10integrator_6Wilson_attempt(struct s *);
 
 def test_every_module_of_the_kernel_is_compiled(installer: Any, kernel_source: Any) -> None:
     there = {path.stem for path in installer.KERNEL.glob("*.py")}
-    order = [path.stem for path in kernel_source.modules(installer.KERNEL)]
-    assert set(order) == there - {"__init__"}
+    order = [module.path.stem for module in kernel_source.modules(installer.KERNEL)]
+    assert set(order) == there - {"__init__", "language"}
     assert order.index("method") < order.index("extrapolated") < order.index("increments")
 
 

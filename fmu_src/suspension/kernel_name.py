@@ -16,6 +16,6 @@ def kernel_name(folder: Path = KERNEL) -> str:
     They are read once in a process, which has loaded them, too.
     """
     digest = sha256()
-    for path in sorted((*folder.glob("*.py"), *folder.glob("*.pxd"))):
+    for path in sorted(folder.glob("*.py")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return f"suspension_kernel_{digest.hexdigest()[:12]}"

@@ -19,7 +19,7 @@ from .versions import installed
 SUSPENSION = KERNEL.parent
 SLAVES = Path(__file__).parent / "slaves"
 # need numpy, or are for those who do, and are not needed in an FMU
-NOT_CARRIED = ("batch.py", "series.py", "slots.py")
+NOT_CARRIED = ("batch.py", "kernel_types.py", "series.py", "slots.py")
 _NOT_IN_KEY = ("native", "__pycache__")
 
 
@@ -68,7 +68,7 @@ def hashed(name: str, *parts: bytes) -> str:
 
 
 def suspension_sources() -> dict[str, bytes]:
-    """Return the package by path: sources, declarations for Cython, and the compiled kernel if any."""
+    """Return the package by path: its sources, and the compiled kernel if any."""
     return _sources(SUSPENSION)
 
 
@@ -77,7 +77,7 @@ def _sources(package: Path) -> dict[str, bytes]:
     endings: dict[str, str | tuple[str, ...]] = {
         "": ".py",
         "models/": ".py",
-        "kernel/": (".py", ".pxd"),  # the kernel's name depends on these too
+        "kernel/": ".py",
         f"kernel/{kernel_name(package / 'kernel')}/": (".so", ".pyd"),
     }
     found = _read(package, endings)

@@ -7,10 +7,9 @@ from typing import Any
 import pytest
 from kernels import _KERNELS
 from phaseplane.suspension.engine import Integrator
-from phaseplane.suspension.kernel_name import KERNEL
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import System
-from phaseplane.vehicle_fmus.native.declarations import read
+from phaseplane.vehicle_fmus.native.kernel_sources import sources
 
 SYSTEMS = {
     "lift-off, stops, blow-off": (
@@ -116,7 +115,7 @@ def test_what_is_not_in_a_snapshot_follows_from_it() -> None:
 
 def test_the_numbers_of_the_state_lie_side_by_side() -> None:
     """Compiled, a snapshot copies all between the first and the last of them."""
-    state = read(KERNEL / "state.pxd").records["KernelState"].fields
+    state = sources().records["KernelState"].fields
     assert next(iter(state)) == "memory"
     assert list(state)[1] == "time"
     assert list(state)[-1] == "overruns"

@@ -88,7 +88,7 @@ def test_what_an_fmu_holds(model: str, fmus: dict[str, Path]) -> None:
     assert "$" not in page
     assert "NTNU" in licence
     assert "The phaseplane developers" in licence
-    assert {Path(n).suffix for n in own} <= {".py", ".pxd", ".json", ".txt", ".so", ".pyd"}
+    assert {Path(n).suffix for n in own} <= {".py", ".json", ".txt", ".so", ".pyd"}
     assert not [n for n, text in texts.items() if str(Path.cwd()) in text or "__pycache__" in n]
 
 

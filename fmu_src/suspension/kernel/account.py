@@ -2,7 +2,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
+
+from .language import open_to_python
+
+if TYPE_CHECKING:
+    from .arrays import Memory
+    from .integrator import Integrator
+    from .language import Long
+
+if TYPE_CHECKING:
+    from .arrays import Memory
+    from .integrator import Integrator
+    from .language import Long
 
 if not cython.compiled:
     from math import fabs
@@ -23,7 +37,11 @@ class Account:
     signals : number of roads and loads, which supply energy
     """
 
-    def __init__(self, memory, signals):
+    opening: float
+    drifts: bool
+    look_at: Long
+
+    def __init__(self, memory: Memory, signals: int):
         self.memory, self.signals = memory, signals
         self.kinetic = self.stored = self.dissipated = 0.0
         # dissipated + kinetic + stored energy - residual, J: constant for one integrator
@@ -31,19 +49,21 @@ class Account:
         self.supplied, self.carried = self.memory.zeros(signals), self.memory.zeros(signals)
         self.start()
 
-    def start(self):
+    def start(self) -> None:
         """Reset the check: errors have not accumulated yet."""
         # whether they have, and the number of steps after which to check that next
-        self.drifts, self.look_at = 0, _FIRST_LOOK
+        self.drifts, self.look_at = False, _FIRST_LOOK
 
-    def begin(self, integrator):
+    @open_to_python
+    def begin(self, integrator: Integrator) -> None:
         """Start from zero dissipated and supplied energy, as the integrator's ledger does."""
         self.dissipated = 0.0
         for s in range(self.signals):
             self.supplied[s] = 0.0
         self.carry(integrator)
 
-    def carry(self, integrator):
+    @open_to_python
+    def carry(self, integrator: Integrator) -> None:
         """Continue from the energies found last, although the integrator's ledger starts from zero.
 
         A change of the energy stored in the elements at this time is not work.
@@ -55,7 +75,8 @@ class Account:
         # constant except for the residual
         self.opening = dissipated + self.kinetic + self.stored - integrator.state.residual_end
 
-    def find(self, integrator, time):
+    @open_to_python
+    def find(self, integrator: Integrator, time: float) -> None:
         """Find the energies at a time.
 
         If the last step extends beyond it, they are read from the interpolant of the step. The energy
@@ -69,7 +90,7 @@ class Account:
             self.supplied[s] = self.carried[s] + since
         self.dissipated += integrator.residual_at(time)
 
-    def _look(self, integrator, time):
+    def _look(self, integrator: Integrator, time: float) -> None:
         """Read the ledger at a time, and add up the energy stored in the elements."""
         integrator.find_energies(time)
         self.kinetic = integrator.ledger.kinetic
@@ -82,7 +103,8 @@ class Account:
         supplied = [self.supplied[s] for s in range(self.signals)]
         return self.kinetic, self.stored, self.dissipated, tuple(supplied)
 
-    def find_drift(self, integrator):
+    @open_to_python
+    def find_drift(self, integrator: Integrator) -> float:
         """Return the residual relative to all energy, if errors have accumulated; otherwise 0.
 
         They accumulate in a long run without damping, because no error decays. This is reported once.
@@ -101,5 +123,5 @@ class Account:
         tolerated = max(_DRIFT * integrator.stepper.errors.tolerance, _LEAST_DRIFT)
         if off <= tolerated * turned_over:
             return 0.0
-        self.drifts = 1
+        self.drifts = True
         return off / turned_over

@@ -9,8 +9,24 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Sequence
+from typing import Any
 
 import cython
+
+from .language import (
+    Address,
+    Buffer,
+    Doubles,
+    Integers,
+    PyBUF_C_CONTIGUOUS,
+    PyBUF_FORMAT,
+    PyBUF_WRITABLE,
+    PyBuffer_Release,
+    PyByteArray_AsString,
+    PyObject_GetBuffer,
+    Size,
+    uses_python,
+)
 
 if not cython.compiled:
 
@@ -18,19 +34,19 @@ if not cython.compiled:
         """The first numbers of a list, as a memoryview shows those of an array."""
 
         def __init__(self, numbers, count, code):
-            self.numbers, self.count, self.format = numbers, count, code
+            self.numbers, self.length, self.format = numbers, count, code
 
         def __len__(self):
-            return self.count
+            return self.length
 
         def __getitem__(self, at):
-            return self.numbers[: self.count][at]
+            return self.numbers[: self.length][at]
 
         def __setitem__(self, at, value):
             self.numbers[at] = value
 
         def tolist(self):
-            return self.numbers[: self.count]
+            return self.numbers[: self.length]
 
 
 _LINE = 8  # doubles in a cache line
@@ -47,14 +63,15 @@ class Memory:
     block : number of doubles allocated at a time
     """
 
-    def __init__(self, block=_BLOCK):
+    def __init__(self, block: Size = _BLOCK):
         self.block = block
-        self.blocks = []  # of bytes; uncompiled, the lists themselves
-        self.codes = []  # uncompiled, the types of their items: "d" or "i"
-        self.used = []  # bytes of each block that arrays occupy
-        self.left = -1  # free doubles in the last block; -1 while there is no block
+        self.blocks: list[Any] = []  # of bytes; uncompiled, the lists themselves
+        self.codes: list[str] = []  # uncompiled, the types of their items: "d" or "i"
+        self.used: list[int] = []  # bytes of each block that arrays occupy
+        self.left: Size = -1  # free doubles in the last block; -1 while there is no block
 
-    def _take(self, count):
+    @uses_python
+    def _take(self, count: Size) -> Doubles:
         """Return `count` doubles of the last block, or of a new one."""
         if count > self.left:
             self.left = max(count, self.block)
@@ -62,21 +79,24 @@ class Memory:
             self.blocks.append(block)
             self.used.append(0)
             # one cache line is left free on both sides
-            self.free = cython.cast("double *", PyByteArray_AsString(block)) + _LINE  # noqa: F821
+            self.free: Doubles = cython.cast("double *", PyByteArray_AsString(block))
+            self.free += _LINE  # an address
         taken = self.free
-        self.free += count
+        self.free += count  # type: ignore[arg-type]
         self.left -= count
         self.used[len(self.used) - 1] += _SIZE_OF_DOUBLE * count
         return taken
 
-    def zeros(self, count):
+    @uses_python
+    def zeros(self, count: Size) -> Doubles:
         """Return a new array of `count` doubles."""
         if cython.compiled:
             return self._take(count)
         else:  # noqa: RET505  (uncompiled, the types differ)
             return self._list("d", [0.0] * count)
 
-    def marks(self, count):
+    @uses_python
+    def marks(self, count: Size) -> Integers:
         """Return a new array of `count` integers."""
         if cython.compiled:
             return cython.cast("int *", self._take((count + 1) // 2))
@@ -89,7 +109,7 @@ class Memory:
         self.blocks.append(numbers)
         return numbers
 
-    def doubles(self, values):
+    def doubles(self, values) -> Doubles:
         """Return a new array with the given doubles."""
         given = list(values)
         placed = self.zeros(len(given))
@@ -97,7 +117,7 @@ class Memory:
             placed[i] = given[i]
         return placed
 
-    def integers(self, values):
+    def integers(self, values) -> Integers:
         """Return a new array with the given integers."""
         given = list(values)
         placed = self.marks(len(given))
@@ -105,21 +125,21 @@ class Memory:
             placed[i] = given[i]
         return placed
 
-    def seen(self, numbers, count):
+    def seen(self, numbers: Doubles, count: Size) -> Any:
         """Return a view of an array of doubles for Python; it keeps the memory alive."""
         if cython.compiled:
-            return self._view(cython.cast("char *", numbers), _SIZE_OF_DOUBLE * count).cast("d")
+            return self._view_of(cython.cast("char *", numbers), _SIZE_OF_DOUBLE * count).cast("d")
         else:  # noqa: RET505
             return View(numbers, count, "d")
 
-    def seen_marks(self, numbers, count):
+    def seen_marks(self, numbers: Integers, count: Size) -> Any:
         """Return such a view of an array of integers."""
         if cython.compiled:
-            return self._view(cython.cast("char *", numbers), _SIZE_OF_INTEGER * count).cast("i")
+            return self._view_of(cython.cast("char *", numbers), _SIZE_OF_INTEGER * count).cast("i")
         else:  # noqa: RET505
             return View(numbers, count, "i")
 
-    def content(self):
+    def content(self) -> bytes:
         """Return the numbers of all arrays as bytes."""
         if cython.compiled:
             first = _SIZE_OF_DOUBLE * _LINE
@@ -131,7 +151,7 @@ class Memory:
         else:  # noqa: RET505
             return b"".join(map(bytes, map(array, self.codes, self.blocks)))
 
-    def put_back(self, content, at):
+    def put_back(self, content: bytes, at: Size) -> None:
         """Set the numbers of all arrays to those of `content[at:]`."""
         if cython.compiled:
             first = _SIZE_OF_DOUBLE * _LINE
@@ -145,10 +165,10 @@ class Memory:
                 block[:] = array(code, content[at : at + size])
                 at += size
 
-    def _view(self, address, size):
+    def _view_of(self, address: Address, size: Size) -> Any:
         """Return a view of `size` bytes at an address within one of the blocks."""
         for block in self.blocks:
-            at = address - PyByteArray_AsString(block)  # noqa: F821
+            at = address - PyByteArray_AsString(block)
             if 0 <= at < len(block):
                 return memoryview(block)[at : at + size]
         raise ValueError("this array belongs to another Memory; use the one that allocated it")
@@ -168,23 +188,25 @@ class Lent:
     ValueError : if it is not a one-dimensional array of doubles.
     """
 
+    _view: Buffer
+
     def __init__(self, given):
         if not cython.compiled:
-            self.numbers = given
+            self.numbers: Doubles = given
         elif given is not None:
-            PyObject_GetBuffer(  # noqa: F821
+            PyObject_GetBuffer(
                 given,
-                cython.address(self.view),
-                PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE | PyBUF_FORMAT,  # noqa: F821
+                cython.address(self._view),
+                PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE | PyBUF_FORMAT,
             )
             if (
-                self.view.ndim != 1
-                or self.view.itemsize != _SIZE_OF_DOUBLE
-                or self.view.format[0] != _DOUBLE
+                self._view.ndim != 1
+                or self._view.itemsize != _SIZE_OF_DOUBLE
+                or self._view.format[0] != _DOUBLE
             ):
                 raise ValueError("an array of doubles is needed")
-            self.numbers = cython.cast("double *", self.view.buf)
+            self.numbers = cython.cast("double *", self._view.buf)
 
     def __dealloc__(self):
         """Release the buffer."""
-        PyBuffer_Release(cython.address(self.view))  # noqa: F821
+        PyBuffer_Release(cython.address(self._view))

@@ -10,9 +10,20 @@ and K and B then are those of the straight pieces alone.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
 
 from .bends import Bends
+from .language import inline
+
+if TYPE_CHECKING:
+    from .language import Doubles
+    from .network import Network
+
+if TYPE_CHECKING:
+    from .language import Doubles
+    from .network import Network
 
 if not cython.compiled:
     from .linear import solve
@@ -32,14 +43,14 @@ class Balance:
         the end of the step (or the theta of Wilson's method)
     """
 
-    def __init__(self, network, fractions):
+    def __init__(self, network: Network, fractions):
         n, rows = network.n, max(network.rows, 1)
         self.net, self.n = network, n
         memory = self.net.memory
         self.instants = len(fractions)
         self.fraction = memory.doubles(fractions)
         self.last = n * (self.instants - 1)
-        self.half = fractions.index(0.5) if 0.5 in fractions else self.instants
+        self.half: int = fractions.index(0.5) if 0.5 in fractions else self.instants
         # of all elements, at the state last evaluated
         self.tangent_k, self.tangent_c = memory.zeros(n * n), memory.zeros(n * n)
         self.constant, self.load_rate = memory.zeros(n), memory.zeros(n)
@@ -49,16 +60,16 @@ class Balance:
         self.f = [0.0] * 32
         # loads at all instants of a step, and at one more within it
         self.loads = memory.zeros(n * (self.instants + 1))
-        self.loads_hold = 0  # whether the loads of the present branches are constant and known
+        self.loads_hold = False  # whether the loads of the present branches are constant and known
         self.bends = Bends(network)
         # elevation and rate of the road under each curved row
         self.under = memory.zeros(2 * rows * (self.instants + 1))
         # acceleration of the road under each sticking row
         self.carrier = memory.zeros(rows * self.instants)
 
-    def enter(self):
+    def enter(self) -> None:
         """Read the present branches."""
-        self.loads_hold = 0
+        self.loads_hold = False
         self.net.linearise()
         self.net.constant_force(self.constant)
         self.net.assemble(self.net.branch_k, self.net.branch_c, self.tangent_k, self.tangent_c)
@@ -69,7 +80,7 @@ class Balance:
 
     # -- loads -------------------------------------------------------------------------------------
 
-    def prepare(self, t, h):
+    def prepare(self, t: float, h: float) -> None:
         """Find the loads at all instants of a step from t to t + h."""
         if self.loads_hold:
             return
@@ -81,14 +92,14 @@ class Balance:
             self.loads_hold = self.net.still()
             self._find_loads(k, k + 1 == self.instants or self.loads_hold)
 
-    def loads_at_end(self, t):
+    def loads_at_end(self, t: float) -> None:
         """Find the loads at the end of a step, t, and their rates."""
         if self.loads_hold:
             return
         self.net.all_signals(t)
         self._find_loads(self.instants - 1, True)
 
-    def _repeat(self, k, other):
+    def _repeat(self, k: int, other: int) -> None:
         """Copy the loads of instant k to another instant."""
         for i in range(self.n):
             self.loads[self.n * other + i] = self.loads[self.n * k + i]
@@ -97,7 +108,7 @@ class Balance:
         for p in range(self.net.stuck):
             self.carrier[self.net.rows * other + p] = self.carrier[self.net.rows * k + p]
 
-    def _find_loads(self, k, rates):
+    def _find_loads(self, k: int, rates: bool) -> None:
         """Find the loads at instant k, and their rates if `rates`, with the signals in `road`."""
         for i in range(self.n):
             self.loads[self.n * k + i] = self.constant[i]
@@ -118,7 +129,7 @@ class Balance:
             s = self.net.row_signal[self.net.element_row[self.net.stuck_element[p]]]
             self.carrier[self.net.rows * k + p] = self.net.road[4 * s + 2] if s >= 0 else 0.0
 
-    def _add_loads(self, out, at, order):
+    def _add_loads(self, out: Doubles, at: int, order: int) -> None:
         """Add the forces of loads and roads, or their rates, with the signals in `road`."""
         n = self.n
         for m in range(self.net.loads):
@@ -139,7 +150,7 @@ class Balance:
 
     # -- accelerations -----------------------------------------------------------------------------
 
-    def begin(self, t, q, v, a, j):
+    def begin(self, t: float, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> None:
         """Find acceleration and jerk at the start of a step, t, and the loads if they are constant."""
         self.net.all_signals(t)
         if self.net.stuck:
@@ -149,10 +160,10 @@ class Balance:
         if self.net.still():
             for k in range(self.instants - 1):
                 self._repeat(self.instants - 1, k)
-            self.loads_hold = 1
+            self.loads_hold = True
         self._solve(q, v, a, j)
 
-    def end(self, t, q, v, a, j):
+    def end(self, t: float, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> None:
         """Find acceleration and jerk at the end of a step, t; rows that stick are first set to rest."""
         if self.net.stuck:
             self.net.all_signals(t)
@@ -164,7 +175,7 @@ class Balance:
         self.loads_at_end(t)
         self._solve(q, v, a, j)
 
-    def end_step(self, t, q, v, a, j):
+    def end_step(self, t: float, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> None:
         """Do the same as `end` after a step whose loads `prepare` has just found."""
         if self.net.stuck:
             self.end(t, q, v, a, j)
@@ -173,7 +184,7 @@ class Balance:
             self.net.all_signals(t)
         self._solve(q, v, a, j)
 
-    def accelerations(self, t, q, v, a):
+    def accelerations(self, t: float, q: Doubles, v: Doubles, a: Doubles) -> None:
         """Find the accelerations of any state within a step, at time t."""
         self.net.all_signals(t)
         if self.net.stuck:
@@ -186,7 +197,7 @@ class Balance:
         self._find_loads(self.instants, False)
         self._accelerate(self.instants, q, v, a)
 
-    def halfway(self, t, h, q, v, a):
+    def halfway(self, t: float, h: float, q: Doubles, v: Doubles, a: Doubles) -> None:
         """Find the accelerations of any state halfway through the step from t given to `prepare`.
 
         The signals are left as they are, at the end of the step.
@@ -197,12 +208,12 @@ class Balance:
         else:
             self._accelerate(self.half, q, v, a)
 
-    def _accelerate(self, k, q, v, a):
+    def _accelerate(self, k: int, q: Doubles, v: Doubles, a: Doubles) -> None:
         """Find the accelerations of any state, with the loads at instant k."""
         self._find_force(self.n, k, q, v)
         multiply(self.flexibility, 0, self.f, 0, self.n, a, 0)
 
-    def _solve_rows(self, q, v, a, j):
+    def _solve_rows(self, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> None:
         """Find acceleration, jerk and all tangents while rows stick."""
         self.net.row_states(q, v)
         self.net.row_forces()
@@ -210,7 +221,7 @@ class Balance:
         self.net.accelerate(a)
         self.net.jerk(v, a, j)
 
-    def _solve(self, q, v, a, j):
+    def _solve(self, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> None:
         """Find acceleration, jerk and all tangents with the loads at the end of a step."""
         # with a constant in place of n the compiler unrolls the loops
         if self.n == 2:
@@ -220,7 +231,8 @@ class Balance:
         else:
             self._solve_motion(self.n, q, v, a, j)
 
-    def _solve_motion(self, n, q, v, a, j):
+    @inline
+    def _solve_motion(self, n: int, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> None:
         self._find_force(n, self.instants - 1, q, v)
         multiply(self.flexibility, 0, self.f, 0, n, a, 0)
         resist(self.damping, a, self.stiffness, v, 0, n, self.load_rate, 0, self.f)
@@ -228,7 +240,8 @@ class Balance:
             self._add_bend_rates(n, v, a)
         multiply(self.flexibility, 0, self.f, 0, n, j, 0)
 
-    def _find_force(self, n, k, q, v):
+    @inline
+    def _find_force(self, n: int, k: int, q: Doubles, v: Doubles) -> None:
         """Set `f` to all forces on the masses in a state, with the loads at instant k."""
         resist(self.damping, v, self.stiffness, q, 0, n, self.loads, n * k, self.f)
         for p in range(self.bends.count):
@@ -243,7 +256,7 @@ class Balance:
             for i in range(n):
                 self.f[i] -= self.net.row_direction[n * r + i] * self.bends.force[p]
 
-    def _add_bend_rates(self, n, v, a):
+    def _add_bend_rates(self, n: int, v: Doubles, a: Doubles) -> None:
         """Add the rates of the curved forces to `f`, and find the tangents with them."""
         for i in range(n * n):
             self.tangent_k[i], self.tangent_c[i] = self.stiffness[i], self.damping[i]
@@ -266,7 +279,8 @@ class Balance:
                         self.tangent_c[n * i + m] += x * self.bends.force_c[p]
 
 
-def multiply(m, at, x, first, n, out, to):
+@inline
+def multiply(m: Doubles, at: int, x: Doubles, first: int, n: int, out: Doubles, to: int) -> None:
     """Set out[to:] = m x[first:]; the matrix starts at `at`, column by column."""
     for i in range(n):
         product = m[at + i] * x[first]
@@ -275,7 +289,18 @@ def multiply(m, at, x, first, n, out, to):
         out[to + i] = product
 
 
-def resist(b, v, k, q, first, n, loads, at, out):
+@inline
+def resist(
+    b: Doubles,
+    v: Doubles,
+    k: Doubles,
+    q: Doubles,
+    first: int,
+    n: int,
+    loads: Doubles,
+    at: int,
+    out: Doubles,
+) -> None:
     """Set `out` to loads[at:] - B v[first:] - K q[first:], with matrices stored by columns."""
     for i in range(n):
         x = b[i] * v[first]

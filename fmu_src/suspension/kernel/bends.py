@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from .language import inline
 from .layout import BRANCHES, CONTACT, DAMPER, LAWS, MODULATION, OWN, PIECE, SPRING, START
+
+if TYPE_CHECKING:
+    from .network import Network
+
+if TYPE_CHECKING:
+    from .network import Network
 
 
 class Bends:
@@ -13,7 +22,7 @@ class Bends:
     network : network of the system
     """
 
-    def __init__(self, network):
+    def __init__(self, network: Network):
         self.net = network
         rows, laws = max(self.net.rows, 1), LAWS * self.net.elements
         memory = self.net.memory
@@ -31,7 +40,7 @@ class Bends:
         self.force, self.force_k, self.force_c = [0.0] * 64, [0.0] * 64, [0.0] * 64
         self.bow = [0.0] * 64  # its second derivative along a line
 
-    def enter(self):
+    def enter(self) -> None:
         """List the curved pieces, row by row."""
         self.count = count = 0
         self.joined = self.modulated = False
@@ -68,7 +77,7 @@ class Bends:
                 self.count += 1
                 self.first[self.count] = count
 
-    def _bound(self, i):
+    def _bound(self, i: int) -> None:
         """Find where the piece of law i begins and ends."""
         p = self.piece[i]
         self.low[i], self.high[i] = -1e300, 1e300
@@ -77,7 +86,8 @@ class Bends:
         if p < self.net.run_last[p]:
             self.high[i] = self.net.piece[PIECE * (p + 1) + START]
 
-    def find(self, p, d, w, dd, dw):
+    @inline
+    def find(self, p: int, d: float, w: float, dd: float, dw: float) -> None:
         """Find the force of curved row p at deflection d and rate w, and its derivatives.
 
         `bow` is the second derivative along a line on which d and w change in proportion to dd and dw.
@@ -111,10 +121,10 @@ class Bends:
                     factor, factor_k, factor_kk = 1.0, 0.0, 0.0
         self.force[p], self.force_k[p], self.force_c[p], self.bow[p] = force, k, c, bow
 
-    def stays(self, p, d, w):
+    def stays(self, p: int, d: float, w: float) -> bool:
         """Return whether d and w are in the same pieces of row p as those found last."""
         for i in range(self.first[p], self.first[p + 1]):
             x = w if self.law[i] == DAMPER else d
             if not self.low[i] <= x < self.high[i]:
-                return 0
-        return 1
+                return False
+        return True

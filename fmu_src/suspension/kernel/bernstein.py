@@ -6,7 +6,15 @@ enough to compare six or eight numbers; the others need bisection and Newton's m
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
+
+if TYPE_CHECKING:
+    from .language import Doubles
+
+if TYPE_CHECKING:
+    from .language import Doubles
 
 if not cython.compiled:
     from math import fabs
@@ -21,10 +29,10 @@ class Crossing:
     def __init__(self):
         self.bezier, self.casteljau = [0.0] * 8, [0.0] * 8
         self.terms, self.slope_terms = [0.0] * 8, [0.0] * 8
-        self.halves = [0.0] * 8 * 64
+        self.halves = [0.0] * 512
         self.slot_low, self.slot_width = [0.0] * 64, [0.0] * 64
 
-    def hermite7(self, x, at, h):
+    def hermite7(self, x: Doubles, at: int, h: float) -> None:
         """Set the septic through value and three derivatives at both ends, x[at:] and x[at + 4:]."""
         b = self.bezier
         d1 = h * x[at + 1] / 7.0
@@ -42,7 +50,9 @@ class Crossing:
         b[5] = x[at + 4] - 2.0 * d1 + d2
         b[4] = x[at + 4] - 3.0 * d1 + 3.0 * d2 - d3
 
-    def hermite5(self, x0, dx0, ddx0, x1, dx1, ddx1, h):
+    def hermite5(
+        self, x0: float, dx0: float, ddx0: float, x1: float, dx1: float, ddx1: float, h: float
+    ) -> None:
         """Set the quintic through value and two derivatives at both ends."""
         b = self.bezier
         d1 = h * dx0 / 5.0
@@ -56,7 +66,7 @@ class Crossing:
         b[4] = x1 - d1
         b[3] = x1 - 2.0 * d1 + d2
 
-    def hermite3(self, x0, dx0, x1, dx1, h):
+    def hermite3(self, x0: float, dx0: float, x1: float, dx1: float, h: float) -> None:
         """Set the cubic through value and derivative at both ends."""
         b = self.bezier
         b[0] = x0
@@ -64,7 +74,7 @@ class Crossing:
         b[2] = x1 - h * dx1 / 3.0
         b[3] = x1
 
-    def exit(self, bound, side, degree, departing):
+    def exit(self, bound: float, side: int, degree: int, departing: int) -> float:
         """Return the first fraction of the step at which the polynomial crosses the bound outwards, or 2.
 
         A branch just entered starts on its bound. That root is divided out, so that even an immediate
@@ -95,7 +105,7 @@ class Crossing:
             return 0.0
         return self.first_root(m)
 
-    def first_root(self, m):
+    def first_root(self, m: int) -> float:
         """Return the first root of the Bernstein polynomial at `halves[0..m]` from positive to negative.
 
         Bisection (de Casteljau) until one sign change is left, then bracketed Newton. Slot `depth` of
@@ -140,7 +150,7 @@ class Crossing:
             depth += 1
         return 2.0
 
-    def _single_root(self, at, m):
+    def _single_root(self, at: int, m: int) -> float:
         """Return the only root in (0, 1) of the polynomial at `halves[at..at+m]`, by bracketed Newton.
 
         Value and slope are sums of c C(m, i) x^i (1 - x)^(m - i), evaluated by Horner's scheme.
@@ -178,7 +188,7 @@ class Crossing:
             x = new
         return x
 
-    def value(self, x, degree):
+    def value(self, x: float, degree: int) -> float:
         """Return the polynomial at a fraction x of the step (de Casteljau)."""
         c = self.casteljau
         for i in range(degree + 1):
@@ -188,7 +198,7 @@ class Crossing:
                 c[i] += x * (c[i + 1] - c[i])
         return c[0]
 
-    def extent(self, degree):
+    def extent(self, degree: int) -> None:
         """Set `low` and `high` to the smallest and largest coefficient."""
         b = self.bezier
         self.low = b[0]

@@ -6,6 +6,8 @@ have changed (`exchange_branches`).
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
 
 from .elements import ELASTIC, Elements, element_numbers
@@ -24,6 +26,12 @@ from .layout import (
     START,
 )
 
+if TYPE_CHECKING:
+    from .language import Doubles
+
+if TYPE_CHECKING:
+    from .language import Doubles
+
 if not cython.compiled:
     from math import fabs
 
@@ -37,6 +45,8 @@ class Branches(Elements):
     ----------
     system, joins : as in `elements.Elements`
     """
+
+    laws_size: int
 
     def __init__(self, system, joins):
         Elements.__init__(self, system, joins)
@@ -57,11 +67,11 @@ class Branches(Elements):
         self.kept_signal = kept.marks(max(self.signals, 1))
         self.switch_element, self.switch_kind = memory.marks(kinds), memory.marks(kinds)
 
-    def set_creep(self, reach):
+    def set_creep(self, reach: float) -> None:
         """Set the slip rate that counts as rest from the scale of the motion, `reach` in m."""
         self.creep = _CREEP * reach
 
-    def forget_branches(self):
+    def forget_branches(self) -> None:
         """Reset all branches to the state before any motion."""
         for s in range(self.signals):
             self.signal_now[s] = self.kept_signal[s] = 0
@@ -72,7 +82,7 @@ class Branches(Elements):
         self.stuck = 0
         self.state.exchange = 0.0
 
-    def enter_elements(self, x, at):
+    def enter_elements(self, x: Doubles, at: int) -> int:
         """Read all elements from x[at:], as given by `element_numbers`; return where they end."""
         for e in range(self.elements):
             at = self.enter_element(e, x, at)
@@ -83,10 +93,10 @@ class Branches(Elements):
         self.list_switchable()
         return at
 
-    def list_switchable(self):
+    def list_switchable(self) -> None:
         """List the branches that can change, and find whether all forces are straight in every branch."""
         self.switchable = 0
-        self.always_straight = 1
+        self.always_straight = True
         for e in range(self.elements):
             for kind in range(BRANCHES):
                 if kind == CONTACT:
@@ -106,13 +116,13 @@ class Branches(Elements):
                     self.switchable += 1
             for p in range(self.first[LAWS * e], self.first[LAWS * (e + 1)]):
                 if not self.straight[p]:
-                    self.always_straight = 0
+                    self.always_straight = False
             if self.modulated[e]:
-                self.always_straight = 0
+                self.always_straight = False
 
     # -- changes --------------------------------------------------------------------------------------
 
-    def bound(self, e, kind, side):
+    def bound(self, e: int, kind: int, side: int) -> float:
         """Return the value at which element e leaves its branch downwards (side -1) or upwards (+1)."""
         now = self.branch[BRANCHES * e + kind]
         if kind == CONTACT:
@@ -138,7 +148,7 @@ class Branches(Elements):
             return self.piece[above * PIECE + START]
         return 1e300
 
-    def enter(self, e, kind, side, t, q, v):
+    def enter(self, e: int, kind: int, side: int, t: float, q: Doubles, v: Doubles) -> int:
         """Move element e to its neighbouring branch; return the number of the new branch."""
         at = BRANCHES * e + kind
         if self.yields[e] and kind == DAMPER:
@@ -173,7 +183,7 @@ class Branches(Elements):
         self.departing[at] = -side
         return self.branch[at]
 
-    def locate_branches(self, t, q, v):
+    def locate_branches(self, t: float, q: Doubles, v: Doubles) -> None:
         """Choose every branch by the present state; at a corner the upper piece, until the next step."""
         self.all_signals(t)
         self.row_states(q, v)
@@ -194,7 +204,7 @@ class Branches(Elements):
         self.list_stuck()
         self.mark_bounds()
 
-    def follow(self, t, q, v):
+    def follow(self, t: float, q: Doubles, v: Doubles) -> None:
         """Choose the branches of the next step by the state at its start, without locating a switch."""
         self.locate_branches(t, q, v)
         for e in range(self.elements):
@@ -209,7 +219,7 @@ class Branches(Elements):
                 elif d < self.bound(e, SPRING, -1):
                     self.branch[BRANCHES * e + SPRING] = ELASTIC - 1
 
-    def mark_bounds(self):
+    def mark_bounds(self) -> None:
         """Mark the variables that are exactly on a bound of their branch, as they often are at rest."""
         for k in range(self.switchable):
             e = self.switch_element[k]
@@ -227,12 +237,12 @@ class Branches(Elements):
                 mark = 1
             self.departing[BRANCHES * e + kind] = mark
 
-    def clear_marks(self):
+    def clear_marks(self) -> None:
         """Clear all marks of variables on their bounds."""
         for k in range(self.switchable):
             self.departing[BRANCHES * self.switch_element[k] + self.switch_kind[k]] = 0
 
-    def book_exchange(self, e, t, q, v):
+    def book_exchange(self, e: int, t: float, q: Doubles, v: Doubles) -> None:
         """Book the jump of a tyre's potential when it leaves the road or meets it again.
 
         A damped tyre does so at a deflection other than its free length; the difference is neither
@@ -246,7 +256,7 @@ class Branches(Elements):
 
     # -- sticking -------------------------------------------------------------------------------------
 
-    def list_stuck(self):
+    def list_stuck(self) -> None:
         """List the elements that stick, and mark the rows whose deflection they hold."""
         self.stuck = 0
         for r in range(self.rows):
@@ -257,7 +267,7 @@ class Branches(Elements):
                 self.stuck += 1
                 self.row_stuck[self.element_row[e]] = 1
 
-    def follow_slips(self, t, q, v):
+    def follow_slips(self, t: float, q: Doubles, v: Doubles) -> None:
         """Update sticking and the direction of slip after a jump of a road's rate."""
         self.all_signals(t)
         self.row_states(q, v)
@@ -267,14 +277,14 @@ class Branches(Elements):
                 self._follow_slip(e, self.row_v[self.element_row[e]])
         self.list_stuck()
 
-    def _follow_slip(self, e, w):
+    def _follow_slip(self, e: int, w: float) -> None:
         at = BRANCHES * e + FRICTION
         if self.branch[at] != 0 or fabs(w) > self.creep:
             self.branch[at] = 1 if w > 0.0 else (-1 if w < 0.0 else 0)
 
     # -- yield ----------------------------------------------------------------------------------------
 
-    def settle(self, t, q, v):
+    def settle(self, t: float, q: Doubles, v: Doubles) -> None:
         """Set the initial permanent sets; an element that starts beyond its yield force has flowed."""
         self.all_signals(t)
         self.row_states(q, v)
@@ -288,7 +298,7 @@ class Branches(Elements):
                         self.branch[BRANCHES * e + SPRING] = ELASTIC + side
                         self._unload(e, d)
 
-    def _set_at(self, e, permanent_set):
+    def _set_at(self, e: int, permanent_set: float) -> None:
         """Move the elastic piece: its zero and its ends on the two lines of flow."""
         at = (self.first[LAWS * e] + ELASTIC) * PIECE
         above = at + PIECE
@@ -298,14 +308,14 @@ class Branches(Elements):
         self.piece[at + START] = (rate * permanent_set - self.piece[above + C0]) / (rate - flow)
         self.piece[above + START] = (rate * permanent_set + self.piece[above + C0]) / (rate - flow)
 
-    def _unload(self, e, d):
+    def _unload(self, e: int, d: float) -> None:
         """End the flow at deflection d: the element is elastic again, with its new permanent set."""
         self._set_at(e, self.permanent_set(e, d))
         self.branch[BRANCHES * e + SPRING] = ELASTIC
 
     # -- the branches of the last step ----------------------------------------------------------------
 
-    def keep_branches(self):
+    def keep_branches(self) -> None:
         """Store the present branches before they change at the end of a step."""
         for s in range(self.signals):
             self.kept_signal[s] = self.signal_now[s]
@@ -316,7 +326,7 @@ class Branches(Elements):
             if self.yields[e]:
                 self.kept_set[e] = self.piece[(self.first[LAWS * e] + ELASTIC) * PIECE + ORIGIN]
 
-    def exchange_branches(self):
+    def exchange_branches(self) -> None:
         """Exchange the present branches for the stored ones; a second call reverses it."""
         for s in range(self.signals):
             now = self.signal_now[s]

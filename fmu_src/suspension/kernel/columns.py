@@ -26,12 +26,22 @@ columns, which suits vector instructions; with springs in series, B and W are no
 from __future__ import annotations
 
 from functools import cache
+from typing import TYPE_CHECKING
 
 import cython
 
 from .inverses import Inverses
 from .iteration import Iteration
+from .language import inline
 from .outcomes import NOT_POSITIVE
+
+if TYPE_CHECKING:
+    from .balance import Balance
+    from .language import Doubles
+
+if TYPE_CHECKING:
+    from .balance import Balance
+    from .language import Doubles
 
 if not cython.compiled:
     from math import isfinite
@@ -76,7 +86,7 @@ class Columns:
     fraction_index : index of the loads at the end of each substep, 5 for each column
     """
 
-    def __init__(self, balance, sequence, fraction_index):
+    def __init__(self, balance: Balance, sequence, fraction_index):
         self.balance = balance
         self.net, self.n, self.columns = self.balance.net, self.balance.n, len(sequence)
         memory = self.net.memory
@@ -92,7 +102,7 @@ class Columns:
         self.f = [0.0] * 32
         self.error_q, self.error_v = [0.0] * 32, [0.0] * 32
 
-    def attempt(self, h, q, v, a, j):
+    def attempt(self, h: float, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> int:
         """Take a macro step h from a state: find the end of each column.
 
         Returns
@@ -122,7 +132,8 @@ class Columns:
             return self._advance(4, False)
         return self._advance(n, False)
 
-    def _advance(self, n, rows):
+    @inline
+    def _advance(self, n: int, rows: bool) -> int:
         """Step all columns over the whole macro step; the shorter ones finish first."""
         first = 0
         columns = self.columns
@@ -137,7 +148,8 @@ class Columns:
 
     # -- one substep -------------------------------------------------------------------------------
 
-    def _substep(self, n, rows, c, k):
+    @inline
+    def _substep(self, n: int, rows: bool, c: int, k: int) -> int:
         """Take substep k of a column by (15.12) and (15.13), with equilibrium at its end."""
         at = n * c
         instant = self.instant[_SUBSTEPS * c + k]
@@ -159,7 +171,8 @@ class Columns:
             self.q[i] += sixth * a
         return status
 
-    def _solve_rows(self, n, c, k, instant):
+    @inline
+    def _solve_rows(self, n: int, c: int, k: int, instant: int) -> int:
         """Correct the accelerations for rows that stick or are curved."""
         for p in range(self.net.stuck):
             u = self.balance.carrier[self.net.rows * instant + p]
@@ -172,7 +185,8 @@ class Columns:
             return self._bend(n, 2, c, k, instant)
         return self._bend(n, bends, c, k, instant) if bends else 0
 
-    def _bend(self, n, bends, c, k, instant):
+    @inline
+    def _bend(self, n: int, bends: int, c: int, k: int, instant: int) -> int:
         """Find the accelerations of the curved rows, and add the effect of their forces to all others."""
         at = 2 * self.net.rows * instant
         for p in range(bends):
@@ -199,7 +213,7 @@ class Columns:
         self.iteration.keep(bends, c, k)
         return 0
 
-    def _begin_rows(self, n, a, j):
+    def _begin_rows(self, n: int, a: Doubles, j: Doubles) -> None:
         """Let the accelerations of curved rows begin as those of the step's start, with its jerk."""
         for p in range(self.balance.bends.count):
             r = self.balance.bends.row[p]
@@ -212,7 +226,7 @@ class Columns:
 
     # -- the end -----------------------------------------------------------------------------------
 
-    def extrapolate(self, q, v):
+    def extrapolate(self, q: Doubles, v: Doubles) -> int:
         """Find the end of the macro step: that of the last column plus small corrections.
 
         `error_q` and `error_v` become the differences of the last two columns of the table. Return 1 if
@@ -224,7 +238,8 @@ class Columns:
             return self._extrapolate(4, q, v)
         return self._extrapolate(self.n, q, v)
 
-    def _extrapolate(self, n, q, v):
+    @inline
+    def _extrapolate(self, n: int, q: Doubles, v: Doubles) -> int:
         last = n * (self.columns - 1)
         for i in range(n):
             end_q = end_v = error_q = error_v = 0.0

@@ -2,6 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from .language import open_to_python
+
+if TYPE_CHECKING:
+    from .arrays import Memory
+    from .integrator import Integrator
+
+if TYPE_CHECKING:
+    from .arrays import Memory
+    from .integrator import Integrator
+
 _WAITING = 1024  # switches that can wait; at most half as many are added between two readings
 _NONE = -1
 
@@ -15,7 +27,9 @@ class Contacts:
     tyres : numbers of the elements whose contact is monitored
     """
 
-    def __init__(self, memory, tyres):
+    waiting: int
+
+    def __init__(self, memory: Memory, tyres):
         self.memory, self.tyres = memory, len(tyres)
         self.tyre = self.memory.integers(tyres)
         self.airborne, self.lift_offs = self.memory.marks(self.tyres), self.memory.marks(self.tyres)
@@ -26,7 +40,8 @@ class Contacts:
         self.waiting_tyre = self.memory.marks(_WAITING)
         self.waiting_airborne = self.memory.marks(_WAITING)
 
-    def begin(self, integrator):
+    @open_to_python
+    def begin(self, integrator: Integrator) -> None:
         """Reset all contacts; a wheel that starts in the air does not count as a lift-off."""
         self.waiting = 0
         for c in range(self.tyres):
@@ -34,7 +49,8 @@ class Contacts:
             self.lift_offs[c] = 0
             self.last_lift_off[c] = self.last_touchdown[c] = -1.0
 
-    def note(self, time, e, airborne):
+    @open_to_python
+    def note(self, time: float, e: int, airborne: bool) -> None:
         """Add a lift-off or touchdown of element e to the switches that wait for their time."""
         for c in range(self.tyres):
             if self.tyre[c] == e and self.waiting < _WAITING:
@@ -43,14 +59,16 @@ class Contacts:
                 self.waiting_airborne[self.waiting] = airborne
                 self.waiting += 1
 
-    def compare(self, integrator, time):
+    @open_to_python
+    def compare(self, integrator: Integrator, time: float) -> None:
         """Add the contacts that end or begin because a parameter has changed."""
         for c in range(self.tyres):
             now = integrator.at_limit(self.tyre[c])
             if now != self.airborne[c]:
                 self.note(time, self.tyre[c], now)
 
-    def next(self, until):
+    @open_to_python
+    def next(self, until: float) -> int:
         """Count the first waiting switch, if its time is not after `until`.
 
         Returns
@@ -73,7 +91,8 @@ class Contacts:
             self.waiting_airborne[k] = self.waiting_airborne[k + 1]
         return c
 
-    def forget_waiting(self):
+    @open_to_python
+    def forget_waiting(self) -> None:
         """Discard the waiting switches, after a return to the present time."""
         self.waiting = 0
 

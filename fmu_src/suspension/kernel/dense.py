@@ -9,6 +9,20 @@ form with the nodes at the ends,
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from .language import inline
+
+if TYPE_CHECKING:
+    from .arrays import Memory
+    from .language import Doubles, Size
+    from .motion import Motion
+
+if TYPE_CHECKING:
+    from .arrays import Memory
+    from .language import Doubles, Size
+    from .motion import Motion
+
 _SEPTIC = 8  # terms of each coordinate
 
 
@@ -24,7 +38,7 @@ class Dense:
         with the acceleration of the equation of motion, which is not that of their cubic
     """
 
-    def __init__(self, place, kept, motion, cubic, to_end):
+    def __init__(self, place: Memory, kept: Memory, motion: Motion, cubic: bool, to_end: bool):
         self.memory, self.motion, self.cubic, self.to_end = place, motion, cubic, to_end
         memory = self.memory
         self.n = n = self.motion.n
@@ -38,9 +52,10 @@ class Dense:
         # the last values read
         self.q, self.v, self.a = memory.zeros(n), memory.zeros(n), memory.zeros(n)
         self.terms = memory.zeros(_SEPTIC * n)
-        self.known = 0  # whether the terms have been found for the present ends
+        self.known = False  # whether the terms have been found for the present ends
 
-    def take_attempt(self, start, end, jerk, end_jerk):
+    @inline
+    def take_attempt(self, start: float, end: float, jerk: Doubles, end_jerk: Doubles) -> None:
         """Become the attempt from `start` to `end`, read with the given jerks at its ends."""
         q, v, a = self.motion.q, self.motion.v, self.motion.a
         qb, vb, ab = self.motion.qb, self.motion.vb, self.motion.ab
@@ -48,9 +63,9 @@ class Dense:
             self.qa[i], self.va[i], self.aa[i], self.ja[i] = q[i], v[i], a[i], jerk[i]
             self.qb[i], self.vb[i], self.ab[i], self.jb[i] = qb[i], vb[i], ab[i], end_jerk[i]
         self.start, self.end = start, end
-        self.known = 0
+        self.known = False
 
-    def _find_terms(self):
+    def _find_terms(self) -> None:
         """Find c0 to c3 from the start, and s0 to s3 from the remainder at the end."""
         h = self.end - self.start
         for i in range(self.n):
@@ -76,9 +91,9 @@ class Dense:
             self.terms[at + 1] = c1
             self.terms[at + 2] = c2
             self.terms[at + 3] = c3
-        self.known = 1
+        self.known = True
 
-    def read(self, t):
+    def read(self, t: float) -> None:
         """Set q, v and a to their values at time t of the step."""
         h = self.end - self.start
         if h <= 0.0:
@@ -103,7 +118,9 @@ class Dense:
             self.v[i] = first / h
             self.a[i] = second / (h * h)
 
-    def read_values(self, t, datum, out, at, width, count):
+    def read_values(
+        self, t: float, datum: float, out: Doubles, at: Size, width: Size, count: int
+    ) -> None:
         """Write the first displacements at t, without rates and at less cost, to `out[at + i width]`.
 
         `datum` is added to them: within the kernel they are measured from there.

@@ -10,9 +10,18 @@ other, or sticks.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from .language import inline
 from .laws import Laws, law_numbers
 from .layout import BRANCHES, C0, C1, CONTACT, DAMPER, FRICTION, LAWS, MODULATION, PIECE, SPRING
 from .series_springs import SeriesSprings
+
+if TYPE_CHECKING:
+    from .language import Doubles
+
+if TYPE_CHECKING:
+    from .language import Doubles
 
 # The kinds of switches: of one of the element's laws, of its contact (1: off) or of its dry friction
 # (-1, 1, or 0 if it sticks).
@@ -34,6 +43,10 @@ class Elements(Laws):
     ValueError : if a direction has the wrong length, a road is not a signal, or two elements with
         friction act along the same direction.
     """
+
+    n: int
+    rows: int
+    elements: int
 
     def __init__(self, system, joins):
         Laws.__init__(self, system, joins)
@@ -80,7 +93,7 @@ class Elements(Laws):
                 "two elements with friction act along the same direction; combine them into one"
             )
 
-    def enter_element(self, e, x, at):
+    def enter_element(self, e: int, x: Doubles, at: int) -> int:
         """Read element e from x[at:], as given by `element_numbers`; return where it ends."""
         at = self.enter_laws(e, x, at)
         self.modulated[e] = x[at] != 0.0
@@ -93,7 +106,7 @@ class Elements(Laws):
 
     # -- rows ----------------------------------------------------------------------------------------
 
-    def row_states(self, q, v):
+    def row_states(self, q: Doubles, v: Doubles) -> None:
         """Set deflection and rate of every row, with the signals in `road`."""
         n = self.n
         for r in range(self.rows):
@@ -113,23 +126,24 @@ class Elements(Laws):
 
     # -- forces --------------------------------------------------------------------------------------
 
-    def piece_now(self, e, law):
+    @inline
+    def piece_now(self, e: int, law: int) -> int:
         """Return the present piece of a law of element e."""
         return self.first[LAWS * e + law] + self.branch[BRANCHES * e + law]
 
-    def damper_force(self, e):
+    def damper_force(self, e: int) -> float:
         """Return the damper force at `row_d`, `row_v`."""
         r = self.element_row[e]
         return self.damper_force_at(e, self.row_d[r], self.row_v[r])
 
-    def damper_force_at(self, e, d, w):
+    def damper_force_at(self, e: int, d: float, w: float) -> float:
         """Return the damper force D(w) m(d)."""
         force = self.law(self.piece_now(e, DAMPER), w)
         if self.modulated[e]:
             force *= self.law(self.piece_now(e, MODULATION), d)
         return force
 
-    def element_force(self, e):
+    def element_force(self, e: int) -> float:
         """Return the force of element e at `row_d`, `row_v`, without the force of sticking."""
         if self.branch[BRANCHES * e + CONTACT]:
             force = self.limit[e]
@@ -138,7 +152,7 @@ class Elements(Laws):
             force = self.law(self.piece_now(e, SPRING), d) + self.damper_force(e)
         return force + self.branch[BRANCHES * e + FRICTION] * self.friction[e]
 
-    def row_forces(self):
+    def row_forces(self) -> None:
         """Set force and tangents of every row from its elements, at `row_d`, `row_v`."""
         for r in range(self.rows):
             self.row_f[r] = 0.0
@@ -163,7 +177,7 @@ class Elements(Laws):
             if self.friction[e] > 0.0:
                 self.row_f[r] += self.branch[BRANCHES * e + FRICTION] * self.friction[e]
 
-    def linearise(self):
+    def linearise(self) -> None:
         """Set force at rest and tangents of every row, f + k d + c w, from its straight pieces."""
         for r in range(self.rows):
             self.branch_f[r] = 0.0
@@ -191,20 +205,20 @@ class Elements(Laws):
             if self.friction[e] > 0.0:
                 self.branch_f[r] += self.branch[BRANCHES * e + FRICTION] * self.friction[e]
 
-    def spring_is_straight(self, e):
+    def spring_is_straight(self, e: int) -> bool:
         """Return whether the spring of element e is linear in its present branch."""
-        return self.straight[self.piece_now(e, SPRING)]
+        return self.straight[self.piece_now(e, SPRING)] != 0
 
-    def damper_is_straight(self, e):
+    def damper_is_straight(self, e: int) -> bool:
         """Return whether the damper of element e is linear in its present branch."""
         if not self.straight[self.piece_now(e, DAMPER)]:
-            return 0
+            return False
         if not self.modulated[e]:
-            return 1
+            return True
         p = self.piece_now(e, MODULATION)
-        return self.straight[p] and self.piece[p * PIECE + C1] == 0.0
+        return self.straight[p] != 0 and self.piece[p * PIECE + C1] == 0.0
 
-    def unlimited_force(self, e, row, at):
+    def unlimited_force(self, e: int, row: Doubles, at: int) -> None:
         """Set force0, force1, force2 to S(d) + D(v) m(d) of element e and two time derivatives."""
         ps = self.piece_now(e, SPRING)
         pd = self.piece_now(e, DAMPER)
@@ -228,19 +242,19 @@ class Elements(Laws):
 
     # -- contact and yield ---------------------------------------------------------------------------
 
-    def free_potential(self, e, d):
+    def free_potential(self, e: int, d: float) -> float:
         """Return the potential at d beyond the free length: its value there plus work at the limit."""
         return self.free_energy[e] + self.limit[e] * (d - self.free_length[e])
 
-    def permanent_set(self, e, d):
+    def permanent_set(self, e: int, d: float) -> float:
         """Return the deflection at which a yielding spring has no force, from its force at d."""
         return d - self.law(self.piece_now(e, SPRING), d) / self.elastic_rate(e)
 
-    def elastic_rate(self, e):
+    def elastic_rate(self, e: int) -> float:
         """Return the rate of a yielding spring while it does not yield."""
         return self.piece[(self.first[LAWS * e + SPRING] + ELASTIC) * PIECE + C1]
 
-    def element_energy(self, e, d):
+    def element_energy(self, e: int, d: float) -> float:
         """Return the energy stored in element e at deflection d."""
         if self.branch[BRANCHES * e + CONTACT]:
             return self.free_potential(e, d)
@@ -248,14 +262,14 @@ class Elements(Laws):
             return self._yielding_energy(e, d)
         return self.potential(self.piece_now(e, SPRING), d)
 
-    def _yielding_energy(self, e, d):
+    def _yielding_energy(self, e: int, d: float) -> float:
         """Return f^2 / 2k of the spring plus the energy of kinematic hardening in the permanent set."""
         rate = self.elastic_rate(e)
         flow = self.piece[(self.first[LAWS * e] + 2) * PIECE + C1]
         p = self.permanent_set(e, d)
         return 0.5 * rate * ((d - p) * (d - p) + flow / (rate - flow) * p * p)
 
-    def flow_force(self, e):
+    def flow_force(self, e: int) -> float:
         """Return the force that dissipates while element e flows: the yield force, with the sign of flow.
 
         It is multiplied by the rate including its sign, so that the power stays smooth if a substep goes
@@ -264,7 +278,7 @@ class Elements(Laws):
         side = self.branch[BRANCHES * e + SPRING] - ELASTIC
         return self.piece[(self.first[LAWS * e] + 2) * PIECE + C0] * side
 
-    def dissipation(self, e):
+    def dissipation(self, e: int) -> float:
         """Return the power dissipated by element e at `row_d`, `row_v`."""
         w = self.row_v[self.element_row[e]]
         power = self.branch[BRANCHES * e + FRICTION] * self.friction[e] * w

@@ -2,7 +2,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
+
+from .language import inline
+
+if TYPE_CHECKING:
+    from .balance import Balance
+    from .modes import Modes
+    from .motion import Motion
+
+if TYPE_CHECKING:
+    from .balance import Balance
+    from .modes import Modes
+    from .motion import Motion
 
 if not cython.compiled:
     from math import fabs, pow
@@ -35,7 +49,7 @@ class Errors:
     tolerance : relative to the largest motion so far
     """
 
-    def __init__(self, motion, balance, modes, tolerance):
+    def __init__(self, motion: Motion, balance: Balance, modes: Modes, tolerance: float):
         self.motion, self.balance, self.modes = motion, balance, modes
         self.net, self.n = self.motion.net, self.motion.n
         self.tolerance = tolerance
@@ -54,7 +68,7 @@ class Errors:
         # whether the attempt is read with jerks that differ from those at its ends
         self.own_jerks = False
 
-    def begin(self, h):
+    def begin(self, h: float) -> None:
         """Reset the error, and set the allowed one from the largest motion so far or in the attempt.
 
         The one allowed is at least the rounding of displacements and of the forces that balance at rest.
@@ -70,19 +84,20 @@ class Errors:
         for i in range(self.n):
             self.velocity_scale[i] = max(self.modes.velocity_scale[i], least)
 
-    def note(self, size):
+    @inline
+    def note(self, size: float) -> None:
         """Update the largest error, m."""
         if not size <= self.error:
             self.error = size
 
-    def factor(self):
+    def factor(self) -> float:
         """Return the factor of the step that brings the error to the tolerance."""
         if self.error <= self.full_growth_error:
             return 4.0
         factor = 0.9 * pow(self.error, -1.0 / self.order)
         return min(max(factor, 0.2), 4.0)
 
-    def negligible(self, h):
+    def negligible(self, h: float) -> float:
         """Return the negligible error of accelerations in a step, m/s^2; 0 for a fixed step."""
         if not self.controlled:
             return 0.0
@@ -91,13 +106,13 @@ class Errors:
             slowest = max(slowest, self.modes.velocity_scale[i])
         return _NEGLIGIBLE * _SHARE * self.tolerance * self.motion.state.reach / (h * slowest)
 
-    def keep_jerks(self):
+    def keep_jerks(self) -> None:
         """Let the attempt be read with the jerks at its ends."""
         self.own_jerks = False
         for i in range(self.n):
             self.motion.jerk[i], self.motion.end_jerk[i] = self.motion.j[i], self.motion.jb[i]
 
-    def find_jerks(self, h):
+    def find_jerks(self, h: float) -> None:
         """Find the jerks with which the attempt is read between its ends.
 
         If a damper lets a velocity decay at the rate d, a remainder e of it contributes d e to the
@@ -135,7 +150,7 @@ class Errors:
         solve(self.held, 0, n, self.motion.jerk)
         solve(self.held, 0, n, self.motion.end_jerk)
 
-    def read_middle(self, h):
+    def read_middle(self, h: float) -> None:
         """Evaluate the septic through the ends of the attempt and two derivatives, halfway."""
         for i in range(self.n):
             v, a, j = (
@@ -158,7 +173,7 @@ class Errors:
                 + h / 32.0 * j
             )
 
-    def find_lack(self, h, prepared):
+    def find_lack(self, h: float, prepared: bool) -> None:
         """Find the residual of the septic in the equation of motion halfway, m/s^2.
 
         If the loads of the attempt are `prepared`, the signals are left as they are at its end.
@@ -173,7 +188,7 @@ class Errors:
         for i in range(self.n):
             self.lack[i] = fabs(self.septic_a[i] - self.middle_a[i])
 
-    def note_middle(self, h):
+    def note_middle(self, h: float) -> None:
         """Count the residual of the septic halfway through the attempt just made as an error.
 
         It reveals a knee of a curved force that all substeps miss.
@@ -181,7 +196,7 @@ class Errors:
         self.find_lack(h, True)
         self._note_lack(h)
 
-    def note_reading(self, h):
+    def note_reading(self, h: float) -> None:
         """Count it likewise for the attempt just made in a straight branch, if the septic may be inexact.
 
         The rate of a sinusoid with phase p in the step is wrong by up to 3.7e-7 p^7 of its largest rate.
@@ -192,7 +207,7 @@ class Errors:
             return
         self.note_middle(h)
 
-    def _note_lack(self, h):
+    def _note_lack(self, h: float) -> None:
         """Count the residual `lack` halfway as an error of the step.
 
         An error e of the septic, which vanishes at both ends, is 1/32 h^2 e'' halfway, and its rate is
@@ -211,7 +226,7 @@ class Errors:
             self.note(_SHARE * h / 32.0 * lack)
             self.note(share * 0.12 * self.velocity_scale[i] * lack)
 
-    def of_reading(self, h):
+    def of_reading(self, h: float) -> float:
         """Return the error halfway through a step that ends on a knee, over the one allowed; else 0.
 
         If a damper is steep where the step ends, but not where it began, the jerk at the end is that of
@@ -227,7 +242,7 @@ class Errors:
         self._note_lack(h)
         return self.error / self.allowed
 
-    def can_read(self, x, h):
+    def can_read(self, x: float, h: float) -> bool:
         """Return whether the septic through the ends of an attempt is accurate enough at a fraction x.
 
         Its error is proportional to (x (1 - x))^4; if it is e halfway, its second derivative there is
@@ -235,7 +250,7 @@ class Errors:
         """
         phase = h * self.modes.quickest
         if self.net.stuck or phase > _READ_PHASE:
-            return 0
+            return False
         if self.balance.bends.count == 0:
             self.find_lack(h, False)
         allowed = _READ_SHARE * self.allowed * (1.0 - phase * phase / 32.0)
@@ -245,11 +260,11 @@ class Errors:
         for i in range(self.n):
             error = max(of_q, of_v * self.velocity_scale[i]) * self.lack[i]
             if not error <= allowed:
-                return 0
-        return 1
+                return False
+        return True
 
 
-def _least_scale(reach, speed):
+def _least_scale(reach: float, speed: float) -> float:
     """Return the least factor, s, that converts errors of velocity into errors of displacement.
 
     Without it, a light wheel that vibrates fast with a small amplitude would be only as accurate as the

@@ -13,11 +13,23 @@ is damped within a microsecond.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
 
 from .layout import AMPLITUDE, ANGLE, C1, C2, C3, ORIGIN, SEGMENT, SPEED
 from .method import Method
 from .outcomes import DIVERGED
+
+if TYPE_CHECKING:
+    from .balance import Balance
+    from .language import Doubles
+    from .motion import Motion
+
+if TYPE_CHECKING:
+    from .balance import Balance
+    from .language import Doubles
+    from .motion import Motion
 
 if not cython.compiled:
     from math import cos, fabs, isfinite, sin
@@ -37,21 +49,26 @@ class Propagator:
 
     Parameters
     ----------
-    network : network of the system
+    motion : the motion, whose attempts it makes
+    balance : the equation of motion
     """
 
-    def __init__(self, network):
-        self.net, self.n = network, network.n
-        most = 2 * self.n + _POWERS + 2 * network.signals
+    def __init__(self, motion: Motion, balance: Balance):
+        self.net, self.n = motion.net, motion.n
+        self.stiffness, self.damping = balance.tangent_k, balance.tangent_c
+        self.q0, self.v0, self.a0 = motion.q, motion.v, motion.a
+        self.q2, self.v2 = motion.qb, motion.vb
+        self.q1, self.v1 = self.net.memory.zeros(self.n), self.net.memory.zeros(self.n)  # halfway
+        most = 2 * self.n + _POWERS + 2 * self.net.signals
         memory, size = self.net.memory, most * most
         self.rates, self.term = memory.zeros(size), memory.zeros(size)
         self.product, self.change = memory.zeros(size), memory.zeros(size)
         self.state, self.step = memory.zeros(most), memory.zeros(most)
         self.column = memory.zeros(self.n)
-        self.multiplier = memory.zeros(network.elements)
+        self.multiplier = memory.zeros(self.net.elements)
         self.size = most
 
-    def attempt(self, t, h):
+    def attempt(self, t: float, h: float) -> int:
         """Step from `start` at t over h, in two halves; return 0 or a key of `outcomes.FAILURES`."""
         n = self.n
         doublings = 0
@@ -80,7 +97,7 @@ class Propagator:
                 return DIVERGED
         return 0
 
-    def _is_short(self):
+    def _is_short(self) -> bool:
         """Return whether all motions and roads change little within one part."""
         n = self.n
         for j in range(n):
@@ -95,15 +112,15 @@ class Propagator:
                 if matrix == 0:
                     total *= self.part / _SHORT
                 if self.part * total > _SHORT:
-                    return 0
+                    return False
         for s in range(self.net.signals):
             g = self._segment(s)
             speed = fabs(self.net.segment[g + SPEED])
             if self.net.segment[g + AMPLITUDE] != 0.0 and speed * self.part > _SHORT:
-                return 0
-        return 1
+                return False
+        return True
 
-    def _find_rates(self, t):
+    def _find_rates(self, t: float) -> None:
         """Find X, scaled to one part with velocities as distance per part, and x at t without q, q'."""
         n = self.n
         cosines = 0
@@ -140,7 +157,7 @@ class Propagator:
                 at += 2
         self._enter_start()
 
-    def _enter_start(self):
+    def _enter_start(self) -> None:
         """Set the column of the 1: the acceleration at the start minus that due to the other columns."""
         n, size = self.n, self.size
         for i in range(n):
@@ -151,10 +168,10 @@ class Propagator:
                 x -= self.rates[(n + i) * size + j] * self.state[j]
             self.rates[(n + i) * size + 2 * n] = x
 
-    def _segment(self, s):
+    def _segment(self, s: int) -> int:
         return (self.net.signal_first[s] + self.net.signal_now[s]) * SEGMENT
 
-    def _enter_sinusoid(self, s, at, t):
+    def _enter_sinusoid(self, s: int, at: int, t: float) -> None:
         """Enter cosine and sine of signal s, which rotate at w; its derivatives are -w sin, -w^2 cos."""
         g = self._segment(s)
         amplitude, speed = self.net.segment[g + AMPLITUDE], self.net.segment[g + SPEED]
@@ -172,13 +189,13 @@ class Propagator:
             self._add_excitation()
             self._enter_column(at + side, self.part * self.part)
 
-    def _clear(self):
+    def _clear(self) -> None:
         for i in range(4 * self.net.signals):
             self.net.road[i] = 0.0
         for i in range(self.n):
             self.column[i] = 0.0
 
-    def _derivative(self, s, t, order):
+    def _derivative(self, s: int, t: float, order: int) -> float:
         """Return a derivative, of order 1 or more, of the cubic part of signal s."""
         g = self._segment(s)
         x = t - self.net.segment[g + ORIGIN]
@@ -189,7 +206,7 @@ class Propagator:
             return 2.0 * c2 + 6.0 * c3 * x
         return 6.0 * c3 if order == 3 else 0.0
 
-    def _add_excitation(self):
+    def _add_excitation(self) -> None:
         """Add the forces of loads and of the roads under the rows, with the signals in `road`."""
         n = self.n
         for m in range(self.net.loads):
@@ -206,7 +223,7 @@ class Propagator:
                 for i in range(n):
                     self.column[i] += self.net.row_direction[r * n + i] * p
 
-    def _enter_column(self, j, factor):
+    def _enter_column(self, j: int, factor: float) -> None:
         """Enter the acceleration due to the force in `column`; sticking rows follow their roads."""
         solve(self.net.mass_factor, 0, self.n, self.column)
         if self.net.stuck:
@@ -214,7 +231,7 @@ class Propagator:
         for i in range(self.n):
             self.rates[(self.n + i) * self.size + j] = factor * self.column[i]
 
-    def _sum_series(self):
+    def _sum_series(self) -> None:
         """Set `change` to exp(X) - 1 = X + X^2/2 + ..."""
         size = self.size * self.size
         for i in range(size):
@@ -225,7 +242,7 @@ class Propagator:
                 self.term[i] = self.product[i] / order
                 self.change[i] += self.term[i]
 
-    def _multiply(self, left, right):
+    def _multiply(self, left: Doubles, right: Doubles) -> None:
         """Set `product` to the product of two matrices, most of whose entries are zero."""
         size = self.size
         for i in range(size):
@@ -237,7 +254,7 @@ class Propagator:
                     for j in range(size):
                         self.product[i * size + j] += x * right[k * size + j]
 
-    def _apply(self):
+    def _apply(self) -> None:
         """x <- x + D x"""
         size = self.size
         for i in range(size):
@@ -255,14 +272,7 @@ class Exact(Method):
     def __init__(self, motion, balance, modes, errors, order, theta):
         Method.__init__(self, motion, balance, modes, errors, order, theta)
         self.controls = self.exact = True
-        self.propagator = Propagator(self.net)
-        self.middle_q, self.middle_v = self.net.memory.zeros(self.n), self.net.memory.zeros(self.n)
-        self.propagator.stiffness = self.balance.tangent_k
-        self.propagator.damping = self.balance.tangent_c
-        self.propagator.q0, self.propagator.v0 = self.motion.q, self.motion.v
-        self.propagator.a0 = self.motion.a
-        self.propagator.q1, self.propagator.v1 = self.middle_q, self.middle_v
-        self.propagator.q2, self.propagator.v2 = self.motion.qb, self.motion.vb
+        self.propagator = Propagator(self.motion, self.balance)
 
     @staticmethod
     def order_of(system, step, tolerance, order):
@@ -278,7 +288,7 @@ class Exact(Method):
         """Return why a system is not linear in each of its branches; empty if it is."""
         return not_straight(system)
 
-    def attempt(self, t, h):
+    def attempt(self, t: float, h: float) -> int:
         """Take the exact step; its error is that of the septic through its ends, halfway.
 
         Each derivative of the septic is less accurate than the one before: with e the error of q, up to
@@ -295,11 +305,13 @@ class Exact(Method):
             # errors do not accumulate here, so one step may use the whole tolerance; the rate of the
             # septic has the rounding of a difference of q over the step
             rounding = 1e-15 * (fabs(self.motion.q[i]) + fabs(self.motion.qb[i])) / h
-            self.errors.note(_SHARE * _FINER * fabs(self.errors.septic_q[i] - self.middle_q[i]))
+            self.errors.note(
+                _SHARE * _FINER * fabs(self.errors.septic_q[i] - self.propagator.q1[i])
+            )
             self.errors.note(
                 _SHARE
                 * self.modes.velocity_scale[i]
-                * (fabs(self.errors.septic_v[i] - self.middle_v[i]) - rounding)
+                * (fabs(self.errors.septic_v[i] - self.propagator.v1[i]) - rounding)
             )
         self.errors.error /= self.errors.allowed
         return 0

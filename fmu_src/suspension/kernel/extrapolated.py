@@ -13,6 +13,7 @@ import cython
 
 from .columns import SEQUENCES, Columns, instants_of
 from .errors import ROUNDING_OF_RATES
+from .language import inline
 from .method import Method
 from .outcomes import DIVERGED
 
@@ -65,15 +66,16 @@ class Extrapolated(Method):
     def instants(order, theta):
         return instants_of(SEQUENCES[order])[0]
 
-    def enter(self):
+    def enter(self) -> None:
         """Discard the matrices."""
         self.columns.inverses.forget()
 
-    def attempt(self, t, h):
+    def attempt(self, t: float, h: float) -> int:
         """Step from t to t + h; return 0 or a key of `outcomes.FAILURES`."""
         return self.extrapolate(t, h)
 
-    def extrapolate(self, t, h):
+    @inline
+    def extrapolate(self, t: float, h: float) -> int:
         """Take all columns, and find the error from the last two."""
         self.balance.prepare(t, h)
         if self.balance.bends.count:
@@ -89,7 +91,8 @@ class Extrapolated(Method):
             self._find_error(h)
         return 0
 
-    def _find_error(self, h):
+    @inline
+    def _find_error(self, h: float) -> None:
         """Find the error of the attempt, in units of the one allowed."""
         self.errors.begin(h)
         rounding = 0.0  # of velocities, which matters where strong damping multiplies it
@@ -108,7 +111,8 @@ class Extrapolated(Method):
             self._check_reading(h)
         self.errors.error /= self.errors.allowed
 
-    def _expect_better(self, h):
+    @inline
+    def _expect_better(self, h: float) -> None:
         """Reduce the error by the square of the phase, if small: the last column is that much better.
 
         With curved forces it is reduced by the phase only, as the changes of these forces count, too.
@@ -124,7 +128,8 @@ class Extrapolated(Method):
                 better = 1.0 / _MOST_BETTER
             self.errors.error *= better
 
-    def _check_reading(self, h):
+    @inline
+    def _check_reading(self, h: float) -> None:
         """Count the effect of the end jerks on the septic halfway as an error, for stiff motions.
 
         If a motion decays within a small part of the step, the jerks contain its remainder times the

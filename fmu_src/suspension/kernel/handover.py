@@ -2,7 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
+
+if TYPE_CHECKING:
+    from .language import Doubles, Long
+    from .motion import Motion
+    from .network import Network
+
+if TYPE_CHECKING:
+    from .language import Doubles, Long
+    from .motion import Motion
+    from .network import Network
 
 if not cython.compiled:
     from math import fabs
@@ -16,7 +28,7 @@ class Handover:
     network : network of the system
     """
 
-    def __init__(self, network):
+    def __init__(self, network: Network):
         self.net, self.n, self.elements = network, network.n, network.elements
         memory = self.net.memory
         self.q, self.v = memory.zeros(self.n), memory.zeros(self.n)
@@ -24,9 +36,9 @@ class Handover:
         self.work, self.limited_time = memory.zeros(self.elements), memory.zeros(self.elements)
         self.reach = self.speed = self.scale = self.datum = 0.0
         self.exchange = self.supplied = self.residual = 0.0
-        self.steps = 0
+        self.steps: Long = 0
 
-    def take_run(self, motion, net):
+    def take_run(self, motion: Motion, net: Network) -> None:
         """Store motion, energies and counts at the end of the last step."""
         # springs in series are relaxed if there were others before
         same = self.n if net.n == self.n else self.net.series.outer
@@ -41,7 +53,7 @@ class Handover:
         self.supplied = net.state.supplied + fabs(net.state.initial_energy)
         self.residual = net.state.residual_end
 
-    def take_element(self, here, there, work, limited_time):
+    def take_element(self, here: int, there: int, work: Doubles, limited_time: Doubles) -> None:
         """Store the work and time of element `there` as those of element `here`; zero if it is -1."""
         self.work[here] = work[there] if there >= 0 else 0.0
         self.limited_time[here] = limited_time[there] if there >= 0 else 0.0

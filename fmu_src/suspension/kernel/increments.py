@@ -6,11 +6,21 @@ those at both ends (15.7), which is iterated.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
 
 from .extrapolated import Extrapolated
 from .iteration import LEAST_SHARE
 from .outcomes import DIVERGED, NOT_CONVERGED, NOT_POSITIVE
+
+if TYPE_CHECKING:
+    from .language import Doubles
+    from .network import Network
+
+if TYPE_CHECKING:
+    from .language import Doubles
+    from .network import Network
 
 if not cython.compiled:
     from math import fabs, isfinite
@@ -28,7 +38,7 @@ class Increments:
     network : network of the system
     """
 
-    def __init__(self, network):
+    def __init__(self, network: Network):
         self.net, self.n = network, network.n
         self.once = False  # whether to use the tangents at the start only
         memory, n, size = self.net.memory, self.n, self.n * self.n
@@ -44,7 +54,7 @@ class Increments:
         self.start_k, self.start_c = memory.zeros(rows), memory.zeros(rows)
         self.mean_k, self.mean_c = memory.zeros(rows), memory.zeros(rows)
 
-    def _solve_step_matrix(self, h):
+    def _solve_step_matrix(self, h: float) -> int:
         """Solve (M + h/2 B + h^2/6 K) x = rhs with the matrices `stiffness2`, `damping2`."""
         size = self.n * self.n
         for i in range(size):
@@ -56,7 +66,7 @@ class Increments:
         solve(self.factor, 0, self.n, self.rhs)
         return 0
 
-    def add(self, t, h, q, v, a):
+    def add(self, t: float, h: float, q: Doubles, v: Doubles, a: Doubles) -> int:
         """Step from t to t + h; return 0 or a key of `outcomes.FAILURES`."""
         self._begin(t, q, v, a)
         before = 1e300
@@ -86,7 +96,7 @@ class Increments:
             self._average(t + h, share, q, v)
         return NOT_CONVERGED
 
-    def _begin(self, t, q, v, a):
+    def _begin(self, t: float, q: Doubles, v: Doubles, a: Doubles) -> None:
         """Store the state at the start, and use the tangents there."""
         n = self.n
         for i in range(n):
@@ -102,7 +112,7 @@ class Increments:
             self.start_k[r] = self.mean_k[r] = self.net.row_k[r]
             self.start_c[r] = self.mean_c[r] = self.net.row_c[r]
 
-    def _add_resistance(self, h):
+    def _add_resistance(self, h: float) -> None:
         """Subtract from `rhs` the change of the forces due to the motion at the start (15.14)."""
         n = self.n
         for i in range(n):
@@ -112,7 +122,7 @@ class Increments:
                     h * self.pv[k] + h * h / 2.0 * self.sa[k]
                 )
 
-    def _find_change(self, iteration):
+    def _find_change(self, iteration: int) -> None:
         """Find the change of `rhs` by the last iteration, and whether it reverses the one before."""
         self.most_change = self.turn = 0.0
         for i in range(self.n):
@@ -121,7 +131,7 @@ class Increments:
             self.change[i] = difference
             self.most_change = max(self.most_change, fabs(difference))
 
-    def _move(self, h, q, v, a):
+    def _move(self, h: float, q: Doubles, v: Doubles, a: Doubles) -> None:
         """Find the end from the change of acceleration in `rhs` (15.16 to 15.18)."""
         self.largest = 1e-30
         for i in range(self.n):
@@ -132,13 +142,13 @@ class Increments:
             )
             a[i] = self.sa[i] + self.rhs[i]
 
-    def _is_settled(self, before):
+    def _is_settled(self, before: float) -> bool:
         """Return whether changes have decreased to rounding, or are small and no longer decrease."""
         if self.most_change <= 1e-15 * self.largest:
-            return 1
+            return True
         return self.most_change <= 1e-10 * self.largest and self.most_change >= 0.5 * before
 
-    def _average(self, t, share, q, v):
+    def _average(self, t: float, share: float, q: Doubles, v: Doubles) -> None:
         """Move the tangents by a share towards the mean of those at both ends (15.7)."""
         self.net.all_signals(t)
         self.net.row_states(q, v)
@@ -155,7 +165,7 @@ class Increments:
             mean = 0.5 * (self.start_c[r] + self.net.row_c[r])
             self.mean_c[r] += share * (mean - self.mean_c[r])
 
-    def _excitation_increment(self, t, h):
+    def _excitation_increment(self, t: float, h: float) -> None:
         """Set `rhs` to Delta f of (15.6): loads, and roads through the same tangents as the motion."""
         n = self.n
         for i in range(n):
@@ -196,7 +206,7 @@ class Mean(Extrapolated):
     def order_of(system, step, tolerance, order):
         return 2
 
-    def attempt(self, t, h):
+    def attempt(self, t: float, h: float) -> int:
         """Step from t to t + h; return 0 or a key of `outcomes.FAILURES`."""
         if not self.balance.bends.count or self.net.stuck:
             return self.extrapolate(t, h)

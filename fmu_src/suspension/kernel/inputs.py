@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
+
+if TYPE_CHECKING:
+    from .arrays import Memory
+
+if TYPE_CHECKING:
+    from .arrays import Memory
 
 if not cython.compiled:
     from math import fabs
@@ -20,20 +28,20 @@ class Inputs:
     count : number of inputs
     """
 
-    def __init__(self, memory, count):
+    def __init__(self, memory: Memory, count: int):
         self.memory, self.count = memory, count
         self.value = self.memory.zeros(count)
         self.samples = self.memory.marks(count)
         self.sample_time = self.memory.zeros(_SAMPLES * count)
         self.sample_value = self.memory.zeros(_SAMPLES * count)
 
-    def start(self):
+    def start(self) -> None:
         """Reset all inputs: none has been set."""
         for i in range(self.count):
             self.value[i] = 0.0
             self.samples[i] = 0
 
-    def set(self, i, value, time):
+    def set(self, i: int, value: float, time: float) -> None:
         """Set input i from a time on; a call at the same time replaces an earlier one."""
         at = _SAMPLES * i
         count = self.samples[i]
@@ -49,12 +57,12 @@ class Inputs:
         self.samples[i] = count + 1
         self.value[i] = value
 
-    def since(self, i):
+    def since(self, i: int) -> float:
         """Return when input i was last set, s; 0 if it never was."""
         count = self.samples[i]
         return self.sample_time[_SAMPLES * i + count - 1] if count > 0 else 0.0
 
-    def slope(self, i, until):
+    def slope(self, i: int, until: float) -> float:
         """Return the rate of change of input i for a step that ends at `until`, s.
 
         0 if the step ends more than two intervals after the last sample: an input that a host has not

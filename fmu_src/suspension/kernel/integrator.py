@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
 
 from .account import Account
@@ -9,6 +11,7 @@ from .arrays import Lent, Memory
 from .contacts import Contacts
 from .elements import KINDS
 from .handover import Handover
+from .language import Doubles, Integers, PyErr_CheckSignals, Size, open_to_python, uses_python
 from .layout import BRANCHES, CONTACT, SPRING
 from .lines import Lines
 from .method import Method
@@ -19,6 +22,9 @@ from .rest import Rest
 from .run import Run
 from .run_queue import RunQueue
 from .time_loop import TimeLoop
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 if not cython.compiled:
     from math import sqrt
@@ -86,6 +92,20 @@ class Integrator(TimeLoop):
     ValueError : if the method is unknown or the mass matrix is not positive definite.
     """
 
+    going_on: Callable[[float], bool] | None
+
+    def _make_room(self):
+        """Allocate the arrays for changes of signals and parameters, and find the size of the state."""
+        self.given = self.net.memory.zeros(4)
+        self.rate_before = self.net.memory.zeros(max(self.net.rows, 1))
+        self.handover = Handover(self.net)
+        # called with the present time at each pause of a long run; returns whether to continue
+        self.going_on = None
+        self.state_size: Size = len(self.state.content())
+        # not prepared to fill arrays
+        self.count: Size = 0
+        self.places: Size = 0
+
     def set_state(self, displacements, velocities):
         """Start from given displacements (m) and velocities (m/s), at the present time.
 
@@ -99,7 +119,7 @@ class Integrator(TimeLoop):
         memory = Memory()
         self._enter_state(memory.doubles([*displacements, *velocities]), 0)
 
-    def take_over(self, earlier, counterpart):
+    def take_over(self, earlier: Integrator, counterpart: Integers) -> None:
         """Continue from the state of the integrator of a system with the same coordinates and signals.
 
         For a parameter that changes during a run. The resulting change of stored energy is not work,
@@ -116,7 +136,7 @@ class Integrator(TimeLoop):
             self.handover.take_element(e, counterpart[e], earlier.ledger.work, earlier.limited.time)
         self._go_on()
 
-    def take_laws(self, x, at):
+    def take_laws(self, x: Doubles, at: int) -> None:
         """Continue with other laws of the elements, from x[at:].
 
         The state is then that after `take_over` by a new integrator, but only the laws are read again.
@@ -127,7 +147,7 @@ class Integrator(TimeLoop):
         self.net.enter_elements(x, at)
         self._go_on()
 
-    def _go_on(self):
+    def _go_on(self) -> None:
         """Begin at the present time with the data handed over."""
         self._stand_still(self.state.time, self.handover.scale)  # discards all other earlier data
         self.net.set_datum(self.handover.datum)
@@ -168,7 +188,9 @@ class Integrator(TimeLoop):
             self.given[i] = coefficients[i]
         self.replace_signal(signal, self.given, interval, jumps)
 
-    def replace_signal(self, signal, coefficients, interval, jumps):
+    def replace_signal(
+        self, signal: int, coefficients: Doubles, interval: float, jumps: bool
+    ) -> None:
         """Replace a signal as `set_signal` does; the coefficients are an array.
 
         `interval` is the time since the last sample, s, in which the signal has moved to its new value.
@@ -202,7 +224,7 @@ class Integrator(TimeLoop):
             else:
                 self.state.initial_energy += change
 
-    def _lost(self, signal, jump, interval):
+    def _lost(self, signal: int, jump: float, interval: float) -> float:
         """Book the energy that dampers dissipate as a road jumps between samples, and return it, J."""
         total = 0.0
         for e in range(self.net.elements):
@@ -216,7 +238,9 @@ class Integrator(TimeLoop):
 
     # -- stepping ----------------------------------------------------------------------------------
 
-    def advance(self, until, stop=False):
+    @open_to_python
+    @uses_python
+    def advance(self, until: float, stop: bool = False) -> int:
         """Step until `until` is reached or passed.
 
         Parameters
@@ -246,11 +270,12 @@ class Integrator(TimeLoop):
         if status != 0 and failure is not None:
             raise failure
 
-    def _look_at_pace(self):
+    def _look_at_pace(self) -> None:
         """Start measuring the pace of the run."""
         self.begun, self.started = self.state.step_count, self.state.time
 
-    def _reason_to_end(self, until):
+    @uses_python
+    def _reason_to_end(self, until: float) -> int:
         """Between parts of a long run, move switches to the log and let an interrupt end the run.
 
         Return 0, or the key in `outcomes.FAILURES` of a reason to end it: `going_on` returns false, or
@@ -259,12 +284,12 @@ class Integrator(TimeLoop):
         self.noted.all()
         self.since_pause = 0
         if cython.compiled:
-            PyErr_CheckSignals()  # noqa: F821  (declared in the .pxd file)
+            PyErr_CheckSignals()
         if self.going_on is not None and not self.going_on(self.state.time):
             return INTERRUPTED
         return 0 if self.keeps_pace(until) else TOO_MANY
 
-    def keeps_pace(self, until):
+    def keeps_pace(self, until: float) -> bool:
         """Return whether the number of steps still to come, at the present pace, is acceptable."""
         taken = self.state.step_count - self.begun
         if taken >= _ENOUGH_STEPS:
@@ -295,7 +320,9 @@ class Integrator(TimeLoop):
         self._raise_failure(status)
         return status
 
-    def fill(self, last):
+    @open_to_python
+    @uses_python
+    def fill(self, last: Size) -> int:
         """Step over the next prepared instants, up to number `last`, and fill the arrays of one run.
 
         Returns
@@ -354,13 +381,14 @@ class Integrator(TimeLoop):
         self.out_v, self.out_a, self.out_r = v.numbers, a.numbers, r.numbers
         self.lent = [t, q, v, a, f, r]
         self.count, self.last, self.places = count, count, runs
-        self.filled, self.next_mark = 0, -1
+        self.filled = 0
+        self.next_mark: Size = -1
 
     def _check_room(self, out, numbers):
         if out is not None and len(out) < numbers:
             raise ValueError(f"an array has {len(out)} numbers; it needs at least {numbers}")
 
-    def _run(self, place):
+    def _run(self, place: Size) -> int:
         """Step over the instants and fill the part of the arrays that belongs to one run."""
         before = place * self.count
         while self.filled < self.last:
@@ -408,7 +436,8 @@ class Integrator(TimeLoop):
 
     # -- reading results ---------------------------------------------------------------------------
 
-    def sample(self, t):
+    @open_to_python
+    def sample(self, t: float) -> None:
         """Find displacements, velocities and accelerations at time t within the last step.
 
         They are written to `sample_q`, `sample_v`, `sample_a`, from the cubic of the method (15.11), or
@@ -417,7 +446,8 @@ class Integrator(TimeLoop):
         self.dense.read(t)
         self.reading.take(self.dense)
 
-    def sample_forces(self, t):
+    @open_to_python
+    def sample_forces(self, t: float) -> None:
         """Find accelerations and element forces at the last sampled time, by the equation of motion.
 
         They are written to `sample_a` and `sample_f`, for the branches of the last step; the force of
@@ -457,7 +487,8 @@ class Integrator(TimeLoop):
         """The residual of the energy balance at the end of the last step, J."""
         return self.state.residual_end
 
-    def residual_at(self, t):
+    @open_to_python
+    def residual_at(self, t: float) -> float:
         """Return the residual of the energy balance at t, J, linear within the last step."""
         h = self.dense.end - self.dense.start
         if h <= 0.0:
@@ -483,7 +514,7 @@ class Integrator(TimeLoop):
         kept = [ledger.kept[e] for e in range(elements)]
         return ledger.kinetic, kept, works[:elements], works[elements:]
 
-    def find_energies(self, t):
+    def find_energies(self, t: float) -> None:
         """Find the entries of the ledger at a time t within the last step, or at its end, in `ledger`."""
         if t >= self.dense.end:
             for k in range(self.ledger.works):
@@ -502,22 +533,25 @@ class Integrator(TimeLoop):
         self.ledger.take_stock(self.dense.q, self.dense.v)
         self.net.exchange_branches()
 
-    def _show_last_branches(self):
+    def _show_last_branches(self) -> None:
         """Exchange the present branches for those of the last step."""
         if self.state.in_step or self.dense.end <= self.dense.start:
             self.net.keep_branches()
         self.net.exchange_branches()
 
-    def limited_time_at(self, e, t):
+    @open_to_python
+    def limited_time_at(self, e: int, t: float) -> float:
         """Return how long element e has been at its limit (a tyre off the road) up to t, s."""
         late = self.dense.end - t if self.limited.now[e] else 0.0
         return self.limited.time[e] - late
 
-    def at_limit(self, e):
+    @open_to_python
+    def at_limit(self, e: int) -> bool:
         """Return whether element e is now at its limit (a tyre off the road)."""
         return self.net.branch[BRANCHES * e + CONTACT] != 0
 
-    def yielding(self, e):
+    @open_to_python
+    def yielding(self, e: int) -> bool:
         """Return whether element e, which can yield, did so in the last step."""
         at = BRANCHES * e + SPRING
         return (self.net.branch[at] if self.state.in_step else self.net.kept_branch[at]) != 1
@@ -534,7 +568,8 @@ class Integrator(TimeLoop):
             d -= self.net.road[4 * s]
         return self.net.permanent_set(e, d)
 
-    def stable_step(self):
+    @open_to_python
+    def stable_step(self) -> float:
         """Return the largest stable step for the present tangent, 2 sqrt 3 / omega_max; 0 if unlimited.
 
         omega_max^2 is the largest eigenvalue of M^-1 K.
@@ -547,15 +582,6 @@ class Integrator(TimeLoop):
         if self.state.beyond_since == -1e300:
             return None
         return self.state.beyond_since, self.state.beyond_step
-
-    def _make_room(self):
-        """Allocate the arrays for changes of signals and parameters, and find the size of the state."""
-        self.given = self.net.memory.zeros(4)
-        self.rate_before = self.net.memory.zeros(max(self.net.rows, 1))
-        self.handover = Handover(self.net)
-        # called with the present time at each pause of a long run; returns whether to continue
-        self.going_on = None
-        self.state_size = len(self.state.content())
 
     # -- why a run ended ---------------------------------------------------------------------------
 

@@ -7,6 +7,16 @@ need W only along their own directions.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from .language import inline
+
+if TYPE_CHECKING:
+    from .balance import Balance
+
+if TYPE_CHECKING:
+    from .balance import Balance
+
 # share of a condition that is independent of those before it, below which it follows from them
 _DEPENDENT = 1e-12
 
@@ -20,7 +30,7 @@ class Inverses:
     sequence : substeps in each column of the extrapolation, one to four columns, ascending
     """
 
-    def __init__(self, balance, sequence):
+    def __init__(self, balance: Balance, sequence):
         self.balance = balance
         self.net, self.n, self.columns = self.balance.net, self.balance.n, len(sequence)
         n, rows, columns = self.n, max(self.net.rows, 1), self.columns
@@ -37,11 +47,11 @@ class Inverses:
         # W b or W' b of a row, W b / b' W b of a sticking row, and b' W b of each before any is held
         self.f, self.held, self.alone = [0.0] * 32, [0.0] * 32, [0.0] * 64
 
-    def forget(self):
+    def forget(self) -> None:
         """Discard the matrices, after a change of branch."""
         self.step = -1.0
 
-    def prepare(self, h):
+    def prepare(self, h: float) -> int:
         """Find W of all columns for a macro step h; return 1 if one is not positive definite."""
         if self.n == 2:  # with a constant as argument the compiler unrolls loops
             return self._find(2, h)
@@ -49,7 +59,8 @@ class Inverses:
             return self._find(4, h)
         return self._find(self.n, h)
 
-    def _find(self, n, h):
+    @inline
+    def _find(self, n: int, h: float) -> int:
         if self._invert(n, h) != 0:
             return 1
         for c in range(self.columns):
@@ -60,7 +71,8 @@ class Inverses:
         self.step = h
         return 0
 
-    def _invert(self, n, h):
+    @inline
+    def _invert(self, n: int, h: float) -> int:
         """Find (M + s/2 B + s^2/6 K)^-1 for the substeps s of all columns by Gauss-Jordan elimination."""
         self.step = -1.0
         for c in range(self.columns):
@@ -93,7 +105,8 @@ class Inverses:
                             self.inverse[at + m] -= pivot * self.inverse[row + m]
         return 0
 
-    def _spread(self, n, c, r, over, down):
+    @inline
+    def _spread(self, n: int, c: int, r: int, over: int, down: int) -> None:
         """Set `f` to W b of row r with strides 1 and n, to W' b with n and 1."""
         for i in range(n):
             x = 0.0
@@ -102,14 +115,15 @@ class Inverses:
                 x += self.inverse[n * n * c + over * i + down * m] * b
             self.f[i] = x
 
-    def _along(self, n, r):
+    @inline
+    def _along(self, n: int, r: int) -> float:
         """Return b' f of row r."""
         x = 0.0
         for i in range(n):
             x += self.net.row_direction[n * r + i] * self.f[i]
         return x
 
-    def _hold(self, n, c):
+    def _hold(self, n: int, c: int) -> int:
         """Project W on b' a = 0 for the rows that stick; return 1 if these conditions are contradictory.
 
         For each row in turn, W <- W - W b b' W / b' W b; the accelerations caused by the roads of the
@@ -142,7 +156,8 @@ class Inverses:
                 self.carried[n * (self.net.rows * c + p) + i] = self.held[i]
         return 0
 
-    def _couple(self, n, c):
+    @inline
+    def _couple(self, n: int, c: int) -> None:
         """Find W b and b' W b of the curved rows."""
         bends, rows = self.balance.bends.count, self.net.rows
         for p in range(bends):

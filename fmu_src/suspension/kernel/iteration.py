@@ -10,10 +10,21 @@ order. As x is predicted from those before it, most substeps need one evaluation
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
 
 from .balance import MOST_ROWS
+from .language import inline
 from .outcomes import DIVERGED, NOT_CONVERGED, NOT_POSITIVE
+
+if TYPE_CHECKING:
+    from .inverses import Inverses
+    from .language import Doubles
+
+if TYPE_CHECKING:
+    from .inverses import Inverses
+    from .language import Doubles
 
 if not cython.compiled:
     from math import fabs
@@ -35,7 +46,7 @@ class Iteration:
     inverses : W of all columns
     """
 
-    def __init__(self, inverses):
+    def __init__(self, inverses: Inverses):
         self.inverses = inverses
         self.bends, self.rows = self.inverses.balance.bends, self.inverses.net.rows
         memory, bent = self.inverses.net.memory, self.inverses.columns * max(self.rows, 1)
@@ -50,14 +61,16 @@ class Iteration:
         self.enough = 0.0  # negligible error of x, m/s^2
         self.bend = -1.0  # ratio of a correction to a power of the one before; -1 if unknown
 
-    def begin(self, p, x, rate):
+    @inline
+    def begin(self, p: int, x: float, rate: float) -> None:
         """Let the first substep of every column be predicted as x + s rate."""
         self.bend = -1.0
         for c in range(self.inverses.columns):
             at, s = self.rows * c + p, self.inverses.s[c]
             self.x1[at], self.x2[at], self.x3[at] = x, x - s * rate, x - 2.0 * s * rate
 
-    def find(self, bends, c):
+    @inline
+    def find(self, bends: int, c: int) -> int:
         """Find x of all curved rows, from d*, w* and x0; return 0, or the reason of the failure.
 
         The iteration ends when the next correction is expected to be below `enough`, or below rounding.
@@ -113,20 +126,22 @@ class Iteration:
             lack_before = lack
         return NOT_CONVERGED
 
-    def _power(self, size):
+    @inline
+    def _power(self, size: float) -> float:
         """Return the power of a correction to which the next one is proportional."""
         return size * size * size if self.bends.order == 3 else size * size
 
-    def _stays(self, bends, c):
+    def _stays(self, bends: int, c: int) -> bool:
         """Return whether no law of a curved row leaves the piece of a smooth table that was evaluated."""
         for p in range(bends):
             x = self.x[p]
             d, w = self.d[p] + self.inverses.sixth[c] * x, self.w[p] + self.inverses.half[c] * x
             if not self.bends.stays(p, d, w):
-                return 0
-        return 1
+                return False
+        return True
 
-    def _factorise(self, bends, c):
+    @inline
+    def _factorise(self, bends: int, c: int) -> int:
         """Eliminate in 1 + b' W b f', with the reciprocals of the pivots; return 1 if not possible."""
         for o in range(bends):
             slope = (
@@ -148,7 +163,8 @@ class Iteration:
                     self.matrix[at + o] -= self.matrix[at + k] * self.matrix[MOST_ROWS * k + o]
         return 0
 
-    def _eliminate(self, bends, x):
+    @inline
+    def _eliminate(self, bends: int, x: Doubles) -> None:
         """Solve with the factors for x, in place."""
         for k in range(bends):
             for p in range(k + 1, bends):
@@ -158,7 +174,8 @@ class Iteration:
                 x[k] -= self.matrix[MOST_ROWS * k + o] * x[o]
             x[k] *= self.matrix[MOST_ROWS * k + k]
 
-    def _correct(self, bends, c):
+    @inline
+    def _correct(self, bends: int, c: int) -> float:
         """Correct x for the residual in `second`; return the size of the correction, m/s^2.
 
         With the correction dx of Newton's method, forces change by f' dx + f'' dx^2 / 2; the last term
@@ -189,15 +206,18 @@ class Iteration:
             size = max(size, fabs(self.dx[p]))
         return size
 
-    def _coupling(self, c, p, o):
+    @inline
+    def _coupling(self, c: int, p: int, o: int) -> float:
         """Return b' W b of curved rows p and o."""
         return self.inverses.coupling[self.rows * (self.rows * c + p) + o]
 
-    def force_of(self, p):
+    @inline
+    def force_of(self, p: int) -> float:
         """Return the force of curved row p at the x found."""
         return self.bends.force[p] + self.slope[p] * self.dx[p] + self.rise[p]
 
-    def keep(self, bends, c, k):
+    @inline
+    def keep(self, bends: int, c: int, k: int) -> None:
         """Store x, found in substep k of a column, for the predictions that follow."""
         for p in range(bends):
             at = self.rows * c + p
@@ -209,7 +229,7 @@ class Iteration:
                 earlier = self.x[p] - 4.0 * (self.x1[at] - self.x2[at]) + self.x1[at] - self.x3[at]
             self.x3[at], self.x2[at], self.x1[at] = earlier, self.x1[at], self.x[p]
 
-    def _curve(self, p):
+    def _curve(self, p: int) -> None:
         """Let the other columns begin on the parabola that ends where the single step has ended."""
         way = self.x[p] - 2.0 * self.x1[p] + self.x2[p]
         for c in range(1, self.inverses.columns):

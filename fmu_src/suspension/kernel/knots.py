@@ -8,9 +8,20 @@ what comes after it would spoil the step; its septic is then continued to the po
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
 
+from .language import inline
 from .layout import CONTACT, DAMPER, LAWS, MODULATION, PIECE, SPRING, START
+
+if TYPE_CHECKING:
+    from .language import Doubles
+    from .switches import Switches
+
+if TYPE_CHECKING:
+    from .language import Doubles
+    from .switches import Switches
 
 if not cython.compiled:
     from math import fabs, pow
@@ -36,7 +47,7 @@ class Knots:
     switches : knows the polynomials of their quantities over an attempt
     """
 
-    def __init__(self, switches):
+    def __init__(self, switches: Switches):
         self.switches = switches
         self.stepper, self.motion = self.switches.stepper, self.switches.motion
         self.net, self.crossing = self.switches.net, self.switches.crossing
@@ -56,7 +67,7 @@ class Knots:
         self.bound = 0.0
         self.is_end = False
 
-    def enter_branches(self):
+    def enter_branches(self) -> None:
         """List the laws of joined pieces, after a change of branch."""
         self.count = 0
         for e in range(self.net.elements):
@@ -67,7 +78,7 @@ class Knots:
                     self.element[k], self.kind[k], self.piece[k] = e, kind, p
                     self.count += 1
 
-    def ahead(self, h, end):
+    def ahead(self, h: float, end: float) -> float:
         """Return the step h, or a shorter one that points before time `end` are expected to allow."""
         shorter = min(h, end - self.motion.state.time)
         if shorter <= _LIKELY * self.motion.state.proposal:
@@ -78,14 +89,14 @@ class Knots:
         self._find(shorter, _LEAST_KNOT, self.most_effect)
         return self.at * shorter if self.at < 1.0 else h
 
-    def within(self, h):
+    def within(self, h: float) -> float:
         """Return the length h of the attempt, or a shorter one that the points it passes allow."""
         most = self.stepper.method.most_error
         least = _LEAST_KNOT if self.stepper.errors.error <= most else _CLOSE_KNOT
         self._find(h, least, self.most_effect * most)
         return self.at * h if self.at < 1.0 else h
 
-    def met(self, h):
+    def met(self, h: float) -> float:
         """Return the length of the attempt if it is continued to the point found last, or else h.
 
         The point is found by Newton's method along the Taylor series of the row at the end.
@@ -110,11 +121,12 @@ class Knots:
             return h
         return step if self.stepper.errors.can_read(step / h, h) else h
 
-    def _argument(self, e, kind):
+    @inline
+    def _argument(self, e: int, kind: int) -> int:
         """Return where `rows.row` has the argument of a law at the start of the attempt."""
         return 8 * self.net.element_row[e] + (1 if kind == DAMPER else 0)
 
-    def _passes_another(self, way):
+    def _passes_another(self, way: float) -> bool:
         """Return whether the attempt, continued by `way`, passes a point of another row.
 
         The jerk at its end would be that beyond the point, and would not describe it.
@@ -127,10 +139,10 @@ class Knots:
             x = row[at + 4]
             there = x + way * (row[at + 5] + way * row[at + 6] / 2.0)
             if self.net.place(self.piece[i], x) != self.net.place(self.piece[i], there):
-                return 1
-        return 0
+                return True
+        return False
 
-    def _find(self, h, least, most):
+    def _find(self, h: float, least: float, most: float) -> None:
         """Find the fraction of the attempt after which it should end because of points; 2 if nowhere.
 
         That is the first point, or beyond it, if the points passed have an effect of at most `most` times
@@ -156,7 +168,8 @@ class Knots:
                         break
                     m += side
 
-    def _passes(self, p, side):
+    @inline
+    def _passes(self, p: int, side: int) -> bool:
         """Find the end of piece p; return whether the polynomial may pass it."""
         self.is_end = p == (self.net.run_first[p] if side < 0 else self.net.run_last[p])
         at = PIECE * (p if side < 0 else p + 1) + START
@@ -166,7 +179,7 @@ class Knots:
             self.bound = self.net.low[p] if side < 0 else self.net.high[p]
         return self.crossing.low < self.bound if side < 0 else self.crossing.high > self.bound
 
-    def _effect(self, e, kind, h):
+    def _effect(self, e: int, kind: int, h: float) -> float:
         """Return the error that the attempt makes where the second derivative of a law jumps by 1, m."""
         n, r = self.net.n, self.net.element_row[e]
         row, at = self.stepper.rows.row, self._argument(e, kind)
@@ -181,7 +194,7 @@ class Knots:
             most *= self._factor(e, kind, row, 8 * r)
         return _MISSED_JUMP * h * h * h * rate * rate * most
 
-    def _factor(self, e, kind, row, at):
+    def _factor(self, e: int, kind: int, row: Doubles, at: int) -> float:
         """Return the larger of the factors of a modulated damper's law at both ends of the attempt."""
         if kind == SPRING:
             return 1.0
@@ -189,7 +202,7 @@ class Knots:
         at += 1 if kind == MODULATION else 0
         return max(fabs(self.net.law(other, row[at])), fabs(self.net.law(other, row[at + 4])))
 
-    def _ends(self, side, degree, least, row, size):
+    def _ends(self, side: int, degree: int, least: float, row: int, size: float) -> bool:
         """Let the attempt end on the point in `bound`, or beyond it, if it passes it after `least`.
 
         If it does not matter in a step of the present length by the factor `size`, it does not in one

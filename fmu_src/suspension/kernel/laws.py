@@ -10,6 +10,7 @@ from itertools import accumulate
 
 import cython
 
+from .language import Doubles, takes_gil
 from .layout import (
     C0,
     C1,
@@ -48,7 +49,9 @@ class Laws(Signals):
     joins : whether curved pieces that meet with the same slope, as in a smooth table, are one branch
     """
 
-    def __init__(self, system, joins):
+    failure: Exception | None
+
+    def __init__(self, system, joins: bool):
         Signals.__init__(self, system.signals)
         self.joins = joins
         memory = self.memory
@@ -67,7 +70,7 @@ class Laws(Signals):
         # the first and the last of the pieces that each is joined with
         self.run_first, self.run_last = memory.marks(sum(count)), memory.marks(sum(count))
 
-    def enter_laws(self, e, x, at):
+    def enter_laws(self, e: int, x: Doubles, at: int) -> int:
         """Read the pieces of the laws of element e from x[at:]; return where they end."""
         first = self.first[LAWS * e]
         last = self.first[LAWS * (e + 1)]
@@ -102,7 +105,7 @@ class Laws(Signals):
             self._join(law)
         return at + PIECE * (last - first)
 
-    def _join(self, law):
+    def _join(self, law: int) -> None:
         """Find which pieces of a law are joined."""
         first = self.first[law]
         last = first + self.count[law] - 1
@@ -116,7 +119,7 @@ class Laws(Signals):
             if self.run_first[p + 1] != p + 1:
                 self.run_last[p] = self.run_last[p + 1]
 
-    def _jump_at(self, p):
+    def _jump_at(self, p: int) -> float:
         """Return by how much the second derivative jumps where piece p begins, if it is known."""
         if self.piece[(p - 1) * PIECE + OWN] != 0.0 or self.piece[p * PIECE + OWN] != 0.0:
             return 0.0
@@ -126,17 +129,17 @@ class Laws(Signals):
         self.read_piece(p, x)
         return fabs(self.curvature - before)
 
-    def _meets_smoothly(self, p):
+    def _meets_smoothly(self, p: int) -> bool:
         """Return whether curved piece p begins with the slope of the curved piece before it."""
         if self.straight[p - 1] or self.straight[p]:
-            return 0
+            return False
         if self.piece[(p - 1) * PIECE + OWN] != 0.0 or self.piece[p * PIECE + OWN] != 0.0:
-            return 0
+            return False
         x = self.piece[p * PIECE + START]
         before, after = self.law_slope(p - 1, x), self.law_slope(p, x)
         return fabs(after - before) <= _SMOOTH * (fabs(after) + fabs(before))
 
-    def place(self, p, x):
+    def place(self, p: int, x: float) -> int:
         """Return which of the pieces joined with p contains x; it is found fastest from close to it."""
         first, last = self.run_first[p], self.run_last[p]
         k = p
@@ -146,7 +149,7 @@ class Laws(Signals):
             k += 1
         return k
 
-    def law(self, p, x):
+    def law(self, p: int, x: float) -> float:
         """Return the force of piece p, or of those it is joined with, at x."""
         if self.run_last[p] > self.run_first[p]:
             p = self.place(p, x)
@@ -169,7 +172,8 @@ class Laws(Signals):
             force += self.own(p, _FORCE, s)
         return force
 
-    def own(self, p, what, s):
+    @takes_gil
+    def own(self, p: int, what: int, s: float) -> float:
         """Return force, slope or integral (`what`) of piece p by its function at s; NaN if that fails."""
         try:
             return float(self.functions[p][what](s))
@@ -177,11 +181,11 @@ class Laws(Signals):
             self.failure = self.failure or error
             return float("nan")
 
-    def law_and_slope(self, p, x):
+    def law_and_slope(self, p: int, x: float) -> None:
         """Set `value`, `slope`, `curvature` to those of piece p, or of those it is joined with, at x."""
         self.read_piece(self.place(p, x), x)
 
-    def read_piece(self, p, x):
+    def read_piece(self, p: int, x: float) -> None:
         """Do the same for piece p alone, which contains x.
 
         The slope of tanh is 1 - tanh^2. The curvature of a function in Python counts as 0.
@@ -203,7 +207,7 @@ class Laws(Signals):
             self.value += self.slope * (x - inner)
             self.curvature = 0.0
 
-    def _add_functions(self, p, s):
+    def _add_functions(self, p: int, s: float) -> None:
         """Add what is not a cubic in piece p to `value`, `slope` and `curvature`."""
         at = p * PIECE
         if self.piece[at + SATURATION] != 0.0:
@@ -224,7 +228,7 @@ class Laws(Signals):
             self.value += self.own(p, _FORCE, s)
             self.slope += self.own(p, _SLOPE, s)
 
-    def law_slope(self, p, x):
+    def law_slope(self, p: int, x: float) -> float:
         if self.run_last[p] > self.run_first[p]:
             p = self.place(p, x)
         at = p * PIECE
@@ -246,7 +250,7 @@ class Laws(Signals):
             slope += self.own(p, _SLOPE, s)
         return slope
 
-    def law_curvature(self, p, x):
+    def law_curvature(self, p: int, x: float) -> float:
         if self.run_last[p] > self.run_first[p]:
             p = self.place(p, x)
         at = p * PIECE
@@ -269,7 +273,7 @@ class Laws(Signals):
             curvature += (self.own(p, _SLOPE, s + near) - before) / (2.0 * near)
         return curvature
 
-    def potential(self, p, x):
+    def potential(self, p: int, x: float) -> float:
         if self.run_last[p] > self.run_first[p]:
             p = self.place(p, x)
         at = p * PIECE
@@ -301,7 +305,7 @@ class Laws(Signals):
             energy += self.own(p, _INTEGRAL, s)
         return energy
 
-    def piece_at(self, law, x):
+    def piece_at(self, law: int, x: float) -> int:
         """Return the piece of a law at x; at a corner the upper one, of joined pieces the first."""
         k = 0
         first = self.first[law]
@@ -309,13 +313,13 @@ class Laws(Signals):
             k += 1
         return self.run_first[first + k] - first
 
-    def intercept(self, p):
+    def intercept(self, p: int) -> float:
         """Return the force of the straight piece p, extended to x = 0."""
         at = p * PIECE
         return self.piece[at + C0] - self.piece[at + C1] * self.piece[at + ORIGIN]
 
 
-def tangent_h(u):
+def tangent_h(u: float) -> float:
     """Return tanh u to 1.2 units of rounding, in half the time that the C library takes.
 
     The rational function near 0 is that of Cody and Waite.
@@ -331,13 +335,13 @@ def tangent_h(u):
     return w if u > 0.0 else -w
 
 
-def sech_squared(u):
+def sech_squared(u: float) -> float:
     """Return 1 / cosh^2 u, the slope of tanh, without overflow or cancellation."""
     w = exp(-2.0 * fabs(u))
     return 4.0 * w / ((1.0 + w) * (1.0 + w))
 
 
-def log_cosh(u):
+def log_cosh(u: float) -> float:
     """Return log cosh u, the integral of tanh, without overflow or cancellation."""
     x = fabs(u)
     if x < 1.0:
@@ -346,13 +350,13 @@ def log_cosh(u):
     return x + log1p(exp(-2.0 * x)) - _LOG_2
 
 
-def power_of(power, exponent, s):
+def power_of(power: float, exponent: float, s: float) -> float:
     """Return power |s|^exponent with the sign of s."""
     force = power * pow(min(fabs(s), _FARTHEST), exponent)
     return force if s > 0.0 else -force
 
 
-def power_slope(power, exponent, s):
+def power_slope(power: float, exponent: float, s: float) -> float:
     """Return the slope of `power_of`."""
     return power * exponent * pow(min(fabs(s), _FARTHEST), exponent - 1.0)
 

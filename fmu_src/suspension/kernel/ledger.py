@@ -9,12 +9,20 @@ While roads do not move, these two follow from the ends alone, as does the energ
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
 
 from .elements import ELASTIC
 from .layout import BRANCHES, CONTACT, DAMPER, FRICTION, MODULATION, SPRING
 from .potential import Potential
 from .step_readings import ENDS, POINTS, StepReadings
+
+if TYPE_CHECKING:
+    from .balance import Balance
+    from .dense import Dense
+    from .language import Doubles
+    from .rows import Rows
 
 if not cython.compiled:
     from math import fabs
@@ -33,10 +41,10 @@ class Ledger:
     dense : dense output of the last step
     """
 
-    def __init__(self, balance, rows, dense):
+    def __init__(self, balance: Balance, rows: Rows, dense: Dense):
         self.balance, self.rows, self.dense = balance, rows, dense
         self.net = self.balance.net
-        elements, rows = self.net.elements, max(self.net.rows, 1)
+        elements, most = self.net.elements, max(self.net.rows, 1)
         self.works = elements + self.net.signals
         memory = self.net.memory
         # works so far; those of jumps of roads since the last step; those in a part of that step
@@ -53,13 +61,13 @@ class Ledger:
         self.curved = memory.marks(elements)
         self.dissipating, self.element = 0, memory.marks(elements)  # how many dissipate, and which
         # of each row: whether it dissipates, and by a curved law
-        self.lossy, self.needs_points = memory.marks(rows), memory.marks(rows)
+        self.lossy, self.needs_points = memory.marks(most), memory.marks(most)
         self.moving = False  # whether any signal changes within the step
         self.readings = StepReadings(self.rows, dense)
         self.potential = Potential(self.net)
         self.start()
 
-    def start(self):
+    def start(self) -> None:
         """Reset all works to zero."""
         # energy that roads and loads have moved in or out, all counted as positive
         self.state.supplied = self.state.most_stored = 0.0
@@ -67,7 +75,7 @@ class Ledger:
         for i in range(self.works):
             self.work[i] = self.brought[i] = 0.0
 
-    def enter(self):
+    def enter(self) -> None:
         """Read which forces dissipate and which store energy in the present branches."""
         for r in range(self.net.rows):
             self.lossy[r] = self.needs_points[r] = 0
@@ -99,13 +107,13 @@ class Ledger:
                 self.element[self.dissipating] = e
                 self.dissipating += 1
 
-    def read_rows(self, t, h):
+    def read_rows(self, t: float, h: float) -> None:
         """Read the rows at both ends of the attempt that becomes the last step, unless signals change."""
         self.moving = not (self.balance.loads_hold or self.net.still())
         if not (self.moving or self.rows.end_known):
             self.rows.read(t, h)
 
-    def book(self):
+    def book(self) -> None:
         """Add the works of the last step, with its branches; leave the signals at its end."""
         h = self.dense.end - self.dense.start
         for i in range(self.net.elements, self.works):
@@ -120,7 +128,7 @@ class Ledger:
         if h > 0.0 and not (self.moving and self.net.stuck):
             self._book_parts(h, self.moving)
 
-    def _book_parts(self, h, moving):
+    def _book_parts(self, h: float, moving: bool) -> None:
         """Add the works of elements, roads and loads one by one, with the signals read before."""
         for r in range(self.net.rows):
             if moving or self.needs_points[r]:
@@ -136,7 +144,7 @@ class Ledger:
         for m in range(self.net.loads):
             self._book_load(m, h, moving)
 
-    def _book_element(self, e, h):
+    def _book_element(self, e: int, h: float) -> None:
         """Add what element e has dissipated."""
         r = self.net.element_row[e]
         work = self.loss[e] * self.readings.way[r] + self.loss_rate[e] * self.readings.square[r]
@@ -149,7 +157,7 @@ class Ledger:
         if work < 0.0:
             self.state.supplied -= work
 
-    def _book_road(self, r, h):
+    def _book_road(self, r: int, h: float) -> None:
         """Add the work of the road under row r."""
         s = self.net.row_signal[r]
         bent = -1
@@ -166,7 +174,7 @@ class Ledger:
                     force += self.balance.bends.force[bent]
                 self._supply(s, -self.readings.weight[k] * h * force * rate)
 
-    def _book_load(self, m, h, moving):
+    def _book_load(self, m: int, h: float, moving: bool) -> None:
         """Add the work of load m."""
         s = self.net.load_signal[m]
         if not moving and self.net.road[4 * s] == 0.0:
@@ -181,7 +189,7 @@ class Ledger:
                 way += self.readings.rate[ENDS * k + i] * self.readings.ends[i]
             self._supply(s, self.readings.weight[k] * self.readings.u[POINTS * s + k] * way)
 
-    def _book_points(self):
+    def _book_points(self) -> None:
         """Add the works point by point, with the forces of sticking rows on moving roads."""
         self.find_part(self.dense.start)
         for i in range(self.works):
@@ -190,7 +198,7 @@ class Ledger:
             else:
                 self.work[i] += self.part[i]
 
-    def find_part(self, since):
+    def find_part(self, since: float) -> None:
         """Find the works from a time within the last step to its end, in the present branches."""
         h = self.dense.end - since
         for i in range(self.works):
@@ -218,7 +226,7 @@ class Ledger:
                 s = self.net.load_signal[m]
                 self.part[self.net.elements + s] += weight * self.net.road[4 * s] * w
 
-    def take_stock(self, q, v):
+    def take_stock(self, q: Doubles, v: Doubles) -> None:
         """Find the kinetic energy and that stored in each element, with the signals in `road`."""
         self.net.row_states(q, v)
         self.kinetic = self.net.energy(v)
@@ -230,20 +238,20 @@ class Ledger:
                 self.kept[e] = 0.5 * w * self.net.series.force(e, w)
             self.kinetic -= self.kept[e]
 
-    def _supply(self, signal, energy):
+    def _supply(self, signal: int, energy: float) -> None:
         self.work[self.net.elements + signal] += energy
         self.state.supplied += fabs(energy)
 
-    def bring_in(self, signal, energy):
+    def bring_in(self, signal: int, energy: float) -> None:
         """Add the work of a jump of a road, J."""
         self.brought[self.net.elements + signal] += energy
         self._supply(signal, energy)
 
-    def lose(self, e, energy):
+    def lose(self, e: int, energy: float) -> None:
         """Add the energy that element e dissipates as its road jumps, J."""
         self.work[e] += energy
 
-    def grows(self):
+    def grows(self) -> bool:
         """Return whether the stored energy is far more than the initial energy and all energy supplied.
 
         Only roads, loads and driving dampers can add energy; the exchange at contact switches has its
@@ -254,12 +262,12 @@ class Ledger:
             self.stored > _TIMES * (fabs(self.state.initial_energy) + self.state.supplied) + _LEAST
         )
 
-    def is_out_of_balance(self):
+    def is_out_of_balance(self) -> bool:
         """Return whether the residual exceeds all energy ever stored or supplied: the run is wrong."""
         most = max(self.state.most_stored, self.state.supplied) + fabs(self.state.initial_energy)
         return fabs(self.state.residual_end) > most + _LEAST
 
-    def strike_balance(self, q, v):
+    def strike_balance(self, q: Doubles, v: Doubles) -> None:
         """Find T + U + dissipated - supplied - exchanged at contact switches - initial: 0 if exact.
 
         The state is q, v with the signals in `road`.
@@ -274,7 +282,7 @@ class Ledger:
         self.state.residual_start = self.state.residual_end
         self.state.residual_end = balance
 
-    def carry_on(self, residual):
+    def carry_on(self, residual: float) -> None:
         """Continue the present balance from an earlier residual, J."""
         self.state.initial_energy += self.state.residual_end - residual
         self.state.residual_start = self.state.residual_end = residual

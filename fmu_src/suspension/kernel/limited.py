@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from .layout import BRANCHES, CONTACT
+
+if TYPE_CHECKING:
+    from .network import Network
 
 
 class Limited:
@@ -14,20 +19,20 @@ class Limited:
     elements : numbers of the elements that have a limit
     """
 
-    def __init__(self, network, elements):
+    def __init__(self, network: Network, elements):
         self.net = network
         self.element, self.count = self.net.memory.integers(elements), len(elements)
         kept = self.net.state.memory
         # of every element: whether it was at its limit in the last step, and the time spent there, s
         self.now, self.time = kept.marks(self.net.elements), kept.zeros(self.net.elements)
 
-    def start(self):
+    def start(self) -> None:
         """Reset all times."""
         for e in range(self.net.elements):
             self.now[e] = 0
             self.time[e] = 0.0
 
-    def add_step(self, h):
+    def add_step(self, h: float) -> None:
         """Add a step, in the present branches."""
         for k in range(self.count):
             e = self.element[k]

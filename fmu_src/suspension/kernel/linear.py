@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
 
-def decompose(m, at, n):
+if TYPE_CHECKING:
+    from .language import Doubles
+
+
+def decompose(m: Doubles, at: int, n: int) -> int:
     """Factorise into L D U in place, without exchanging rows (L below, U above, both with ones).
 
     Return 1 if a pivot is not positive. Those of a matrix with positive definite symmetric part are.
@@ -25,7 +30,7 @@ def decompose(m, at, n):
     return 0
 
 
-def solve(m, at, n, x):
+def solve(m: Doubles, at: int, n: int, x: Doubles) -> None:
     """Overwrite x with the solution y of (L D U) y = x."""
     for i in range(n):
         for k in range(i):

@@ -7,11 +7,16 @@ A host reads dozens of them after every step. Here a sum takes tens of nanosecon
 from __future__ import annotations
 
 from itertools import accumulate
+from typing import TYPE_CHECKING, Any
 
 import cython
 
 from .arrays import Memory
+from .language import inline, open_to_python, uses_python
 from .layout import AMPLITUDE, ANGLE, C1, C2, C3, CHIRP, ORIGIN, SEGMENT, SPEED, START
+
+if TYPE_CHECKING:
+    from .run import Run
 
 if not cython.compiled:
     from math import cos, sin
@@ -30,9 +35,9 @@ class Lines:
     find_forces : evaluates accelerations and forces at the present time, if that has not been done
     """
 
-    def __init__(self, run, lines, find_forces):
+    def __init__(self, run: Run, lines, find_forces):
         self.run = run
-        self.integrator = self.run.integrator  # with a declared type, so that C can read its fields
+        self.integrator = run.integrator
         self.net = self.integrator.net
         self.find_forces = find_forces
         self.found = False
@@ -48,7 +53,8 @@ class Lines:
         self.signal = memory.integers([s for one in signals for s, _ in one])
         self.signal_factor = memory.doubles([c for one in signals for _, c in one])
 
-    def read(self, of, which):
+    @open_to_python
+    def read(self, of, which) -> list[Any]:
         """Return values at the present time.
 
         Parameters
@@ -63,7 +69,8 @@ class Lines:
             values.append(self._sum(one) if isinstance(one, int) else one())
         return values
 
-    def _sum(self, k):
+    @uses_python
+    def _sum(self, k: int) -> float:
         first, end = self.term_first[k], self.term_first[k + 1]
         quantity = self.quantity[k]
         if quantity > _V and end > first and not self.found:
@@ -77,14 +84,17 @@ class Lines:
             total += self.signal_factor[m] * self._signal(self.signal[m], quantity == _V)
         return total + self.offset[k] if self.offset[k] != 0.0 else total
 
-    def _state(self, quantity, i):
+    @uses_python
+    @inline
+    def _state(self, quantity: int, i: int) -> float:
         if quantity == _Q:
             return self.integrator.reading.q[i]
         if quantity == _V:
             return self.integrator.reading.v[i]
         return self.integrator.reading.a[i] if quantity == _A else self.integrator.reading.f[i]
 
-    def _signal(self, s, rate):
+    @uses_python
+    def _signal(self, s: int, rate: bool) -> float:
         """Return the value of a signal, measured from zero, or its rate; at a joint, that after it.
 
         The integrator may already be in a later segment.

@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from .language import inline, takes_gil
 from .outcomes import DIVERGED
+
+if TYPE_CHECKING:
+    from .balance import Balance
+    from .errors import Errors
+    from .modes import Modes
+    from .motion import Motion
 
 
 class Method:
@@ -25,7 +34,26 @@ class Method:
     theta : parameter of methods that seek equilibrium beyond the end of the step
     """
 
-    def __init__(self, motion, balance, modes, errors, order, theta):
+    n: int
+    order: int
+    theta: float
+    limit: float
+    least_damping: float
+    most_error: float
+    controls: bool
+    exact: bool
+    cubic: bool
+    to_end: bool
+
+    def __init__(
+        self,
+        motion: Motion,
+        balance: Balance,
+        modes: Modes,
+        errors: Errors,
+        order: int,
+        theta: float,
+    ):
         self.motion, self.balance, self.modes, self.errors = motion, balance, modes, errors
         self.net, self.n = self.motion.net, self.motion.n
         self.order, self.theta = order, theta
@@ -61,10 +89,11 @@ class Method:
         """Return why the method cannot integrate a system; empty if it can."""
         return ""
 
-    def enter(self):
+    def enter(self) -> None:
         """Discard what belongs to earlier branches, after a change of the branches or of the state."""
 
-    def attempt(self, t, h):
+    @takes_gil
+    def attempt(self, t: float, h: float) -> int:
         """Step from t to t + h; return 0 or a key of `outcomes.FAILURES`."""
         try:
             q = [self.motion.q[i] for i in range(self.n)]
@@ -78,7 +107,8 @@ class Method:
         self.end(t + h)
         return 0
 
-    def end(self, t):
+    @inline
+    def end(self, t: float) -> None:
         """Find acceleration and jerk at the end of the attempt, t, which is read with the jerks there."""
         self.balance.end(t, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
         self.errors.keep_jerks()

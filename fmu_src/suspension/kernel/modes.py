@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
+
+from .language import inline
+
+if TYPE_CHECKING:
+    from .balance import Balance
 
 if not cython.compiled:
     from math import fabs, sqrt
@@ -23,7 +30,7 @@ class Modes:
     balance : equation of motion of the branches, with its tangents
     """
 
-    def __init__(self, balance):
+    def __init__(self, balance: Balance):
         self.balance = balance
         self.net, self.n = self.balance.net, self.balance.n
         memory, n = self.net.memory, self.n
@@ -35,19 +42,19 @@ class Modes:
         # changes with every branch, to mark what belongs to an earlier one as outdated
         self.stamp = 0
 
-    def start(self):
+    def start(self) -> None:
         """Discard all earlier branches."""
         for i in range(self.n):
             self.softest[i] = 1e300
         self.stiffness_known[0] = -1e300  # none yet
 
-    def follow(self):
+    def follow(self) -> None:
         """Update what depends on the tangents, after a change of them."""
         self.stamp += 1
         self._find_fastest()
         self._scale_velocities()
 
-    def _find_fastest(self):
+    def _find_fastest(self) -> None:
         """Find the fastest mode, if the stiffness has changed; most switches change dampers only."""
         same = 1
         for i in range(self.n * self.n):
@@ -66,7 +73,8 @@ class Modes:
         self.longest = _SAFE_PHASE / self.quickest if self.quickest > 0.0 else 1e300
         self.damping_known = 0
 
-    def _highest(self, n):
+    @inline
+    def _highest(self, n: int) -> float:
         """Return a bound of the highest angular frequency squared: (tr A^4)^(1/4), A = M^-1 K.
 
         K includes the springs in series, as if their dampers were rigid. The bound is at most n^(1/4)
@@ -91,7 +99,7 @@ class Modes:
                 trace += self.squared[i * n + k] * self.squared[k * n + i]
         return sqrt(sqrt(trace)) if trace > 0.0 else 0.0
 
-    def bound(self, h, least_damping):
+    def bound(self, h: float, least_damping: float) -> float:
         """Return the macro step h, or the longest one in which no mode grows numerically, if shorter.
 
         The limit is 2.4 rad for an undamped mode. In a linear branch it is 6 rad if every mode beyond
@@ -105,17 +113,17 @@ class Modes:
                 self._lengthened(_DAMPED_PHASE, least_damping)
         return self.longest if h > self.longest else h
 
-    def _lengthened(self, phase, least_damping):
+    def _lengthened(self, phase: float, least_damping: float) -> bool:
         """Let steps be as long as a phase of the fastest mode, if every mode is damped enough for it."""
         longer = phase / sqrt(self.omega_squared)
         if self.net.is_damped(
             self.stiffness, self.damping, least_damping * longer, _SAFE_PHASE / longer
         ):
             self.longest = longer
-            return 1
-        return 0
+            return True
+        return False
 
-    def _scale_velocities(self):
+    def _scale_velocities(self) -> None:
         """Find the factors that convert errors of velocity into errors of displacement.
 
         An error of velocity becomes a displacement at the lowest natural frequency of any branch so far,

@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
+
+from .language import inline
+
+if TYPE_CHECKING:
+    from .language import Doubles
+    from .network import Network
 
 if not cython.compiled:
     from math import fabs
@@ -16,7 +24,7 @@ class Motion:
     network : network of the system
     """
 
-    def __init__(self, network):
+    def __init__(self, network: Network):
         n, elements = network.n, network.elements
         self.net, self.n, self.elements = network, n, elements
         self.outer = self.net.series.outer
@@ -36,7 +44,7 @@ class Motion:
         # forces of sticking
         self.multiplier, self.multiplier_rate = kept.zeros(elements), kept.zeros(elements)
 
-    def start(self):
+    def start(self) -> None:
         """Reset to rest in the equilibrium of the system that the network has read."""
         for i in range(self.n):
             self.q[i] = self.v[i] = self.drift[i] = self.drift_end[i] = 0.0
@@ -44,20 +52,21 @@ class Motion:
         for e in range(self.elements):
             self.multiplier[e] = self.multiplier_rate[e] = 0.0
 
-    def count_from_here(self):
+    def count_from_here(self) -> None:
         """Measure the motion from the present displacements, the start of a run."""
         self.state.reach = self.state.speed = 0.0
         for i in range(self.n):
             self.origin[i] = self.q[i]
 
-    def move_on(self):
+    @inline
+    def move_on(self) -> None:
         """Let the end of the attempt be now."""
         for i in range(self.n):
             self.q[i], self.v[i] = self.qb[i], self.vb[i]
             self.a[i], self.j[i] = self.ab[i], self.jb[i]
             self.drift[i] = self.drift_end[i]
 
-    def reach_at(self, q):
+    def reach_at(self, q: Doubles) -> float:
         """Return the largest motion so far, including that at displacements q, m."""
         reach = self.state.reach
         for i in range(self.outer):
@@ -66,7 +75,7 @@ class Motion:
                 reach = x
         return reach
 
-    def speed_in(self, h):
+    def speed_in(self, h: float) -> float:
         """Return the largest velocity so far, including those of the attempt of length h, m/s.
 
         These are the one at its end and the mean velocity, as a step may go from rest to rest.
@@ -79,7 +88,7 @@ class Motion:
                 speed = x
         return speed
 
-    def foresee(self, h):
+    def foresee(self, h: float) -> None:
         """Set the end of an attempt to that of the Taylor series, with constant jerks."""
         for i in range(self.n):
             v, a, j = self.v[i], self.a[i], self.j[i]
@@ -88,7 +97,7 @@ class Motion:
             self.vb[i] = v + h * (a + h * j / 2.0)
             self.ab[i] = a + h * j
 
-    def keep_multipliers(self):
+    def keep_multipliers(self) -> None:
         """Store the present forces of sticking, as attempts overwrite those of the network."""
         for e in range(self.elements):
             self.multiplier[e] = self.net.multiplier[e]

@@ -7,14 +7,19 @@ sticks has a constrained rate; the constraint force, its multiplier, decides whe
 from __future__ import annotations
 
 from array import array
+from typing import TYPE_CHECKING
 
 import cython
 
 from .arrays import Lent
 from .branches import Branches
 from .elements import element_numbers
+from .language import open_to_python
 from .laws import functions_of, pieces_of
 from .layout import BRANCHES, C1, CONTACT, DAMPER, LAWS, MODULATION, PIECE, SEGMENT, SPRING, START
+
+if TYPE_CHECKING:
+    from .language import Doubles
 
 if not cython.compiled:
     from math import fabs
@@ -41,6 +46,9 @@ class Network(Branches):
     ------
     ValueError : if shapes do not match or the mass matrix is not positive definite.
     """
+
+    loads: int
+    size: int
 
     def __init__(self, system, joins=False):
         system = system.with_internal()
@@ -73,7 +81,7 @@ class Network(Branches):
         if any(len(row) != n for row in system.mass):
             raise ValueError("mass matrix and directions must have one entry per coordinate")
         self.load_names = [load.signal for load in system.loads]
-        self.signal_sizes = _sizes(system)
+        self.signal_sizes: list[int] = _sizes(system)
         self.element_shapes = list(map(_shape, system.elements))
         numbers = array("d")
         add_numbers(system, numbers)
@@ -96,7 +104,7 @@ class Network(Branches):
                     if self.load_signal[m] == s:
                         self.can_rise = False
 
-    def find_datum(self, t, reach):
+    def find_datum(self, t: float, reach: float) -> None:
         """Measure heights from that of the first road at t, if it is far from zero.
 
         A displacement of 1 km is rounded to 1e-13 m, which moves stiff masses visibly and crosses corners
@@ -112,7 +120,7 @@ class Network(Branches):
                         self.set_datum(self.road[4 * s])
                     return
 
-    def fits(self, system):
+    def fits(self, system) -> bool:
         """Return whether a system differs from the present one only in its numbers."""
         system = system.with_internal()
         return (
@@ -124,7 +132,7 @@ class Network(Branches):
             and list(map(_shape, system.elements)) == self.element_shapes
         )
 
-    def enter_system(self, x, at):
+    def enter_system(self, x: Doubles, at: int) -> int:
         """Read a system that fits from x[at:], as given by `add_numbers`.
 
         Return 1 if its mass matrix is not positive definite.
@@ -148,7 +156,7 @@ class Network(Branches):
         self.enter_elements(x, at)
         return 0
 
-    def forget(self):
+    def forget(self) -> None:
         """Reset to the state before any motion, without lift-off, slip or flow."""
         self.forget_branches()
         for e in range(self.elements):
@@ -162,18 +170,18 @@ class Network(Branches):
         single = sum(1 for s in range(self.signals) if self.signal_count[s] == 1)
         self.moving = self.state.memory.zeros(3 * PIECE * yielding + (SEGMENT + 1) * single)
 
-    def take_moving(self):
+    def take_moving(self) -> None:
         """Copy them into the state."""
         self._copy_moving(True)
 
-    def put_moving_back(self):
+    def put_moving_back(self) -> None:
         """Copy them from the state."""
         self._copy_moving(False)
         for s in range(self.signals):
             if self.signal_count[s] == 1:
                 self.find_level(self.signal_first[s])
 
-    def _copy_moving(self, saving):
+    def _copy_moving(self, saving: bool) -> None:
         at = 0
         for e in range(self.elements):
             if self.yields[e]:
@@ -185,7 +193,7 @@ class Network(Branches):
                 at = self._copy_numbers(self.segment, SEGMENT * k, SEGMENT, at, saving)
                 at = self._copy_numbers(self.height, k, 1, at, saving)
 
-    def _copy_numbers(self, x, first, count, at, saving):
+    def _copy_numbers(self, x: Doubles, first: int, count: int, at: int, saving: bool) -> int:
         """Copy numbers of x to `moving`, or back; return where the next ones go."""
         for i in range(count):
             if saving:
@@ -194,12 +202,13 @@ class Network(Branches):
                 x[first + i] = self.moving[at + i]
         return at + count
 
-    def enter_segments(self, t):
+    def enter_segments(self, t: float) -> None:
         """Move every signal to its segment from t on, as at a start."""
         for s in range(self.signals):
             self.enter_segment(s, t)
 
-    def next_corner(self, t):
+    @open_to_python
+    def next_corner(self, t: float) -> float:
         """Return the next time after t at which the value or the rate of a signal jumps, or 1e300.
 
         The present segments may be later than t.
@@ -223,7 +232,7 @@ class Network(Branches):
             self.signal_now[s] = now
         return corner
 
-    def kerb(self, signal, jump, v):
+    def kerb(self, signal: int, jump: float, v: Doubles) -> None:
         """Apply a kerb without a ramp, the limit of ever shorter ramps: v += M^-1 sum b c jump.
 
         c is the outermost slope of the damper on that side; where the road falls away, an element that
@@ -240,7 +249,9 @@ class Network(Branches):
             self._push(e, self.piece[p * PIECE + C1] * self._way(e, self.row_d[r], jump))
         self._give_way(v)
 
-    def impulse(self, signal, jump, interval, rates, v):
+    def impulse(
+        self, signal: int, jump: float, interval: float, rates: Doubles, v: Doubles
+    ) -> None:
         """Apply a jump between samples of a road through its dampers: v += M^-1 sum b J, J = c jump.
 
         The road has already jumped; c are the present slopes of the dampers. In fact the road has moved
@@ -271,7 +282,7 @@ class Network(Branches):
             self._push(e, push)
         self._give_way(v)
 
-    def lost(self, e, jump, interval, w):
+    def lost(self, e: int, jump: float, interval: float, w: float) -> float:
         """Return the energy that the damper of element e dissipates as its road jumps, J, at mean rate w.
 
         It is the change of D w h if D and w change by J / h and jump / h during an interval h, to first
@@ -282,7 +293,7 @@ class Network(Branches):
             damping = self.damper_force_at(e, self.row_d[self.element_row[e]], w)
         return max(-(damping * jump + self.pushed[e] * w), -fabs(damping * w) * interval)
 
-    def _way(self, e, d, jump):
+    def _way(self, e: int, d: float, jump: float) -> float:
         """Return the part of a jump that acts on element e, at deflection d before it.
 
         If a road rises under a gap, only the rest of the jump after the gap has closed acts. The
@@ -299,18 +310,18 @@ class Network(Branches):
             return self._work_of_factor(e, near) - self._work_of_factor(e, d - jump)
         return way
 
-    def _push(self, e, impulse):
+    def _push(self, e: int, impulse: float) -> None:
         """Add an impulse of element e to those in `scratch`."""
         r = self.element_row[e]
         for i in range(self.n):
             self.scratch[i] += self.row_direction[r * self.n + i] * impulse
 
-    def _work_of_factor(self, e, d):
+    def _work_of_factor(self, e: int, d: float) -> float:
         """Return the integral from 0 to d of the damper modulation of element e."""
         law = LAWS * e + MODULATION
         return self.potential(self.first[law] + self.piece_at(law, d), d)
 
-    def _give_way(self, v):
+    def _give_way(self, v: Doubles) -> None:
         """Add M^-1 times the impulses in `scratch` to v."""
         solve(self.mass_factor, 0, self.n, self.scratch)
         for i in range(self.n):
@@ -318,7 +329,7 @@ class Network(Branches):
 
     # -- forces and tangents in the present branches -------------------------------------------------
 
-    def assemble(self, k, c, stiffness, damping):
+    def assemble(self, k: Doubles, c: Doubles, stiffness: Doubles, damping: Doubles) -> None:
         """Set K = sum b k b', B = sum b c b', with a stiffness and a damping for each row.
 
         All matrices are stored by columns; only B, with springs in series, is not symmetric.
@@ -337,7 +348,7 @@ class Network(Branches):
                             stiffness[i * n + j] += bb * k[r]
                             damping[i * n + j] += bb * c[r]
 
-    def net_force(self, out):
+    def net_force(self, out: Doubles) -> None:
         """Set `out` to p - sum b f, with `row_f` and the signals in `road`."""
         n = self.n
         for i in range(n):
@@ -351,7 +362,7 @@ class Network(Branches):
                 out[i] -= self.row_direction[r * n + i] * self.row_f[r]
         self.series.add_forces(out)
 
-    def constant_force(self, out):
+    def constant_force(self, out: Doubles) -> None:
         """Set `out` to -sum b f(0, 0), with the present pieces extended to zero."""
         n = self.n
         for i in range(n):
@@ -360,14 +371,16 @@ class Network(Branches):
             for i in range(n):
                 out[i] -= self.row_direction[r * n + i] * self.branch_f[r]
 
-    def accelerate(self, out):
+    def accelerate(self, out: Doubles) -> None:
         """Find accelerations by the equation of motion, with `row_f` and the signals in `road`."""
         self.net_force(out)
         solve(self.mass_factor, 0, self.n, out)
         if self.stuck:
             self.stick(self.mass_factor, 0, out, self.zero, 2, self.multiplier)
 
-    def stick(self, factor, at, x, base, order, multiplier):
+    def stick(
+        self, factor: Doubles, at: int, x: Doubles, base: Doubles, order: int, multiplier: Doubles
+    ) -> int:
         """Correct the solution x of `factor` so that stuck rows follow their roads.
 
         The condition is b' (base + x) = the derivative of the road of the given order. x changes along
@@ -401,7 +414,7 @@ class Network(Branches):
                 x[i] += self.spread[p * n + i] * self.reaction[p]
         return 0
 
-    def rest(self, v):
+    def rest(self, v: Doubles) -> None:
         """Remove the remaining rates of rows that stick from v, with the signals in `road`.
 
         Steps constrain accelerations only; on a curved road, rates then deviate by more than rounding.
@@ -409,13 +422,13 @@ class Network(Branches):
         if self.stuck:
             self.stick(self.mass_factor, 0, v, self.zero, 1, self.kick)
 
-    def hold(self, multiplier):
+    def hold(self, multiplier: Doubles) -> None:
         """Add the forces of sticking to the rows, for the works."""
         for p in range(self.stuck):
             e = self.stuck_element[p]
             self.row_f[self.element_row[e]] += multiplier[e]
 
-    def jerk(self, v, a, out):
+    def jerk(self, v: Doubles, a: Doubles, out: Doubles) -> None:
         """Find third derivatives by the derivative of the equation of motion."""
         n = self.n
         for i in range(n):
@@ -443,7 +456,7 @@ class Network(Branches):
         if self.stuck:
             self.stick(self.mass_factor, 0, out, self.zero, 3, self.multiplier_rate)
 
-    def is_damped(self, stiffness, damping, share, omega):
+    def is_damped(self, stiffness: Doubles, damping: Doubles, share: float, omega: float) -> bool:
         """Return whether damping exceeds a share of the stiffness in all modes faster than omega.
 
         This holds if the symmetric part of B - share (K - omega^2 M) is positive definite.
@@ -455,14 +468,14 @@ class Network(Branches):
             )
         return decompose(self.modes, 0, self.n) == 0
 
-    def _decays_within(self, h):
+    def _decays_within(self, h: float) -> bool:
         """Return whether a damper stops its masses within a small part of h, with `row_c`."""
         for r in range(self.rows):
             if self.row_c[r] != 0.0 and self.row_c[r] * self.mobility(r) * h > SLAVED:
-                return 1
-        return 0
+                return True
+        return False
 
-    def mobility(self, r):
+    def mobility(self, r: int) -> float:
         """Return b' M^-1 b of row r, 1/kg."""
         mobility = 0.0
         for i in range(self.n):
@@ -471,7 +484,7 @@ class Network(Branches):
                 mobility += b * self.flexibility[i * self.n + k]
         return mobility
 
-    def _slave_rates(self, h, q, v, a):
+    def _slave_rates(self, h: float, q: Doubles, v: Doubles, a: Doubles) -> None:
         """Find rates v' at which strong dampers have the force left for them, M a' = p - sum b f(q, v').
 
         Within a step of length h, the rate w of a damper c is read with an error that c may magnify
@@ -501,7 +514,9 @@ class Network(Branches):
             self.row_states(q, self.rate)
             self.row_forces()
 
-    def read_forces(self, t, h, q, v, a, forces, sets):
+    def read_forces(
+        self, t: float, h: float, q: Doubles, v: Doubles, a: Doubles, forces: Doubles, sets: Doubles
+    ) -> None:
         """Find accelerations, forces and permanent sets at time t in the present branches.
 
         q, v and a are read within a step of length h, or at its ends.
@@ -528,7 +543,7 @@ class Network(Branches):
 
     # -- energy --------------------------------------------------------------------------------------
 
-    def energy(self, v):
+    def energy(self, v: Doubles) -> float:
         """Return kinetic energy plus the potential of all elements, at velocities v and `row_d`."""
         n = self.n
         energy = 0.0

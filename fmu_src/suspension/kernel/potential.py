@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from .language import inline
 from .layout import BRANCHES, CONTACT, SPRING
+
+if TYPE_CHECKING:
+    from .language import Doubles
+    from .network import Network
 
 
 class Potential:
@@ -13,13 +20,13 @@ class Potential:
     network : network of the system
     """
 
-    def __init__(self, network):
+    def __init__(self, network: Network):
         self.net = network
         memory, rows = self.net.memory, max(self.net.rows, 1)
         self.e0, self.e1, self.e2 = memory.zeros(rows), memory.zeros(rows), memory.zeros(rows)
         self.by_element = memory.marks(rows)
 
-    def enter(self):
+    def enter(self) -> None:
         """Read the present branches."""
         for r in range(self.net.rows):
             self.by_element[r] = 0
@@ -27,7 +34,7 @@ class Potential:
         for e in range(self.net.elements):
             self._add(e)
 
-    def _add(self, e):
+    def _add(self, e: int) -> None:
         """Add the potential of element e to that of its row, if it is a parabola."""
         r = self.net.element_row[e]
         if self.net.branch[BRANCHES * e + CONTACT]:
@@ -42,12 +49,13 @@ class Potential:
             self.e1[r] += self.net.intercept(p)
             self.e2[r] += 0.5 * k
 
-    def energy(self, q, v):
+    def energy(self, q: Doubles, v: Doubles) -> float:
         """Return kinetic energy plus the potential of all rows."""
         # with a constant in place of n the compiler unrolls the loops
         return self._sum(2, q, v) if self.net.n == 2 else self._sum(self.net.n, q, v)
 
-    def _sum(self, n, q, v):
+    @inline
+    def _sum(self, n: int, q: Doubles, v: Doubles) -> float:
         twice = 0.0
         for i in range(n):
             for k in range(n):
@@ -65,7 +73,7 @@ class Potential:
                         energy += self._of_curved(e, d)
         return energy
 
-    def _of_curved(self, e, d):
+    def _of_curved(self, e: int, d: float) -> float:
         """Return the potential of element e at d, or 0 if the parabola of its row includes it."""
         if self.net.branch[BRANCHES * e + CONTACT]:
             return 0.0

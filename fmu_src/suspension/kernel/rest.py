@@ -7,9 +7,16 @@ descent, so that the iteration cannot cycle between the branches of stops, table
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
 
+from .language import open_to_python
 from .layout import LAWS, PIECE, SPRING, START
+
+if TYPE_CHECKING:
+    from .language import Doubles
+    from .network import Network
 
 if not cython.compiled:
     from math import fabs, isfinite
@@ -26,7 +33,7 @@ class Rest:
     network : network of the system; its branches are not changed
     """
 
-    def __init__(self, network):
+    def __init__(self, network: Network):
         self.net, self.n = network, network.n
         memory, n = self.net.memory, self.n
         self.level = memory.zeros(max(self.net.signals, 1))  # of roads and loads, m and N
@@ -41,7 +48,8 @@ class Rest:
             self.level[s] = levels[s]
         return None if self.find() else tuple([self.q[i] for i in range(self.net.series.outer)])
 
-    def find(self):
+    @open_to_python
+    def find(self) -> int:
         """Find the displacements `q` for the present levels; return 1 if there is no equilibrium."""
         n = self.n
         for i in range(n):
@@ -75,7 +83,7 @@ class Rest:
                 break
         return 1
 
-    def _least_shift(self):
+    def _least_shift(self) -> float:
         """Return a small shift of the tangent, relative to the stiffness at the origin."""
         stiffness = 0.0
         largest = 0.0
@@ -88,13 +96,13 @@ class Rest:
             largest = max(largest, self.net.mass[i * self.n + i])
         return 1e-6 * (stiffness if stiffness > 0.0 else 1.0) / largest
 
-    def _is_at_rest(self):
+    def _is_at_rest(self) -> bool:
         for i in range(self.n):
             if not fabs(self.slope[i]) <= 1e-13 * self.size[i]:
-                return 0
-        return 1
+                return False
+        return True
 
-    def _deflection(self, e, q):
+    def _deflection(self, e: int, q: Doubles) -> float:
         r = self.net.element_row[e]
         d = 0.0
         for i in range(self.n):
@@ -102,7 +110,7 @@ class Rest:
         s = self.net.row_signal[r]
         return d - self.level[s] if s >= 0 else d
 
-    def _find_force(self, e, d):
+    def _find_force(self, e: int, d: float) -> None:
         """Set `force` and `stiffness` of element e at rest: up to its limit, along its yield lines."""
         if self.net.limit[e] < _FREE and d >= self.net.free_length[e]:
             self.force, self.stiffness = self.net.limit[e], 0.0
@@ -112,7 +120,7 @@ class Rest:
         self.force = self.net.law(p, d)
         self.stiffness = self.net.law_slope(p, d)
 
-    def _energy(self, e, d):
+    def _energy(self, e: int, d: float) -> float:
         """Return the potential of element e at rest, J."""
         if self.net.limit[e] < _FREE and d >= self.net.free_length[e]:
             return self.net.free_energy[e] + self.net.limit[e] * (d - self.net.free_length[e])
@@ -135,7 +143,7 @@ class Rest:
             force + 0.5 * beyond * self.net.law_slope(p, d)
         )
 
-    def _potential(self, q):
+    def _potential(self, q: Doubles) -> float:
         """Return U(q), J."""
         total = 0.0
         for m in range(self.net.loads):
@@ -146,7 +154,7 @@ class Rest:
             total += self._energy(e, self._deflection(e, q))
         return total
 
-    def _find_slope(self, q):
+    def _find_slope(self, q: Doubles) -> None:
         """Set the gradient of U, its tangent, and the magnitude of the terms in the gradient."""
         n = self.n
         for i in range(n):
@@ -178,7 +186,7 @@ class Rest:
                     c = self.net.row_direction[r * n + j]
                     self.tangent[i * n + j] += b * c * self.stiffness
 
-    def _falls(self):
+    def _falls(self) -> bool:
         """Return whether U decreases from `q` to the trial or, within rounding, its gradient does."""
         before = self._potential(self.q)
         after = self._potential(self.trial)
@@ -192,7 +200,7 @@ class Rest:
             largest_now = max(largest_now, fabs(self.now[i]))
         return largest < largest_now
 
-    def _solve(self, shift):
+    def _solve(self, shift: float) -> bool:
         """Solve (tangent + shift mass) change = slope; return 0 if that is not positive definite."""
         n = self.n
         w = n + 1
@@ -205,7 +213,7 @@ class Rest:
             pivot = self.rows[k * w + k]
             own = fabs(self.tangent[k * n + k] + shift * self.net.mass[k * n + k])
             if not pivot > 1e-14 * own:
-                return 0
+                return False
             for i in range(k + 1, n):
                 ratio = self.rows[i * w + k] / pivot
                 for j in range(k, w):
@@ -215,4 +223,4 @@ class Rest:
             for j in range(k + 1, n):
                 x -= self.rows[k * w + j] * self.change[j]
             self.change[k] = x / self.rows[k * w + k]
-        return 1
+        return True

@@ -5,6 +5,13 @@ The search for switches reads them, and the works of a step follow from them.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .balance import Balance
+    from .errors import Errors
+    from .motion import Motion
+
 
 class Rows:
     """Four numbers at the start of an attempt and four at its end, for each row and each signal.
@@ -14,7 +21,7 @@ class Rows:
     motion, balance, errors : those of the stepper whose attempts are read
     """
 
-    def __init__(self, motion, balance, errors):
+    def __init__(self, motion: Motion, balance: Balance, errors: Errors):
         self.motion, self.balance, self.errors = motion, balance, errors
         self.net = self.motion.net
         memory = self.net.memory
@@ -25,11 +32,11 @@ class Rows:
         self.continues = False  # whether the start is the end of the last step
         self.own_jerks = False  # whether the attempt last read had jerks of its own
 
-    def forget(self):
+    def forget(self) -> None:
         """Read everything anew, after a change of branch."""
         self.roads_known = self.start_known = self.end_known = self.continues = False
 
-    def read(self, t, h):
+    def read(self, t: float, h: float) -> None:
         """Read signals and rows at both ends of the attempt just made."""
         if not (self.roads_known and self.balance.loads_hold):
             self._read_roads(t, h)
@@ -43,14 +50,14 @@ class Rows:
             self._read_row(r, 1)
         self.start_known = self.end_known = True
 
-    def read_end(self, r, t):
+    def read_end(self, r: int, t: float) -> None:
         """Read signals and row r at the end of the attempt, t, after it has been shortened."""
         self.end_known = False
         if not self.balance.loads_hold:
             self._read_road_end(t)
         self._read_row(r, 1)
 
-    def carry_on(self):
+    def carry_on(self) -> None:
         """After the attempt was accepted, take its end as the start of the next one."""
         self.continues = self.start_known = self.end_known
         self.end_known = False
@@ -63,7 +70,7 @@ class Rows:
                     for k in range(8 * s, 8 * s + 4):
                         self.road[k] = self.road[k + 4]
 
-    def _read_roads(self, t, h):
+    def _read_roads(self, t: float, h: float) -> None:
         """Read signals at both ends of the attempt just made, and leave them as they are at its end."""
         self._read_road_end(t + h)
         if not self.start_known:
@@ -72,18 +79,18 @@ class Rows:
             self.net.all_signals(t + h)
         self.roads_known = True
 
-    def _read_road_end(self, t):
+    def _read_road_end(self, t: float) -> None:
         """Read signals at the end of the attempt just made or shortened."""
         if self.balance.loads_hold:
             self.net.all_signals(t)
         self._note_road(1)  # otherwise the attempt has left the signals evaluated there
 
-    def _note_road(self, end):
+    def _note_road(self, end: int) -> None:
         for s in range(self.net.signals):
             for k in range(4):
                 self.road[8 * s + 4 * end + k] = self.net.road[4 * s + k]
 
-    def _read_row(self, r, end):
+    def _read_row(self, r: int, end: int) -> None:
         """Find the deflection of row r and three derivatives at the start or end of the attempt."""
         n = self.net.n
         if end:

@@ -13,11 +13,18 @@ have changed at two successive ones: running ahead would be in vain.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from .account import Account
 from .arrays import Lent, Memory
 from .contacts import Contacts
 from .inputs import Inputs
+from .language import open_to_python
 from .rest import Rest
+
+if TYPE_CHECKING:
+    from .integrator import Integrator
+    from .language import Doubles, Integers
 
 _NONE = -1
 _CHANGED, _SUCCESSIVELY = 2, 3
@@ -37,7 +44,16 @@ class Run:
     sampled : whether inputs drive a road, so that steps end on communication points from the start
     """
 
-    def __init__(self, integrator, start, inputs, lines, tyres, sampled):
+    integrator: Integrator
+    rest: Rest
+    inputs: Inputs
+    contacts: Contacts
+    account: Account
+    time: float
+    start: float
+    sampled: bool
+
+    def __init__(self, integrator: Integrator, start, inputs, lines, tyres, sampled: bool):
         self.integrator = integrator
         self.rest = Rest(self.integrator.net)
         self.lines, self.sampled = len(lines), sampled
@@ -55,7 +71,7 @@ class Run:
         self.coefficients = memory.zeros(4)
         self.begin(start)
 
-    def begin(self, start):
+    def begin(self, start: float) -> None:
         """Reset the run: no input has been set."""
         self.time = self.start = start
         self.handed = start  # when inputs were last handed over, s; and how long after those before
@@ -70,15 +86,17 @@ class Run:
 
     # -- inputs --------------------------------------------------------------------------------------
 
-    def set_input(self, i, value):
+    @open_to_python
+    def set_input(self, i: int, value: float) -> None:
         """Set input i from the present time on; a call at the same time replaces an earlier one."""
         self.inputs.set(i, value, self.time)
 
-    def input_now(self, i):
+    @open_to_python
+    def input_now(self, i: int) -> float:
         """Return the present value of input i."""
         return self.inputs.value[i]
 
-    def _find_course(self, k, until):
+    def _find_course(self, k: int, until: float) -> None:
         """Find the course of line k for a step from now to `until`.
 
         Once its velocity has been set, a road follows it from each elevation. If velocities are set
@@ -103,37 +121,39 @@ class Run:
             self.course_time = before
             self.course_value = self.line_value[k]
 
-    def _continues(self, k):
+    def _continues(self, k: int) -> bool:
         """Return whether the course found continues the present one of line k."""
         if self.course_value != self.line_value[k] or self.course_slope != self.line_slope[k]:
-            return 0
+            return False
         return self.course_time == self.line_time[k] or self.course_slope == 0.0
 
-    def sets_in(self):
+    @open_to_python
+    def sets_in(self) -> bool:
         """Return whether the steps are to end on communication points from now on; once for each step.
 
         So they do when an input begins to act, or when parameters have changed at two successive points.
         Roads as inputs act from the start; forces may begin to act at any time.
         """
         if self.sampled:
-            return 0
+            return False
         if self.changed >= _SUCCESSIVELY:
-            return 1
+            return True
         if self.changed > 0:
             self.changed -= 1
         for k in range(self.lines):
             if self.inputs.value[self.line_input[k]] != self.line_value[k]:
-                return 1
-        return 0
+                return True
+        return False
 
-    def hand_over(self, until):
+    @open_to_python
+    def hand_over(self, until: float) -> bool:
         """Set the signals that inputs drive, for a step that ends at `until`; return whether any changes.
 
         A road that is not at 0 at the start has always been there: no jump.
         """
         if not self.sampled:
-            return 0
-        moved = 0
+            return False
+        moved = False
         if self.time > self.handed:
             self.interval = self.time - self.handed
             self.handed = self.time
@@ -141,7 +161,7 @@ class Run:
             self._find_course(k, until)
             if self._continues(k):
                 continue
-            moved = 1
+            moved = True
             late = self.time - self.course_time
             self.line_value[k] = self.course_value + self.course_slope * late
             self.line_slope[k] = self.course_slope
@@ -152,13 +172,14 @@ class Run:
             )
         return moved
 
-    def _enter_course(self, k):
+    def _enter_course(self, k: int) -> None:
         self.coefficients[0] = self.line_value[k]
         self.coefficients[1] = self.line_slope[k]
 
     # -- roads and loads -----------------------------------------------------------------------------
 
-    def find_rest(self):
+    @open_to_python
+    def find_rest(self) -> int:
         """Find the rest position `rest.q` on the roads just before now; return 1 if there is none.
 
         External forces act from the start on and are not part of the equilibrium.
@@ -178,13 +199,14 @@ class Run:
 
     # -- other parameters ----------------------------------------------------------------------------
 
-    def take_laws(self, x, at):
+    def take_laws(self, x: Doubles, at: int) -> None:
         """Continue with other laws of the elements, from x[at:]."""
         self.account.find(self.integrator, self.time)
         self.integrator.take_laws(x, at)
         self._begin_anew(self.integrator)
 
-    def retune(self, laws):
+    @open_to_python
+    def retune(self, laws) -> None:
         """Continue with other laws of the elements.
 
         Parameters
@@ -201,7 +223,7 @@ class Run:
         lent = Lent(laws)
         self.take_laws(lent.numbers, 0)
 
-    def hand_on(self, integrator, counterpart):
+    def hand_on(self, integrator: Integrator, counterpart: Integers) -> None:
         """Let another integrator continue from the present one; the host then replaces that."""
         self.account.find(self.integrator, self.time)
         for k in range(self.lines):
@@ -210,7 +232,7 @@ class Run:
         integrator.take_over(self.integrator, counterpart)
         self._begin_anew(integrator)
 
-    def _begin_anew(self, integrator):
+    def _begin_anew(self, integrator: Integrator) -> None:
         """Compare contacts, and continue the energies, while the integrator's ledger starts from zero."""
         self.changed += _CHANGED
         self.contacts.compare(integrator, self.time)
@@ -270,7 +292,8 @@ class Run:
         account, contacts = self.account, self.contacts
         self.time, self.start, self.handed, self.interval, account.opening = state[:5]
         whole = map(int, state[5:10])
-        account.look_at, account.drifts, self.sampled, contacts.waiting, self.changed = whole
+        account.look_at, drifts, sampled, contacts.waiting, self.changed = whole
+        account.drifts, self.sampled = bool(drifts), bool(sampled)
         at = 10
         for part in self._parts():
             kind = int if part.format == "i" else float

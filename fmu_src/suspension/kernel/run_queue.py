@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
 
 from .arrays import Lent, Memory
+from .language import Size, open_to_python, uses_python
 from .outcomes import NO_MASS, PAUSED
 from .switch_log import CAPACITY
+
+if TYPE_CHECKING:
+    from .integrator import Integrator
 
 
 class RunQueue:
@@ -25,7 +31,9 @@ class RunQueue:
     marks : for each run of the last batch the times (s) and snapshots of its marks
     """
 
-    def __init__(self, integrator, logs, every=0):
+    marks: list[list[tuple[float, bytes]]]
+
+    def __init__(self, integrator: Integrator, logs: bool, every: Size = 0):
         self.integrator, self.logs, self.every = integrator, logs, every
         most = self.most = self.integrator.places
         self.width = 1 + 2 * self.integrator.net.series.outer + self.integrator.net.size
@@ -50,9 +58,12 @@ class RunQueue:
         if len(numbers) % self.width:
             raise ValueError(f"{len(numbers)} numbers do not form whole rows of {self.width}")
         self.lent = Lent(numbers)
-        self.numbers, self.start, self.rows = self.lent.numbers, start, len(numbers) // self.width
+        self.numbers = self.lent.numbers
+        self.start: float = start
+        self.rows: Size = len(numbers) // self.width
 
-    def go(self, first, last):
+    @open_to_python
+    def go(self, first: Size, last: Size) -> list[tuple[int, int, float, int, int]]:
         """Make the runs from `first` up to `last`, or as many of them as fit; at least one.
 
         At most as many fit as the integrator is prepared for; with a log, the next run starts only while
@@ -73,8 +84,9 @@ class RunQueue:
                 f"runs {first} to {last} of {self.rows}: no such rows, or the integrator is not prepared"
             )
         one.take_log()
-        self.first, self.wanted = first, min(last - first, self.most)
-        self.made = 0
+        self.first = first
+        self.wanted: Size = min(last - first, self.most)
+        self.made: Size = 0
         self.marks = [[] for _ in range(self.wanted)]
         self.underway = False
         while True:
@@ -95,7 +107,9 @@ class RunQueue:
             for k in range(self.made)
         ]
 
-    def return_to(self, k):
+    @open_to_python
+    @uses_python
+    def return_to(self, k: Size) -> None:
         """Return to the system of run k of the last batch, so that its marks can be restored."""
         self.integrator.begin_row(self.numbers, (self.first + k) * self.width, self.start)
 
@@ -106,7 +120,7 @@ class RunQueue:
                 return self.limited[k * self.contacts + i]
         return 0.0  # it has no limit
 
-    def _go(self):
+    def _go(self) -> bool:
         """Return whether a run has paused; otherwise all runs have been made, or as many as fit."""
         while self.made < self.wanted:
             status = 0
@@ -114,16 +128,16 @@ class RunQueue:
                 if not self.logs:
                     self.integrator.noted.count = 0
                 elif self.integrator.noted.count > CAPACITY // 4:
-                    return 0
+                    return False
                 status = self._begin()
             if status == 0:
                 status = self.integrator._run(self.made)
             if status == PAUSED:
-                return 1
+                return True
             self._end(status)
-        return 0
+        return False
 
-    def _begin(self):
+    def _begin(self) -> int:
         at = (self.first + self.made) * self.width
         status = self.integrator.begin_row(self.numbers, at, self.start)
         self.integrator._look_at_pace()
@@ -131,7 +145,7 @@ class RunQueue:
         self.underway = True
         return NO_MASS if status != 0 else 0
 
-    def _end(self, status):
+    def _end(self, status: int) -> None:
         """Store how the present run has ended."""
         k = self.made
         self.status[k], self.filled[k] = status, self.integrator.filled

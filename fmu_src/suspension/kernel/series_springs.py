@@ -7,6 +7,12 @@ of its element, the forces are -k b y' on the masses and +k b' q' on the interna
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .arrays import Memory
+    from .language import Doubles
+
 
 class SeriesSprings:
     """The springs in series of a system; most systems have none.
@@ -17,7 +23,11 @@ class SeriesSprings:
     system : `systems.System` with its internal coordinates
     """
 
-    def __init__(self, memory, system):
+    n: int
+    internal: int
+    outer: int
+
+    def __init__(self, memory: Memory, system):
         self.memory = memory
         self.n, self.internal = len(system.mass), len(system.internal)
         self.outer = self.n - self.internal  # number of the coordinates that are not internal
@@ -33,7 +43,7 @@ class SeriesSprings:
         # the skew part of B, and the springs as part of K, as if their dampers were rigid
         self.skew, self.stiffness = self.memory.zeros(n * n), self.memory.zeros(n * n)
 
-    def enter_springs(self, mass, x, at):
+    def enter_springs(self, mass: Doubles, x: Doubles, at: int) -> int:
         """Read rates from the mass matrix and directions from x[at:]; return where they end."""
         n = self.n
         for i in range(n * n):
@@ -51,7 +61,7 @@ class SeriesSprings:
                     self.stiffness[n * i + j] += rate * b
         return at + self.internal * n
 
-    def take_rates(self, v):
+    def take_rates(self, v: Doubles) -> None:
         """Find the rates that the forces depend on, from velocities; from accelerations, their rates."""
         n = self.n
         for k in range(self.internal):
@@ -60,7 +70,7 @@ class SeriesSprings:
                 w += self.direction[n * k + i] * v[i]
             self.way[k], self.speed[k] = w, v[self.outer + k]
 
-    def add_forces(self, out):
+    def add_forces(self, out: Doubles) -> None:
         """Add the forces at the rates last found to those on all coordinates."""
         n = self.n
         for k in range(self.internal):
@@ -68,6 +78,6 @@ class SeriesSprings:
                 out[i] -= self.rate[k] * self.direction[n * k + i] * self.speed[k]
             out[self.outer + k] += self.rate[k] * self.way[k]
 
-    def force(self, e, speed):
+    def force(self, e: int, speed: float) -> float:
         """Return the force of element e, which has an internal coordinate, at the rate of that."""
         return self.rate[self.of_element[e] - self.outer] * speed

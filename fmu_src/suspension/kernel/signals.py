@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from itertools import accumulate
+from typing import TYPE_CHECKING
 
 import cython
 
 from .arrays import Memory
 from .layout import AMPLITUDE, ANGLE, C0, C1, C2, C3, CHIRP, ORIGIN, SEGMENT, SPEED, START
 from .state import KernelState
+
+if TYPE_CHECKING:
+    from .language import Doubles
 
 if not cython.compiled:
     from math import cos, fabs, sin
@@ -23,6 +27,8 @@ class Signals:
     ----------
     signals : `signals.Signal` by name
     """
+
+    signals: int
 
     def __init__(self, signals):
         self.memory = memory = Memory()
@@ -40,7 +46,7 @@ class Signals:
         self.height = memory.zeros(max(sum(count), 1))  # c0 of each segment, measured from zero
         self.road = memory.zeros(4 * max(self.signals, 1))  # value and three derivatives of each
 
-    def enter_signals(self, x, at):
+    def enter_signals(self, x: Doubles, at: int) -> int:
         """Read the segments of all signals from x[at:]; return where they end."""
         for i in range(SEGMENT * self.segments):
             self.segment[i] = x[at + i]
@@ -50,7 +56,7 @@ class Signals:
             self.find_level(k)
         return at + SEGMENT * self.segments
 
-    def set_datum(self, datum):
+    def set_datum(self, datum: float) -> None:
         """Measure the heights of all roads from `datum`, m."""
         if datum == self.state.datum:
             return
@@ -60,14 +66,14 @@ class Signals:
                 for k in range(self.signal_first[s], self.signal_first[s] + self.signal_count[s]):
                     self.segment[k * SEGMENT + C0] = self.height[k] - datum
 
-    def find_level(self, k):
+    def find_level(self, k: int) -> None:
         """Find whether segment k is constant, after its numbers have changed."""
         self.level[k] = 1
         for i in range(C1, AMPLITUDE + 1):
             if self.segment[k * SEGMENT + i] != 0.0:
                 self.level[k] = 0
 
-    def enter_segment(self, s, t):
+    def enter_segment(self, s: int, t: float) -> float:
         """Move signal s to its segment from t on; return the jump of its value there."""
         now = self.signal_now[s]
         self.signal(s, t)
@@ -84,7 +90,7 @@ class Signals:
         jump = self.road[4 * s] - before
         return jump if fabs(jump) > rounding + self._rounding(s, t) else 0.0
 
-    def _rounding(self, s, t):
+    def _rounding(self, s: int, t: float) -> float:
         """Return how much two continuous segments may differ at t by the rounding of times and sums."""
         at = (self.signal_first[s] + self.signal_now[s]) * SEGMENT
         size = (
@@ -94,7 +100,7 @@ class Signals:
         )
         return 1e-12 * size + 1e-15 * fabs(t) * fabs(self.road[4 * s + 1])
 
-    def replace_signal(self, s, t, coefficients):
+    def replace_signal(self, s: int, t: float, coefficients: Doubles) -> float:
         """Make a one-segment signal a cubic in time from t on; return the jump of its value."""
         self.signal(s, t)
         before = self.road[4 * s]
@@ -108,11 +114,11 @@ class Signals:
         self.find_level(self.signal_first[s])
         return self.segment[at + C0] - before
 
-    def set_at(self, s):
+    def set_at(self, s: int) -> float:
         """Return the time from which the numbers of a one-segment signal are valid, s."""
         return self.segment[self.signal_first[s] * SEGMENT + ORIGIN]
 
-    def signal(self, s, t):
+    def signal(self, s: int, t: float) -> None:
         """Set `road` to value and three derivatives of signal s in its present segment."""
         k = self.signal_first[s] + self.signal_now[s]
         at = k * SEGMENT
@@ -122,7 +128,7 @@ class Signals:
         else:
             self._moving_signal(s, t, at)
 
-    def _moving_signal(self, s, t, at):
+    def _moving_signal(self, s: int, t: float, at: int) -> None:
         """Do the same in a segment at `at` that is not constant."""
         x = t - self.segment[at + ORIGIN]
         value = self.segment[at + C0] + x * (
@@ -150,7 +156,7 @@ class Signals:
         self.road[4 * s + 2] = acceleration
         self.road[4 * s + 3] = jerk
 
-    def signal_at(self, s, t, after):
+    def signal_at(self, s: int, t: float, after: bool) -> None:
         """Set `road` as `signal` does, in the segment at t: at a joint the later one if `after`.
 
         The present segment may be later than t.
@@ -165,28 +171,28 @@ class Signals:
         self.signal(s, t)
         self.signal_now[s] = now
 
-    def _has_begun(self, s, k, t, after):
+    def _has_begun(self, s: int, k: int, t: float, after: bool) -> bool:
         """Return whether segment k of signal s has begun before t, or also at t if `after`."""
         start = self.segment[(self.signal_first[s] + k) * SEGMENT + START]
         return start < t or (start == t and after)
 
-    def value_before(self, s, t):
+    def value_before(self, s: int, t: float) -> float:
         """Return the value of signal s just before t; of a road, measured from zero."""
-        self.signal_at(s, t, 0)
+        self.signal_at(s, t, False)
         return self.road[4 * s] + self.state.datum if self.is_road[s] else self.road[4 * s]
 
-    def all_signals(self, t):
+    def all_signals(self, t: float) -> None:
         for s in range(self.signals):
             self.signal(s, t)
 
-    def still(self):
+    def still(self) -> bool:
         """Return whether all signals are constant in their present segments."""
         for s in range(self.signals):
             if not self.level[self.signal_first[s] + self.signal_now[s]]:
-                return 0
-        return 1
+                return False
+        return True
 
-    def next_joint(self):
+    def next_joint(self) -> float:
         """Return the next time at which a signal changes segment."""
         joint = 1e300
         for s in range(self.signals):
@@ -196,7 +202,7 @@ class Signals:
                 joint = min(joint, start)
         return joint
 
-    def road_limit(self, t):
+    def road_limit(self, t: float) -> float:
         """Return the longest macro step that the sinusoids of the present segments allow."""
         limit = 1e300
         for s in range(self.signals):

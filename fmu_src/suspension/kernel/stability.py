@@ -9,7 +9,12 @@ present tangent.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
+
+if TYPE_CHECKING:
+    from .modes import Modes
 
 if not cython.compiled:
     from math import fabs, floor, sqrt
@@ -30,21 +35,22 @@ class StabilityMonitor:
     limit : largest stable omega_max h; 0 if there is no limit
     """
 
-    def __init__(self, modes, policy, limit):
+    def __init__(self, modes: Modes, policy, limit):
         self.modes = modes
         self.net, self.n = self.modes.net, self.modes.n
-        self.policy, self.limit = POLICIES[policy], _BELOW * limit
+        self.policy: int = POLICIES[policy]
+        self.limit = _BELOW * limit
         self.stamp = -1
         self.omega = 0.0
         self.matrix = self.net.memory.zeros(self.n * self.n)
         self.start()
 
-    def start(self):
+    def start(self) -> None:
         """Reset: no step has been too long yet."""
         self.net.state.beyond_since = -1e300  # time at which a step was first too long, s
         self.net.state.beyond_step = 0.0  # the stable step then, s
 
-    def fit(self, time, h):
+    def fit(self, time: float, h: float) -> float:
         """Return the step to take instead of h: h itself, an equal part of it, or 0 if it is refused."""
         if self.limit == 0.0 or self.policy == _ALLOW:
             return h
@@ -61,7 +67,7 @@ class StabilityMonitor:
             return 0.0
         return h / (1.0 + floor(h * omega / self.limit))
 
-    def fastest(self):
+    def fastest(self) -> float:
         """Return omega_max of the present tangent, rad/s; 0 without a restoring force."""
         if self.stamp != self.modes.stamp:
             self.stamp = self.modes.stamp
@@ -69,7 +75,7 @@ class StabilityMonitor:
             self.omega = sqrt(largest) if largest > 0.0 else 0.0
         return self.omega
 
-    def _largest_eigenvalue(self):
+    def _largest_eigenvalue(self) -> float:
         """Return the largest eigenvalue of M^-1 K, by cyclic Jacobi rotations."""
         self._reduce()
         n = self.n
@@ -92,7 +98,7 @@ class StabilityMonitor:
             largest = max(largest, m[i * n + i])
         return largest
 
-    def _reduce(self):
+    def _reduce(self) -> None:
         """Set `matrix` to the symmetric L^-1 K L^-T with the same eigenvalues, M = L L^T."""
         n = self.n
         m, low = self.matrix, self.net.mass_factor
@@ -110,7 +116,7 @@ class StabilityMonitor:
             for j in range(n):
                 m[i * n + j] /= sqrt(low[i * n + i] * low[j * n + j])
 
-    def _rotate(self, i, j):
+    def _rotate(self, i: int, j: int) -> None:
         n = self.n
         m = self.matrix
         theta = (m[j * n + j] - m[i * n + i]) / (2.0 * m[i * n + j])

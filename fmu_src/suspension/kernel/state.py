@@ -5,6 +5,7 @@ from __future__ import annotations
 import cython
 
 from .arrays import _SIZE_OF_INTEGER, Memory
+from .language import Address, Long, Size, memcpy, uses_python
 
 if not cython.compiled:
     from array import array
@@ -37,14 +38,14 @@ class KernelState:
         # time at which a fixed step was first too long, and the stable step then, s
         self.beyond_since = -1e300
         self.beyond_step = 0.0
-        self.grid_index = 0  # steps of the grid that have been taken
-        self.step_count = 0
+        self.grid_index: Long = 0  # steps of the grid that have been taken
+        self.step_count: Long = 0
         self.in_step = False  # whether the branches are those of the last step
         self.entered = False  # whether they have been entered since
         self.stalled = 0  # consecutive steps in which no time has passed
         self.overruns = 0
 
-    def stand_still(self, time, scale):
+    def stand_still(self, time: float, scale: float) -> None:
         """Reset the numbers to those before any step."""
         self.time = self.step_start = self.grid_start = time
         self.scale = scale
@@ -53,7 +54,7 @@ class KernelState:
         self.in_step = True
         self.stalled = self.overruns = 0
 
-    def content(self):
+    def content(self) -> bytes:
         """Return all numbers as bytes."""
         if cython.compiled:
             return self._numbers()[: self._size()] + self.memory.content()
@@ -61,10 +62,10 @@ class KernelState:
             numbers = [x for x in vars(self).values() if isinstance(x, int | float)]
             return array("d", numbers).tobytes() + self.memory.content()
 
-    def put_back(self, content):
+    def put_back(self, content: bytes) -> None:
         """Set all numbers to those of some earlier content."""
         if cython.compiled:
-            memcpy(self._numbers(), cython.cast("char *", content), self._size())  # noqa: F821
+            memcpy(self._numbers(), cython.cast("char *", content), self._size())
             self.memory.put_back(content, self._size())
         else:
             names = [name for name, x in vars(self).items() if isinstance(x, int | float)]
@@ -73,11 +74,13 @@ class KernelState:
                 setattr(self, name, type(getattr(self, name))(x))
             self.memory.put_back(content, size)
 
-    def _numbers(self):
+    @uses_python
+    def _numbers(self) -> Address:
         """Return the address of the first number."""
         return cython.cast("char *", cython.address(self.time))
 
-    def _size(self):
+    @uses_python
+    def _size(self) -> Size:
         """Return the size of the numbers in bytes."""
         return (
             cython.cast("char *", cython.address(self.overruns))

@@ -3,6 +3,12 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .dense import Dense
+    from .language import Doubles
+    from .rows import Rows
 
 _THIRD, _TWO_THIRDS = 1.0 / 3.0, 2.0 / 3.0
 POINTS, ENDS = 4, 8  # of the quadrature; numbers at both ends of a step
@@ -23,23 +29,23 @@ class StepReadings:
     dense : dense output of the last step
     """
 
-    def __init__(self, rows, dense):
+    def __init__(self, rows: Rows, dense: Dense):
         self.rows, self.dense = rows, dense
         self.net, self.row = self.rows.net, self.rows.row
         memory = self.net.memory
-        rows, signals = max(self.net.rows, 1), max(self.net.signals, 1)
+        most, signals = max(self.net.rows, 1), max(self.net.signals, 1)
         self.point, self.weight = memory.doubles(_POINT), memory.doubles(_WEIGHT)
         value, rate = _readings(self.dense.cubic, self.dense.to_end)
         self.value, self.rate = memory.doubles(value), memory.doubles(rate)
         # of each row: the integrals of its rate w and of w^2 over the step
-        self.way, self.square = memory.zeros(rows), memory.zeros(rows)
+        self.way, self.square = memory.zeros(most), memory.zeros(most)
         # of each row at the points: deflection, rate; of each signal: value, rate
-        self.d, self.w = memory.zeros(POINTS * rows), memory.zeros(POINTS * rows)
+        self.d, self.w = memory.zeros(POINTS * most), memory.zeros(POINTS * most)
         self.u, self.du = memory.zeros(POINTS * signals), memory.zeros(POINTS * signals)
         # literal, as this is a C array
         self.ends = [0.0] * 8
 
-    def read_signals(self, h):
+    def read_signals(self, h: float) -> None:
         """Find values and rates of all signals at the points."""
         for k in range(POINTS):
             self.net.all_signals(self.dense.start + self.point[k] * h)
@@ -47,7 +53,7 @@ class StepReadings:
                 self.u[POINTS * s + k] = self.net.road[4 * s]
                 self.du[POINTS * s + k] = self.net.road[4 * s + 1]
 
-    def read_ends(self, direction, at, h):
+    def read_ends(self, direction: Doubles, at: int, h: float) -> None:
         """Set `ends` to displacement and derivatives along a direction at both ends of the step."""
         n = self.net.n
         for k in range(ENDS):
@@ -65,20 +71,20 @@ class StepReadings:
                 self.ends[7] += b * self.dense.jb[i]
         self._scale_ends(h)
 
-    def _take_ends(self, r, h):
+    def _take_ends(self, r: int, h: float) -> None:
         """Set `ends` likewise to those of row r, on a road that does not move."""
         for k in range(ENDS):
             self.ends[k] = self.row[ENDS * r + k]
         self._scale_ends(h)
 
-    def _scale_ends(self, h):
+    def _scale_ends(self, h: float) -> None:
         """Multiply derivatives by powers of h."""
         for k in range(1, 4):
             for m in range(k, 4):
                 self.ends[m] *= h
                 self.ends[m + 4] *= h
 
-    def read_row(self, r, h, moving):
+    def read_row(self, r: int, h: float, moving: bool) -> None:
         """Find deflection and rate of a row at the points."""
         s = -1
         if moving:
@@ -104,7 +110,7 @@ class StepReadings:
             square += self.weight[k] * w * w
         self.way[r], self.square[r] = h * way, h * square
 
-    def sum_row(self, r, h):
+    def sum_row(self, r: int, h: float) -> None:
         """Find the integrals of w and w^2 alone, for a row on a road that does not move."""
         if self.dense.cubic:
             self._sum_cubic(r, h)
@@ -118,7 +124,7 @@ class StepReadings:
             square += self.weight[k] * w * w
         self.way[r], self.square[r] = self.ends[4] - self.ends[0], square / h
 
-    def _sum_cubic(self, r, h):
+    def _sum_cubic(self, r: int, h: float) -> None:
         """Find them for a cubic, whose rate is c1 + c2 x + c3 x^2."""
         at = ENDS * r
         way, c1 = self.row[at + 4] - self.row[at], self.row[at + 1]

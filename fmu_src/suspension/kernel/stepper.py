@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from .balance import MOST_COORDINATES, MOST_ROWS, Balance
 from .errors import Errors
+from .language import inline
 from .modes import Modes
 from .motion import Motion
 from .rows import Rows
+
+if TYPE_CHECKING:
+    from .dense import Dense
+    from .method import Method
+    from .network import Network
 
 
 class Stepper:
@@ -21,7 +29,7 @@ class Stepper:
     theta : of `wilson`
     """
 
-    def __init__(self, network, method, order, tolerance, theta):
+    def __init__(self, network: Network, method, order, tolerance, theta):
         n = network.n
         if n > MOST_COORDINATES:
             raise ValueError(
@@ -37,14 +45,16 @@ class Stepper:
         self.modes = Modes(self.balance)
         self.errors = Errors(self.motion, self.balance, self.modes, tolerance)
         self.rows = Rows(self.motion, self.balance, self.errors)
-        self.method = method(self.motion, self.balance, self.modes, self.errors, order, theta)
+        self.method: Method = method(
+            self.motion, self.balance, self.modes, self.errors, order, theta
+        )
 
-    def start(self):
+    def start(self) -> None:
         """Reset to rest in the equilibrium of the system that the network has read."""
         self.motion.start()
         self.modes.start()
 
-    def refresh(self, t):
+    def refresh(self, t: float) -> None:
         """Update tangents, acceleration, jerk and fastest mode after a change of branch or state."""
         self.balance.enter()
         self.method.enter()
@@ -53,14 +63,14 @@ class Stepper:
             self.motion.keep_multipliers()
         self.modes.follow()
 
-    def attempt(self, t, h):
+    def attempt(self, t: float, h: float) -> int:
         """Step from t to t + h with all branches fixed; write the end to qb, vb, ab, jb."""
         self.rows.end_known = False
         self.errors.time, self.errors.step = t, h
         self.errors.order = self.method.order - 1
         return self.method.attempt(t, h)
 
-    def shift_end(self, t, late):
+    def shift_end(self, t: float, late: float) -> None:
         """Move the end of the attempt slightly, to t, along its Taylor series."""
         self.rows.end_known = False
         for i in range(self.n):
@@ -73,7 +83,8 @@ class Stepper:
         if own_jerks:
             self.errors.find_jerks(t - self.errors.time)
 
-    def stop_within(self, t, dense):
+    @inline
+    def stop_within(self, t: float, dense: Dense) -> None:
         """End the attempt at t, on the septic `dense` through its ends."""
         self.rows.end_known = False
         dense.read(t)

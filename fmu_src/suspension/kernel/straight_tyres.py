@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from .layout import DAMPER, MODULATION, SPRING
+
+if TYPE_CHECKING:
+    from .network import Network
 
 
 class StraightTyres:
@@ -13,14 +18,14 @@ class StraightTyres:
     network : network of the system
     """
 
-    def __init__(self, network):
+    def __init__(self, network: Network):
         self.net = network
         memory, elements = self.net.memory, self.net.elements
         self.f, self.k = memory.zeros(elements), memory.zeros(elements)
         self.c = memory.zeros(elements)
         self.straight = memory.marks(elements)
 
-    def enter(self, e):
+    def enter(self, e: int) -> None:
         """Store force at rest, stiffness and damping of a tyre, if its pieces are straight."""
         ps, pd = self.net.piece_now(e, SPRING), self.net.piece_now(e, DAMPER)
         self.straight[e] = self.net.straight[ps] and self.net.straight[pd]

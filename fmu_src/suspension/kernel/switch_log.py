@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .arrays import Memory
+
 CAPACITY = 512  # switches that the arrays hold
 
 
@@ -13,25 +18,27 @@ class SwitchLog:
     memory : the memory that contains the arrays
     """
 
-    def __init__(self, memory):
+    def __init__(self, memory: Memory):
         self.memory = memory
         self.time, self.what = self.memory.zeros(CAPACITY), self.memory.marks(4 * CAPACITY)
-        self.listed = []  # without those that are still in the arrays
+        self.listed: list[
+            tuple[float, int, int, int, int]
+        ] = []  # without those that are still in the arrays
         self.start()
 
-    def start(self):
+    def start(self) -> None:
         """Discard the switches in the arrays."""
         self.count = self.base = self.flushed = 0
 
-    def begin_row(self):
+    def begin_row(self) -> None:
         """Begin another run of a batch: its switches are counted from here."""
         self.base = self.count
 
-    def is_half_full(self):
+    def is_half_full(self) -> bool:
         """Return whether the present run has filled half of the arrays, which Python should then read."""
         return self.count - self.base > CAPACITY // 2
 
-    def note(self, time, e, kind, before, after):
+    def note(self, time: float, e: int, kind: int, before: int, after: int) -> None:
         """Log that element e has moved from one branch to another."""
         k = self.count
         if k < CAPACITY:
@@ -42,7 +49,7 @@ class SwitchLog:
             self.what[4 * k + 3] = after
             self.count += 1
 
-    def all(self):
+    def all(self) -> list[tuple[float, int, int, int, int]]:
         """Return the switches so far: (time, element, kind, branch before, branch after)."""
         for k in range(self.count):
             what, i = self.what, 4 * k

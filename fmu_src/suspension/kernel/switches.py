@@ -7,6 +7,8 @@ the force of sticking. Each is a polynomial through its value and derivatives at
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
 
 from .bernstein import Crossing
@@ -15,6 +17,10 @@ from .errors import ROUNDING_OF_RATES
 from .layout import BRANCHES, CONTACT, DAMPER, FRICTION, MODULATION, SPRING
 from .network import SLAVED
 from .straight_tyres import StraightTyres
+
+if TYPE_CHECKING:
+    from .language import Doubles
+    from .stepper import Stepper
 
 if not cython.compiled:
     from math import fabs
@@ -31,7 +37,7 @@ class Switches:
     stepper : the stepper whose attempts are searched
     """
 
-    def __init__(self, stepper):
+    def __init__(self, stepper: Stepper):
         self.stepper = stepper
         self.net, self.motion = self.stepper.net, self.stepper.motion
         self.rows, self.row = self.stepper.rows, self.stepper.rows.row
@@ -55,7 +61,7 @@ class Switches:
         self.only_opens = False
         self.recedes = False
 
-    def enter_branches(self):
+    def enter_branches(self) -> None:
         """List the watched quantities, after a change of branch."""
         self.watched = 0
         self.rows.forget()
@@ -75,7 +81,7 @@ class Switches:
                 self.low[k], self.high[k] = low, high
                 self.watched += 1
 
-    def first(self, t, h):
+    def first(self, t: float, h: float) -> float:
         """Return the earliest switch from t to t + h as a fraction of h, or 2 if there is none."""
         self.at = self.next = 2.0
         if self.watched == 0:
@@ -96,7 +102,7 @@ class Switches:
                 self._search(k, 1, self.high[k], degree, h)
         return self.at
 
-    def _stays_far(self, k, e, kind, h):
+    def _stays_far(self, k: int, e: int, kind: int, h: float) -> bool:
         """Return whether all coefficients of the polynomial of a watched quantity are within its bounds.
 
         Each end sets half of them. If the step continues the last one, those of its start have already
@@ -105,15 +111,15 @@ class Switches:
         if kind == FRICTION or (
             kind == CONTACT and (not self.tyres.straight[e] or self._is_slaved(e, h))
         ):
-            return 0
+            return False
         if not self._is_far(k, e, kind, 4, h):
-            return 0
+            return False
         self.far_end[k] = h
         if self.rows.continues and self.far_start[k] >= h:
-            return 1
+            return True
         return self._is_far(k, e, kind, 0, h)
 
-    def _is_far(self, k, e, kind, end, h):
+    def _is_far(self, k: int, e: int, kind: int, end: int, h: float) -> bool:
         """Return whether the coefficients that one end sets (0: the start, 4) are within the bounds."""
         at = 8 * self.net.element_row[e] + end
         if kind == CONTACT:
@@ -129,13 +135,13 @@ class Switches:
             reach += h * h * h / 210.0 * fabs(self.row[at + 3])
         return x - reach > self.low[k] and x + reach < self.high[k]
 
-    def carry_on(self):
+    def carry_on(self) -> None:
         """After the attempt was accepted, take its end as the start of the next one."""
         self.rows.carry_on()
         for k in range(self.watched):
             self.far_start[k] = self.far_end[k]
 
-    def polynomial(self, e, kind, h):
+    def polynomial(self, e: int, kind: int, h: float) -> int:
         """Set the polynomial of a watched quantity over the attempt; return its degree."""
         at = 8 * self.net.element_row[e]
         if kind in (SPRING, MODULATION):
@@ -164,14 +170,14 @@ class Switches:
         )  # fmt: skip
         return 5
 
-    def _is_slaved(self, e, h):
+    def _is_slaved(self, e: int, h: float) -> bool:
         """Return whether a tyre on the road stops its masses within a small part of the attempt."""
         if not self.stepper.errors.own_jerks or self.net.branch[BRANCHES * e + CONTACT]:
-            return 0
+            return False
         mobility = self.net.mobility(self.net.element_row[e])
         return self.tyres.c[e] * mobility * h > SLAVED
 
-    def _rate_left(self, e, j, jerk):
+    def _rate_left(self, e: int, j: Doubles, jerk: Doubles) -> float:
         """Return by how much the rate of a force differs with the jerks that describe the step.
 
         M j = p' - sum b f': like the force of a strong damper, its rate is what the others leave for it.
@@ -182,13 +188,13 @@ class Switches:
             less += self.net.row_direction[r * self.net.n + i] * (j[i] - jerk[i])
         return less / self.net.mobility(r)
 
-    def _end_rate(self, e, h):
+    def _end_rate(self, e: int, h: float) -> float:
         """Return the rate of the contact force last found, at the end of the attempt."""
         if not self._is_slaved(e, h):
             return self.net.force1
         return self.net.force1 + self._rate_left(e, self.motion.jb, self.motion.end_jerk)
 
-    def _left_over(self, e, acceleration):
+    def _left_over(self, e: int, acceleration: float) -> float:
         """Return the force that the others leave for a tyre, minus its own, which has yet to decay.
 
         It is reduced slightly, by the effect of rounded rates on the force, so that a tyre that has left
@@ -200,7 +206,7 @@ class Switches:
         lost = ROUNDING_OF_RATES * self.tyres.c[e] * fastest * self.side
         return acceleration / self.net.mobility(self.net.element_row[e]) - lost
 
-    def _contact_force(self, e, at):
+    def _contact_force(self, e: int, at: int) -> None:
         """Find the force as `unlimited_force` does, with fewer operations if all pieces are straight."""
         if not self.tyres.straight[e]:
             self.net.unlimited_force(e, self.row, at)
@@ -210,7 +216,7 @@ class Switches:
         self.net.force1 = k * self.row[at + 1] + c * self.row[at + 2]
         self.net.force2 = k * self.row[at + 2] + c * self.row[at + 3]
 
-    def _search(self, k, side, bound, degree, h):
+    def _search(self, k: int, side: int, bound: float, degree: int, h: float) -> None:
         """Store the first exit over a bound, if it is the earliest."""
         e, kind = self.watched_element[k], self.watched_kind[k]
         returns = self.net.departing[BRANCHES * e + kind] == side
@@ -226,7 +232,7 @@ class Switches:
         if self._takes_earliest(k, at, side) and kind == CONTACT and side < 0:
             self._look_for_gap(e, at, h)
 
-    def _is_within_error(self, bound, side):
+    def _is_within_error(self, bound: float, side: int) -> bool:
         """Return whether the quantity last read passes a bound by no more than the error allowed.
 
         Just after a corner, such a switch would be reversed again and again: an element that hardly moves
@@ -235,12 +241,12 @@ class Switches:
         beyond = bound - self.crossing.low if side < 0 else self.crossing.high - bound
         return self.stepper.errors.controlled and beyond <= self.stepper.errors.allowed
 
-    def _look_for_gap(self, e, at, h):
+    def _look_for_gap(self, e: int, at: float, h: float) -> None:
         """Find whether contact is not regained after all, as a gap has opened by then."""
         self.crossing.hermite7(self.row, 8 * self.net.element_row[e], h)
         self.only_opens = self.crossing.value(at, 7) > self.net.opening[e]
 
-    def _takes_earliest(self, k, at, side):
+    def _takes_earliest(self, k: int, at: float, side: int) -> bool:
         """Store an exit if it is earlier than those found so far, and return whether it is.
 
         A damper and friction along one row have the same rate, so their exits coincide and neither is the
@@ -249,30 +255,30 @@ class Switches:
         if at >= self.at:
             if at > self.at:
                 self.next = min(self.next, at)
-            return 0
+            return False
         self.at, self.next = at, self.at
         self.element = self.watched_element[k]
         self.kind = self.watched_kind[k]
         self.side = side
         self.across = self.only_opens = False
-        return 1
+        return True
 
-    def _searches_flight(self, k, e, h):
+    def _searches_flight(self, k: int, e: int, h: float) -> bool:
         """Search for the end of a flight, and return true, if the force of tyre e does not show it.
 
         That is while there is a gap below the tyre, or if its law is curved.
         """
         if not self.net.branch[BRANCHES * e + CONTACT]:
-            return 0
+            return False
         if self.row[8 * self.net.element_row[e]] > self.net.opening[e]:
             self._search_gap(k, h)
-            return 1
+            return True
         if not self.tyres.straight[e]:
             self._search_touchdown(k, h)
-            return 1
-        return 0
+            return True
+        return False
 
-    def _search_gap(self, k, h):
+    def _search_gap(self, k: int, h: float) -> None:
         """Store the time at which a gap closes, if it is the earliest."""
         e = self.watched_element[k]
         bound = self.net.opening[e]
@@ -284,7 +290,7 @@ class Switches:
             if self._takes_earliest(k, at, -1):
                 self.across = True
 
-    def _search_touchdown(self, k, h):
+    def _search_touchdown(self, k: int, h: float) -> None:
         """Store the time at which a tyre in flight presses again by a curved law, if it is the earliest.
 
         As its force does not act, the error does not keep steps so short that one quintic describes it.
@@ -308,7 +314,7 @@ class Switches:
                     self._look_for_gap(e, at, h)
                 return
 
-    def _read_points(self, r, h, share):
+    def _read_points(self, r: int, h: float, share: float) -> None:
         """Read the deflection of row r and three derivatives at the ends of all parts of the attempt."""
         self.crossing.hermite7(self.row, 8 * r, h)
         for order in range(4):
@@ -319,7 +325,7 @@ class Switches:
                 rise = self.crossing.bezier[i + 1] - self.crossing.bezier[i]
                 self.crossing.bezier[i] = degree * rise / h
 
-    def lateness(self, t):
+    def lateness(self, t: float) -> float:
         """Return by how much the attempt, which ends at t, passed the switch found, s; 0 if unknown.
 
         `recedes` is set if the watched quantity is still within its branch and moves away from the bound:

@@ -6,10 +6,13 @@ is shortened to end on the switch, which is located to rounding.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
 
 from .dense import Dense
 from .knots import Knots
+from .language import inline
 from .layout import BRANCHES, CONTACT, FRICTION
 from .ledger import Ledger
 from .limited import Limited
@@ -33,6 +36,9 @@ from .stepper import Stepper
 from .switch_log import SwitchLog
 from .switches import Switches
 from .trial import Trial
+
+if TYPE_CHECKING:
+    from .language import Doubles, Size
 
 if not cython.compiled:
     from math import fabs, sqrt
@@ -63,16 +69,19 @@ _NEAR_PHASE = 0.05  # of the fastest motion: the same, in long steps
 class TimeLoop:
     """Step one system; see `integrator.Integrator` for the parameters."""
 
+    halts: int
+    filled: Size
+
     def __init__(
         self,
         system,
         method="extrapolated",
-        step=0.0,
+        step: float = 0.0,
         tolerance=1e-6,
         start=0.0,
         order=0,
-        landing=True,
-        energy=True,
+        landing: bool = True,
+        energy: bool = True,
         theta=1.4,
         beyond_stable="substep",
     ):
@@ -131,6 +140,9 @@ class TimeLoop:
         self.net.place_moving()
         self._make_room()
 
+    def _make_room(self):
+        """Allocate what a class derived from this one needs."""
+
     def fits(self, system):
         """Return whether a system differs from the present one only in its numbers."""
         return (
@@ -167,7 +179,7 @@ class TimeLoop:
         add_numbers(system, numbers)
         return numbers
 
-    def begin_row(self, x, at, start):
+    def begin_row(self, x: Doubles, at: int, start: float) -> int:
         """Start again with the system and state whose `row` is in x[at:].
 
         The state is then that of a new integrator of the system with the same method, step and
@@ -186,7 +198,7 @@ class TimeLoop:
                 return 0
         return 0
 
-    def _enter_state(self, x, at):
+    def _enter_state(self, x: Doubles, at: int) -> None:
         """Start from the displacements and velocities in x[at:], with springs in series relaxed."""
         self.net.find_datum(self.state.time, self.state.scale)
         for i in range(self.n):
@@ -198,7 +210,7 @@ class TimeLoop:
         self.state.in_step = True
         self._begin()
 
-    def _stand_still(self, time, reach):
+    def _stand_still(self, time: float, reach: float) -> None:
         """Reset to rest in equilibrium."""
         self.filled = self.since_pause = 0
         self.state.stand_still(time, reach)
@@ -211,7 +223,7 @@ class TimeLoop:
         self.monitor.start()
         self.ledger.start()
 
-    def _begin(self):
+    def _begin(self) -> None:
         """Find branches, accelerations and energy of the present state, and set both ends of the step."""
         self.net.settle(self.state.time, self.motion.q, self.motion.v)
         self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
@@ -227,7 +239,7 @@ class TimeLoop:
         self.net.row_states(self.motion.q, self.motion.v)
         self.state.initial_energy = self.net.energy(self.motion.v) - self.state.exchange
 
-    def _break_loose(self):
+    def _break_loose(self) -> None:
         """Let elements slip whose force of sticking exceeds its limit, the most overloaded first."""
         for _flip in range(_FLIPS):
             most = 0.0
@@ -243,7 +255,7 @@ class TimeLoop:
             self.net.enter(loose, FRICTION, side, self.state.time, self.motion.q, self.motion.v)
             self._enter_branches()
 
-    def _enter_branches(self):
+    def _enter_branches(self) -> None:
         """Update everything that depends on the branches and the segments of signals."""
         self.trial.joint = self.net.next_joint()
         self.stepper.refresh(self.state.time)
@@ -252,9 +264,10 @@ class TimeLoop:
             self.knots.enter_branches()
         if self.energy:
             self.ledger.enter()
-        self.state.entered = 1
+        self.state.entered = True
 
-    def _advance(self, until, stop):
+    @inline
+    def _advance(self, until: float, stop: bool) -> int:
         while self.state.time < until:
             events = self.noted.count
             if self.noted.is_half_full() or self.since_pause >= _PAUSE:
@@ -278,11 +291,12 @@ class TimeLoop:
                 return HALTED
         return REACHED
 
-    def _passes(self, h):
+    @inline
+    def _passes(self, h: float) -> bool:
         """Return whether h is more than the rounding of time."""
         return h > 1e-13 * (fabs(self.state.time) + 1e-3)
 
-    def _overrun(self, latest):
+    def _overrun(self, latest: float) -> int:
         """Step slightly beyond a point where switches follow one another without time between them.
 
         The present branches are kept for 1/10000 rad of the fastest motion, whichever corners are passed;
@@ -312,13 +326,13 @@ class TimeLoop:
         self._enter_branches()
         return 0
 
-    def _energy_now(self):
+    def _energy_now(self) -> float:
         """Return kinetic energy and the energy stored in the elements, in the present branches."""
         self.net.all_signals(self.state.time)
         self.net.row_states(self.motion.q, self.motion.v)
         return self.net.energy(self.motion.v)
 
-    def _relocate(self, flows):
+    def _relocate(self, flows: bool) -> None:
         """Choose the branches from the state, with those of flow if `flows`; log the changes."""
         self._remember_branches()
         if flows:
@@ -327,13 +341,13 @@ class TimeLoop:
             self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
         self._note_changes()
 
-    def _remember_branches(self):
+    def _remember_branches(self) -> None:
         """Store the branches before new ones are chosen."""
         self._leave_step()
         for i in range(BRANCHES * self.net.elements):
             self.branch_before[i] = self.net.branch[i]
 
-    def _book_contacts(self):
+    def _book_contacts(self) -> None:
         """Book the exchange of tyres that have just left or met the road, which is not work of a road."""
         for k in range(self.limited.count):
             e = self.limited.element[k]
@@ -343,7 +357,7 @@ class TimeLoop:
             ):
                 self.net.book_exchange(e, self.state.time, self.motion.q, self.motion.v)
 
-    def _note_changes(self):
+    def _note_changes(self) -> None:
         for i in range(BRANCHES * self.net.elements):
             if self.net.branch[i] != self.branch_before[i]:
                 self.noted.note(
@@ -354,27 +368,28 @@ class TimeLoop:
                     self.net.branch[i],
                 )
 
-    def _resume(self, content):
+    def _resume(self, content: bytes) -> None:
         """Continue from an earlier content of the state."""
         datum = self.state.datum
         self.state.put_back(content)
         self._follow_state(datum)
         self.state.put_back(content)  # so that accelerations, too, are exactly those of the content
 
-    def _follow_state(self, before):
+    def _follow_state(self, before: float) -> None:
         """Find the numbers outside the state, which was put back; their heights refer to `before`."""
         datum, self.state.datum = self.state.datum, before
         self.net.set_datum(datum)
         self.net.put_moving_back()
         self.dense.start, self.dense.end = self.state.step_start, self.state.time
-        self.dense.known = 0
+        self.dense.known = False
         self.noted.start()
         self.net.list_stuck()
         self._enter_branches()
 
     # -- steps ---------------------------------------------------------------------------------------
 
-    def _proposed_step(self):
+    @inline
+    def _proposed_step(self) -> float:
         """Return the step chosen by the method, before joints and switches shorten it."""
         if self.fixed_step > 0.0:
             # the grid is counted, not summed, so that it does not drift
@@ -399,7 +414,7 @@ class TimeLoop:
             h = self.stepper.modes.bound(h, self.method.least_damping)
         return road if h > road else h
 
-    def _while_decaying(self, h):
+    def _while_decaying(self, h: float) -> float:
         """Return the step h, or a shorter one after a switch or joint if a fast motion may then decay.
 
         The linear-acceleration method multiplies a decay exp(-d t) by (1 - d h / 2) / (1 + d h / 2). Long
@@ -411,7 +426,8 @@ class TimeLoop:
         last = 0.0 if self.state.entered else self.dense.end - self.dense.start
         return min(h, max(2.0 * last, _DECAY_PHASE / self.stepper.modes.quickest))
 
-    def _step(self, latest):
+    @inline
+    def _step(self, latest: float) -> int:
         """Take one accepted macro step, ended at joints and switches."""
         h = self._proposed_step()
         if h == 0.0:
@@ -433,7 +449,8 @@ class TimeLoop:
             return self._overrun(latest)
         return self._finish() if status == REACHED else status
 
-    def _try(self):
+    @inline
+    def _try(self) -> int:
         """Attempt the step.
 
         Return 0 if it is accepted, `_AGAIN` if it is to be tried with the length that it then has,
@@ -462,7 +479,7 @@ class TimeLoop:
         self._look_ahead()
         return self._end_on_switch() if 0.0 < at <= 1.0 else REACHED
 
-    def _shortens(self):
+    def _shortens(self) -> bool:
         """Shorten the step to a point of a smooth table, or for its error, and return whether it is."""
         if self.trial.cuts < _KNOTS and self.stepper.balance.bends.joined:
             self.trial.cuts += 1
@@ -476,7 +493,8 @@ class TimeLoop:
             return True
         return False
 
-    def _look_ahead(self):
+    @inline
+    def _look_ahead(self) -> None:
         """Choose the length of the next step, by the error of this one.
 
         A step shortened by a joint or by a point of a table is no reason for a shorter next step.
@@ -488,7 +506,7 @@ class TimeLoop:
             if self.trial.on_knot:
                 self.trial.longer = max(self.trial.longer, _AFTER_KNOT * self.state.proposal)
 
-    def _end_on_switch(self):
+    def _end_on_switch(self) -> int:
         """End the step on the switch found; return the same as `_try`."""
         status = self._land(self.trial.length)
         if status != 0:
@@ -505,7 +523,8 @@ class TimeLoop:
         )
         return REACHED
 
-    def _finish(self):
+    @inline
+    def _finish(self) -> int:
         """Make the attempt the last step, and enter the branches and segments that follow."""
         if self.trial.longer > 0.0:
             self.state.proposal = self.trial.longer
@@ -532,10 +551,11 @@ class TimeLoop:
             return OUT_OF_BALANCE
         return REACHED
 
-    def _has_diverged(self):
+    @inline
+    def _has_diverged(self) -> bool:
         return not self.state.reach < _FAR * max(self.state.scale, 1.0)
 
-    def _pass_joint(self):
+    def _pass_joint(self) -> None:
         """Enter the next segments of signals; the effect of a jump of a road is work of that road."""
         self._leave_step()
         before = self._energy_now() - self.state.exchange
@@ -555,7 +575,7 @@ class TimeLoop:
             self.net.follow_slips(self.state.time, self.motion.q, self.motion.v)
             self._note_changes()
 
-    def _meet_knot(self, h, end):
+    def _meet_knot(self, h: float, end: float) -> float:
         """End an attempt that ends close to a point of a smooth table on it; return its length.
 
         The attempt's septic is continued to the point, if that is accurate enough.
@@ -567,7 +587,8 @@ class TimeLoop:
         self.stepper.stop_within(self.state.time + step, self.whole)
         return step
 
-    def _accept(self, h, t):
+    @inline
+    def _accept(self, h: float, t: float) -> None:
         """Make the attempt the last step."""
         if self.energy:
             self.ledger.read_rows(self.state.time, h)
@@ -579,7 +600,7 @@ class TimeLoop:
         self.limited.add_step(h)
         # an element that has just switched stays marked while others switch at the same time
         if self.state.entered and self._passes(h):
-            self.state.entered = 0
+            self.state.entered = False
             self.net.clear_marks()
         if self.net.stuck:
             self.motion.keep_multipliers()
@@ -590,7 +611,7 @@ class TimeLoop:
             self.ledger.book()
             self.ledger.strike_balance(self.motion.q, self.motion.v)
 
-    def _land(self, h):
+    def _land(self, h: float) -> int:
         """End the attempt on the switch found, by Newton's method, finally along the Taylor series.
 
         Under error control the state is read from the septic through the ends of the attempt, if that is
@@ -637,21 +658,21 @@ class TimeLoop:
             self.trial.length = step
         return status
 
-    def _reads(self):
+    def _reads(self) -> bool:
         """Return whether the state at a switch may be read from an attempt."""
         return self.stepper.errors.controlled and not self.method.exact
 
-    def _keep_near(self, h):
+    def _keep_near(self, h: float) -> float:
         """Store the attempt just made; return how far from its end it may be read."""
         if self.net.stuck or not self._reads():
             return 0.0
         self._keep_attempt(h)
         return min(_NEAR_END * h, _NEAR_PHASE / (self.stepper.modes.quickest + 1.0))
 
-    def _keep_attempt(self, h):
+    def _keep_attempt(self, h: float) -> None:
         self.whole.take_attempt(self.state.time, self.state.time + h, self.motion.j, self.motion.jb)
 
-    def _switch(self, e, kind, side):
+    def _switch(self, e: int, kind: int, side: int) -> None:
         """Move element e to the neighbouring branch at the present time, and log the switch."""
         self._leave_step()
         before = self.net.branch[BRANCHES * e + kind]
@@ -660,7 +681,7 @@ class TimeLoop:
             before = new - side  # a change of sign of the rate ends the flow of the spring
         self.noted.note(self.state.time, e, kind, before, new)
 
-    def _leave_step(self):
+    def _leave_step(self) -> None:
         """Store the branches of the step that ends here before they change."""
         if self.state.in_step:
             self.net.keep_branches()

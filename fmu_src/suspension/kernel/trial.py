@@ -10,7 +10,7 @@ class Trial:
         self.joint = 0.0  # the next joint of a signal, s
         self.begin(0.0)
 
-    def begin(self, length):
+    def begin(self, length: float) -> None:
         """Begin with a proposed length, s."""
         self.length = length
         self.end = 0.0  # its latest end, s
@@ -24,7 +24,7 @@ class Trial:
             0.0  # the next step, by the error of the last attempt; 0 if that is no measure
         )
 
-    def stop_at(self, latest, time):
+    def stop_at(self, latest: float, time: float) -> None:
         """End at the next joint, or at a latest time before it, unless the step ends before that."""
         self.end = min(self.joint, latest)
         self.to_end = time + self.length * (1.0 + 1e-9) >= self.end

@@ -28,11 +28,11 @@ class Wilson(Method):
     def instants(order, theta):
         return [theta]
 
-    def enter(self):
+    def enter(self) -> None:
         """Discard the matrices."""
         self.columns.inverses.forget()
 
-    def attempt(self, t, h):
+    def attempt(self, t: float, h: float) -> int:
         """Step from t to t + h; return 0 or a key of `outcomes.FAILURES`."""
         n = self.n
         self.balance.prepare(t, h)

@@ -7,9 +7,9 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
+from phaseplane.suspension.kernel_types import NUMBERS
 from phaseplane.suspension.trace import number
 
-from .declarations import NUMBERS
 from .effects import ANY_ARRAY, effects
 from .kernel_sources import Definition, Sources
 

@@ -13,9 +13,9 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Any
 
+from phaseplane.suspension.kernel_types import NUMBERS
 from phaseplane.suspension.trace import Number
 
-from .declarations import NUMBERS
 from .expressions import in_c
 from .kernel_sources import Sources
 from .statements import ZERO, in_lines

@@ -15,8 +15,14 @@ from typing import Any
 
 from phaseplane.suspension import engine
 from phaseplane.suspension.kernel_name import KERNEL
-
-from .declarations import Declared, Record, Routine, read
+from phaseplane.suspension.kernel_types import (
+    Declared,
+    Record,
+    Routine,
+    declared,
+    modules_in,
+    numbers_of,
+)
 
 _PLAIN = "kernel_in_plain_python"
 
@@ -135,7 +141,7 @@ class Sources:
         return found
 
     def calls_python(self, owner: str, name: str) -> bool:
-        """Return whether a method calls a function in Python: it is declared `with gil`."""
+        """Return whether a method calls a function in Python: it is marked with `takes_gil`."""
         parts = self.bases(owner) if owner in self.records else []
         defined = [self.records[part].methods.get(name) for part in parts]
         last = next((routine for routine in reversed(defined) if routine), None)
@@ -156,37 +162,16 @@ class Sources:
 
 
 def sources(folder: Path = KERNEL, used: Iterable[str] = ()) -> Sources:
-    """Return the kernel in a folder: every module with declarations beside it.
+    """Return the kernel in a folder.
 
     Parameters
     ----------
     folder : where the modules are
     used : of classes that stand for each other, such as the methods, the names of those in use
     """
-    return Sources(
-        tuple(
-            Module(path, read(path.with_suffix(".pxd")), ast.parse(path.read_text("utf-8")))
-            for path in sorted(folder.glob("*.py"))
-        ),
-        frozenset(used),
-    )
-
-
-def numbers_of(trees: Iterable[ast.Module]) -> dict[str, int | float]:
-    """Return the constants of modules: names in capital letters with numbers as their values."""
-    found: dict[str, int | float] = {}
-    for node in (node for tree in trees for node in tree.body if isinstance(node, ast.Assign)):
-        (target,) = node.targets
-        try:
-            values = eval(ast.unparse(node.value), {"__builtins__": {}})
-        except NameError:  # no numbers
-            continue
-        several = isinstance(target, ast.Tuple)
-        names = target.elts if isinstance(target, ast.Tuple) else [target]
-        for name, value in zip(names, values if several else [values], strict=True):
-            if type(value) in (int, float) and ast.unparse(name).isupper():
-                found[ast.unparse(name)] = value
-    return found
+    paths = modules_in(folder)
+    trees = [ast.parse(path.read_text("utf-8")) for path in paths]
+    return Sources(tuple(map(Module, paths, declared(trees), trees)), frozenset(used))
 
 
 @cache

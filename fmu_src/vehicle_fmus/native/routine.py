@@ -8,7 +8,8 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 
-from .declarations import NUMBERS
+from phaseplane.suspension.kernel_types import NUMBERS
+
 from .effects import targets, written_anywhere
 from .expressions import (
     BINARY,
@@ -44,9 +45,8 @@ class Routine(Expressions):
         if ast.get_docstring(definition.tree) is not None:
             body = body[1:]
         arguments = definition.tree.args
-        named = [a.arg for a in arguments.args if a.arg != "self"]
-        if named != list(types.parameters) or arguments.vararg or arguments.kwonlyargs:
-            raise self._wrong(definition.tree, f"its parameters are not those declared: {named}")
+        if arguments.vararg or arguments.kwonlyargs or arguments.kwarg or arguments.posonlyargs:
+            raise self._wrong(definition.tree, "its parameters are given by position, one by one")
         self._statements(body)
         if types.returns != "void" and not _ends(body):
             raise self._wrong(definition.tree, "it may end without a value")

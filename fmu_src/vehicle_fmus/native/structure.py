@@ -12,9 +12,9 @@ from collections.abc import Collection, Iterator
 from dataclasses import replace
 from typing import Any
 
+from phaseplane.suspension.kernel_types import NUMBERS
 from phaseplane.suspension.trace import Number
 
-from .declarations import NUMBERS
 from .kernel_sources import Sources
 from .translate import changed
 

@@ -1,9 +1,9 @@
 """The kernel's small language as readable C99: the same operations in the same order, so the same bits.
 
-The language: methods and functions that their declarations call `nogil`, of numbers (double, int), arrays
-of numbers and records of both; assignments, `if`, `while`, `for` over ranges, calls. A local variable has
-the type of its first value. There are no objects, exceptions or strings. What is not in the language is
-refused with file and line.
+The language: methods and functions that need no Python (see `kernel_types`), of numbers (float, int),
+arrays of numbers and records of both; assignments, `if`, `while`, `for` over ranges, calls. A local
+variable has the type of its first value. There are no objects, exceptions or strings. What is not in the
+language is refused with file and line.
 
 For equal bits C must not contract (`-ffp-contract=off`) nor reorder (no `-ffast-math`). Where Python
 fixes an order of evaluation that C leaves open, an expression in which it could matter is refused.
@@ -16,9 +16,9 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
+from phaseplane.suspension.kernel_types import NUMBERS
 from phaseplane.suspension.trace import number
 
-from .declarations import NUMBERS
 from .expressions import NotTranslatableError, called, constant, in_c
 from .kernel_sources import Sources
 from .routine import Routine, declared

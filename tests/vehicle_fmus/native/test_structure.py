@@ -15,12 +15,22 @@ from phaseplane.vehicle_fmus.native.structure import specialised
 from phaseplane.vehicle_fmus.native.translate import translated
 
 MODULE = """
-def fill(numbers, count):
+def fill(numbers: Doubles, count: int) -> None:
     for i in range(count):
         numbers[i] = 1.0
 
 class Owner:
-    def step(self):
+    count: int
+    rate: float
+    noted: float
+    table: Doubles
+    filled: Doubles
+    written: Doubles
+    first: Doubles
+    second: Doubles
+    reader: Reader
+
+    def step(self) -> None:
         fill(self.filled, self.count)
         self.written[0] = self.table[self.count - 1] + self.rate + self.noted
         self.first, self.second = self.second, self.first
@@ -29,32 +39,19 @@ class Owner:
         self.reader.look()
 
 class Reader:
-    def look(self):
+    count: int
+    seen: float
+    shared: Doubles
+
+    def look(self) -> None:
         self.seen = self.shared[self.count]
         self.count = 0
-"""
-DECLARED = """
-cdef void fill(double *numbers, int count) noexcept nogil
-
-cdef class Owner:
-    cdef int count
-    cdef double rate, noted
-    cdef double *table, *filled, *written, *first, *second
-    cdef Reader reader
-    cdef void step(self) noexcept nogil
-
-cdef class Reader:
-    cdef int count
-    cdef double seen
-    cdef double *shared
-    cdef void look(self) noexcept nogil
 """
 
 
 @pytest.fixture
 def kernel(tmp_path: Path) -> Sources:
     tmp_path.joinpath("module.py").write_text(MODULE)
-    tmp_path.joinpath("module.pxd").write_text(DECLARED)
     return sources(tmp_path)
 
 

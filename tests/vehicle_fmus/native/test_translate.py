@@ -74,31 +74,25 @@ CONSTRUCTS = {
     ),
 }  # fmt: skip
 HELPERS = """
-def square(x):
+def square(x: float) -> float:
     \"\"\"Return x^2.\"\"\"
     return x * x
 
-def powers(x, k):
+def powers(x: float, k: int) -> float:
     if k <= 0:
         return 1.0
     return x * powers(x, k - 1)
 """
-HELPERS_DECLARED = """
-cdef double square(double x) noexcept nogil
-cdef double powers(double x, int k) noexcept nogil
-"""
-GIVEN = "double x, double y, int i, int j, double[::1] numbers"
+GIVEN = "x: float, y: float, i: int, j: int, numbers: Doubles"
 
 
 def written(folder: Path, functions: dict[str, str]) -> tuple[Path, dict[str, Any]]:
-    """A module of functions with its declarations, and the functions as Python has them."""
-    source, declared = ["_FACTOR, _COUNT = 0.7, 3", HELPERS], [HELPERS_DECLARED]
+    """A module of functions, and the functions as Python has them."""
+    source = ["from __future__ import annotations", "_FACTOR, _COUNT = 0.7, 3", HELPERS]
     for name, body in functions.items():
         lines = "\n".join(f"    {line}" for line in body.splitlines())
-        source.append(f"def {name}(x, y, i, j, numbers):\n{lines}\n")
-        declared.append(f"cdef double {name}({GIVEN}) noexcept nogil\n")
+        source.append(f"def {name}({GIVEN}) -> float:\n{lines}\n")
     folder.joinpath("module.py").write_text("\n".join(source))
-    folder.joinpath("module.pxd").write_text("\n".join(declared))
     names: dict[str, Any] = {**vars(math)}
     exec("\n".join(source), names)
     return folder, names
@@ -177,7 +171,9 @@ REFUSED = {
     "an expression alone": ("x + y\nreturn x", "only a call"),
     "more names than values": ("a, b = numbers\nreturn a", "as many targets"),
 }  # fmt: skip
-CHANGING = "\ndef double(numbers):\n    numbers[0] *= 2.0\n    return numbers[0]\n"
+CHANGING = (
+    "\ndef double(numbers: Doubles) -> float:\n    numbers[0] *= 2.0\n    return numbers[0]\n"
+)
 
 
 @pytest.mark.parametrize("what", REFUSED)
@@ -188,15 +184,22 @@ def test_what_is_not_in_the_language_is_refused_with_file_and_line(
     written(tmp_path, {"wrong": body})
     with tmp_path.joinpath("module.py").open("a") as file:
         file.write(CHANGING)
-    with tmp_path.joinpath("module.pxd").open("a") as file:
-        file.write("\ncdef double double(double[::1] numbers) noexcept nogil\n")
     with pytest.raises(NotTranslatableError, match=why) as refused:
         translated(sources(tmp_path))
     assert "module.py, line 1" in str(refused.value)
 
 
-def test_a_declaration_that_is_none_is_refused_with_its_line(tmp_path: Path) -> None:
-    tmp_path.joinpath("module.py").write_text("")
-    tmp_path.joinpath("module.pxd").write_text("cimport cython\nctypedef int what\n")
-    with pytest.raises(ValueError, match=r"module\.pxd, line 2: no known declaration"):
-        sources(tmp_path)
+@pytest.mark.parametrize(
+    ("body", "why"),
+    [
+        ("def f(x: complex) -> float:\n    return x", "line 1: complex is no type of the kernel"),
+        ("class Some:\n    x: set\n    def f(self) -> float:\n        return 0.0", "line 2: set"),
+        ("def f(*x: float) -> float:\n    return 0.0", "one by one"),
+    ],
+)
+def test_types_and_parameters_that_c_does_not_have_are_refused(
+    tmp_path: Path, body: str, why: str
+) -> None:
+    tmp_path.joinpath("module.py").write_text(body)
+    with pytest.raises((ValueError, NotTranslatableError), match=why):
+        translated(sources(tmp_path))
