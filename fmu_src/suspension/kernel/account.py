@@ -13,11 +13,6 @@ if TYPE_CHECKING:
     from .integrator import Integrator
     from .language import Long
 
-if TYPE_CHECKING:
-    from .arrays import Memory
-    from .integrator import Integrator
-    from .language import Long
-
 if not cython.compiled:
     from math import fabs
 

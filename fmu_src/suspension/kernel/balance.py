@@ -21,10 +21,6 @@ if TYPE_CHECKING:
     from .language import Doubles
     from .network import Network
 
-if TYPE_CHECKING:
-    from .language import Doubles
-    from .network import Network
-
 if not cython.compiled:
     from .linear import solve
 

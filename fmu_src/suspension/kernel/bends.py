@@ -10,9 +10,6 @@ from .layout import BRANCHES, CONTACT, DAMPER, LAWS, MODULATION, OWN, PIECE, SPR
 if TYPE_CHECKING:
     from .network import Network
 
-if TYPE_CHECKING:
-    from .network import Network
-
 
 class Bends:
     """The rows on which curved springs or dampers act.

@@ -13,9 +13,6 @@ import cython
 if TYPE_CHECKING:
     from .language import Doubles
 
-if TYPE_CHECKING:
-    from .language import Doubles
-
 if not cython.compiled:
     from math import fabs
 

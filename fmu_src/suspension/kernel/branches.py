@@ -29,9 +29,6 @@ from .layout import (
 if TYPE_CHECKING:
     from .language import Doubles
 
-if TYPE_CHECKING:
-    from .language import Doubles
-
 if not cython.compiled:
     from math import fabs
 

@@ -39,10 +39,6 @@ if TYPE_CHECKING:
     from .balance import Balance
     from .language import Doubles
 
-if TYPE_CHECKING:
-    from .balance import Balance
-    from .language import Doubles
-
 if not cython.compiled:
     from math import isfinite
 

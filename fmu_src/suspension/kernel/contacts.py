@@ -10,10 +10,6 @@ if TYPE_CHECKING:
     from .arrays import Memory
     from .integrator import Integrator
 
-if TYPE_CHECKING:
-    from .arrays import Memory
-    from .integrator import Integrator
-
 _WAITING = 1024  # switches that can wait; at most half as many are added between two readings
 _NONE = -1
 

@@ -18,11 +18,6 @@ if TYPE_CHECKING:
     from .language import Doubles, Size
     from .motion import Motion
 
-if TYPE_CHECKING:
-    from .arrays import Memory
-    from .language import Doubles, Size
-    from .motion import Motion
-
 _SEPTIC = 8  # terms of each coordinate
 
 

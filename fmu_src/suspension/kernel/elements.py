@@ -20,9 +20,6 @@ from .series_springs import SeriesSprings
 if TYPE_CHECKING:
     from .language import Doubles
 
-if TYPE_CHECKING:
-    from .language import Doubles
-
 # The kinds of switches: of one of the element's laws, of its contact (1: off) or of its dry friction
 # (-1, 1, or 0 if it sticks).
 KINDS = ("spring", "damper", "modulation", "contact", "friction")

@@ -13,11 +13,6 @@ if TYPE_CHECKING:
     from .modes import Modes
     from .motion import Motion
 
-if TYPE_CHECKING:
-    from .balance import Balance
-    from .modes import Modes
-    from .motion import Motion
-
 if not cython.compiled:
     from math import fabs, pow
 

@@ -26,11 +26,6 @@ if TYPE_CHECKING:
     from .language import Doubles
     from .motion import Motion
 
-if TYPE_CHECKING:
-    from .balance import Balance
-    from .language import Doubles
-    from .motion import Motion
-
 if not cython.compiled:
     from math import cos, fabs, isfinite, sin
 

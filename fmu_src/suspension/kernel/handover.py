@@ -11,11 +11,6 @@ if TYPE_CHECKING:
     from .motion import Motion
     from .network import Network
 
-if TYPE_CHECKING:
-    from .language import Doubles, Long
-    from .motion import Motion
-    from .network import Network
-
 if not cython.compiled:
     from math import fabs
 

@@ -18,10 +18,6 @@ if TYPE_CHECKING:
     from .language import Doubles
     from .network import Network
 
-if TYPE_CHECKING:
-    from .language import Doubles
-    from .network import Network
-
 if not cython.compiled:
     from math import fabs, isfinite
 

@@ -9,9 +9,6 @@ import cython
 if TYPE_CHECKING:
     from .arrays import Memory
 
-if TYPE_CHECKING:
-    from .arrays import Memory
-
 if not cython.compiled:
     from math import fabs
 

@@ -14,9 +14,6 @@ from .language import inline
 if TYPE_CHECKING:
     from .balance import Balance
 
-if TYPE_CHECKING:
-    from .balance import Balance
-
 # share of a condition that is independent of those before it, below which it follows from them
 _DEPENDENT = 1e-12
 

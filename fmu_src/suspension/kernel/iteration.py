@@ -22,10 +22,6 @@ if TYPE_CHECKING:
     from .inverses import Inverses
     from .language import Doubles
 
-if TYPE_CHECKING:
-    from .inverses import Inverses
-    from .language import Doubles
-
 if not cython.compiled:
     from math import fabs
 

@@ -19,10 +19,6 @@ if TYPE_CHECKING:
     from .language import Doubles
     from .switches import Switches
 
-if TYPE_CHECKING:
-    from .language import Doubles
-    from .switches import Switches
-
 if not cython.compiled:
     from math import fabs, pow
 
