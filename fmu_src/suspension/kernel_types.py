@@ -92,7 +92,7 @@ def declared(modules: Iterable[ast.Module]) -> list[Declared]:
 
     Raises
     ------
-    ValueError : an annotation that is no type of the kernel, or an attribute with two types.
+    ValueError : an annotation that is no type of the kernel.
     """
     kernel = _Kernel(list(modules))
     return [kernel.declared_in(tree) for tree in kernel.modules]

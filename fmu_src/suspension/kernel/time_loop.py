@@ -75,15 +75,15 @@ class TimeLoop:
     def __init__(
         self,
         system,
-        method="extrapolated",
+        method: str = "extrapolated",
         step: float = 0.0,
-        tolerance=1e-6,
-        start=0.0,
-        order=0,
+        tolerance: float = 1e-6,
+        start: float = 0.0,
+        order: int = 0,
         landing: bool = True,
         energy: bool = True,
-        theta=1.4,
-        beyond_stable="substep",
+        theta: float = 1.4,
+        beyond_stable: str = "substep",
     ):
         if method not in METHODS:
             raise ValueError(f"method {method!r} is not one of {', '.join(METHODS)}")
