@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from graphlib import TopologicalSorter
 from pathlib import Path
@@ -86,7 +86,7 @@ def kinds(types: Declared) -> Iterator[str]:
         yield from (routine.returns, *routine.parameters.values())
 
 
-def one_source(modules: Iterable[Module]) -> tuple[str, set[str]]:
+def one_source(modules: Sequence[Module]) -> tuple[str, set[str]]:
     """All modules one after the other, and the functions of the C library that they call.
 
     Left out is what modules import from each other or uncompiled, and integers, which C has as constants.
@@ -95,9 +95,8 @@ def one_source(modules: Iterable[Module]) -> tuple[str, set[str]]:
     ------
     ValueError : two modules define the same function or class, or different constants of one name; in
         one module, the later would take the place of the earlier. Or one statement defines integers
-        and other constants.
+        and other constants, or stands at the top of a module where none of its kind may.
     """
-    modules = list(modules)
     classes = {record for module in modules for record in module.types.records}
     imports: dict[str, None] = {}
     known: dict[str, str] = {}
@@ -169,9 +168,8 @@ class Plain(ast.NodeTransformer):
         return ast.copy_location(ast.Assign([node.target], node.value), node)
 
 
-def one_set_of_types(modules: Iterable[Module], functions: Iterable[str]) -> str:
+def one_set_of_types(modules: Sequence[Module], functions: Iterable[str]) -> str:
     """All declarations of C types, and those of constants and mathematical functions."""
-    modules = list(modules)
     constants = numbers_of(module.tree for module in modules)
     doubles = ", ".join(name for name, x in constants.items() if isinstance(x, float))
     integers = [f"    {name} = {x}" for name, x in constants.items() if isinstance(x, int)]
@@ -223,8 +221,7 @@ def in_cython(routine: Routine, node: ast.FunctionDef, *, method: bool) -> list[
 
     It takes conditions for objects, and variables of loops for long integers, which cost time.
     """
-    types = [*routine.parameters.items()]
-    given = [f"{kind} {name}" for name, kind in types]
+    given = [f"{kind} {name}" for name, kind in routine.parameters.items()]
     for k in range(len(given) - routine.optional, len(given)):
         given[k] += "=*"
     if method:

@@ -227,16 +227,16 @@ class _Kernel:
         return {**self._all_methods(self._base(self.classes[owner])), **self.methods[owner]}
 
     def _all_fields(self, owner: str) -> dict[str, str]:
-        """Return the fields of a class, those of its bases first."""
-        base = self._base(self.classes[owner])
-        return {**(self._all_fields(base) if base else {}), **self._fields_of(owner)}
+        """Return the fields of a class, its bases first; none if the kernel has no such class."""
+        if owner not in self.classes:
+            return {}
+        return {**self._all_fields(self._base(self.classes[owner])), **self._fields_of(owner)}
 
     def _fields_of(self, owner: str) -> dict[str, str]:
         """Return the fields that a class itself defines, in the order in which it names them."""
         if owner not in self._fields:
             node = self.classes[owner]
-            base = self._base(node)
-            inherited = self._all_fields(base) if base else {}
+            inherited = self._all_fields(self._base(node))
             own = self._fields[owner] = {
                 name: self._annotation(kind) for name, kind in _annotated(node)
             }
@@ -272,12 +272,7 @@ class _Kernel:
             case ast.Name(id=name):
                 return names.get(name) or self.constants.get(name, "object")
             case ast.Attribute(value=value, attr=name):
-                owner = self._kind(value, names)
-                return (
-                    self._all_fields(owner).get(name, "object")
-                    if owner in self.classes
-                    else "object"
-                )
+                return self._all_fields(self._kind(value, names)).get(name, "object")
             case ast.Subscript(value=value):
                 kind = self._kind(value, names)
                 return re.sub(r"\*|\[\d+\]", "", kind) if kind not in _OBJECTS else "object"
