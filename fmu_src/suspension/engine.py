@@ -69,6 +69,7 @@ def _choose() -> tuple[ModuleType, str]:
 _integrator, why_uncompiled = _choose()
 compiled: bool = not why_uncompiled
 Integrator = _integrator.Integrator
+Filling = _integrator.Filling
 Lines = _integrator.Lines
 RunQueue = _integrator.RunQueue
 Run = _integrator.Run

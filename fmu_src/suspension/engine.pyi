@@ -48,7 +48,6 @@ class Integrator:
     net: Network
     going_on: Callable[[float], bool] | None
     halts: int
-    filled: int
     @property
     def time(self) -> float: ...
     @property
@@ -80,25 +79,6 @@ class Integrator:
         self, numbers: array[float], system: System, displacements: Numbers, velocities: Numbers
     ) -> array[float]: ...
     def advance(self, until: float, stop: bool = False) -> int: ...
-    def run(
-        self,
-        times: Doubles,
-        displacements: Doubles,
-        velocities: Doubles | None = None,
-        accelerations: Doubles | None = None,
-        forces: Doubles | None = None,
-    ) -> int: ...
-    def prepare(
-        self,
-        runs: int,
-        times: Doubles,
-        displacements: Doubles,
-        velocities: Doubles | None = None,
-        accelerations: Doubles | None = None,
-        forces: Doubles | None = None,
-        residuals: Doubles | None = None,
-    ) -> None: ...
-    def fill(self, last: int) -> int: ...
     @property
     def log(self) -> list[Switch]: ...
     def take_log(self) -> list[Switch]: ...
@@ -129,9 +109,25 @@ class Integrator:
     def snapshot(self) -> bytes: ...
     def restore(self, state: bytes) -> None: ...
 
+class Filling:
+    filled: int
+    def __init__(
+        self,
+        integrator: Integrator,
+        times: Doubles,
+        displacements: Doubles,
+        velocities: Doubles | None = None,
+        accelerations: Doubles | None = None,
+        forces: Doubles | None = None,
+        residuals: Doubles | None = None,
+        *,
+        runs: int = 1,
+    ) -> None: ...
+    def fill(self, last: int = -1) -> int: ...
+
 class RunQueue:
     marks: list[list[tuple[float, bytes]]]
-    def __init__(self, integrator: Integrator, logs: bool, every: int = 0) -> None: ...
+    def __init__(self, filling: Filling, logs: bool, every: int = 0) -> None: ...
     def return_to(self, k: int) -> None: ...
     def take(self, numbers: array[float], start: float) -> None: ...
     def go(self, first: int, last: int) -> list[tuple[int, int, float, int, int]]: ...

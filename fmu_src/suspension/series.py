@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .engine import KINDS, Integrator, RunQueue
+from .engine import KINDS, Filling, Integrator, RunQueue
 from .outputs import (
     ACCELERATION,
     DISPLACEMENT,
@@ -123,20 +123,16 @@ class Series:
         if RESIDUAL in self._readings:
             self._wide[_RESIDUAL] = 1
         room = _MOST_FILLED // (len(times) * sum(self._wide.values()))
-        self._filled = self._prepared(min(max(room, 1), _MOST_RUNS), times)
+        self._filled, filling = self._room(min(max(room, 1), _MOST_RUNS), times)
         every = max(ceil(len(times) / _MOST_MARKS), _LEAST_APART) if twice else 0
-        self._rows = RunQueue(integrator, self._logged, every)
+        self._rows = RunQueue(filling, self._logged, every)
 
-    def _prepared(self, runs: int, times: array[float]) -> _Filled:
-        """Return the arrays, by quantity, that the integrator fills from now on."""
+    def _room(self, runs: int, times: array[float]) -> tuple[_Filled, Filling]:
+        """Return arrays for the results of runs, by quantity, and what fills them."""
         filled = {kind: np.empty((runs, wide, len(times))) for kind, wide in self._wide.items()}
-        self._lend(times, filled)
-        return filled
-
-    def _lend(self, times: array[float], filled: _Filled) -> None:
         flat = {kind: x.reshape(-1) for kind, x in filled.items()}
-        others = (flat.get(kind) for kind in (VELOCITY, ACCELERATION, FORCE, _RESIDUAL))
-        self._integrator.prepare(len(filled[0]), times, flat[0], *others)
+        others = map(flat.get, (VELOCITY, ACCELERATION, FORCE, _RESIDUAL))
+        return filled, Filling(self._integrator, times, flat[DISPLACEMENT], *others, runs=runs)
 
     def take(self, systems: Sequence[System], numbers: array[float]) -> None:
         """Store the systems of all runs, if needed, and the `row` of each, one after the other."""
@@ -151,7 +147,6 @@ class Series:
         into : the columns of all runs, (outputs, runs, times); those of a failed run are valid up to
             its end
         """
-        self._lend(self._times, self._filled)
         ended = [*map(Ended._make, self._rows.go(first, into.shape[1]))]
         self._logs = self._taken_apart(ended) if self._logged else []
         runs = range(len(ended))
@@ -169,12 +164,13 @@ class Series:
         k : its number in the last batch
         times : s, ascending, within the run
         """
-        filled, marks = self._prepared(1, times), self._rows.marks[k]
+        filled, filling = self._room(1, times)
+        marks = self._rows.marks[k]
         self._rows.return_to(k)
         last_before = np.searchsorted([time for time, _ in marks], times) - 1
         for end in [*np.flatnonzero(np.diff(last_before)) + 1, len(times)]:
             self._integrator.restore(marks[last_before[end - 1]][1])
-            self._integrator.fill(int(end))
+            filling.fill(int(end))
         columns = np.empty((len(self._readings), 1, len(times)))
         self._fill_in(columns, times, filled, run, range(k, k + 1))
         return columns[:, 0]

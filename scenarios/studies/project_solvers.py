@@ -11,6 +11,7 @@ from typing import Any
 from zipfile import ZipFile
 
 import numpy as np
+from phaseplane.suspension.engine import Filling
 from phaseplane.suspension.models import FILES
 from phaseplane.suspension.reasons import why_stopped
 from phaseplane.suspension.variables import MODELS
@@ -42,7 +43,7 @@ def in_process(bench: Workbench, *, energy: bool = False, **options: Any) -> Pre
 
     def go() -> Vector:
         out = np.empty((len(problem.system.mass), len(times)))
-        status = integrator.run(times, out.reshape(-1))
+        status = Filling(integrator, times, out.reshape(-1)).fill()
         if status:
             where = f"at {integrator.time:.6g} s"
             raise ArithmeticError(why_stopped(status, where, integrator, problem.system))

@@ -9,7 +9,7 @@ import pytest
 from drawn_parts import FEATURES, SHAPES, starting_numbers
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from phaseplane.suspension.engine import FAILURES, Integrator, RunQueue
+from phaseplane.suspension.engine import FAILURES, Filling, Integrator, RunQueue
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import System
 from phaseplane.suspension.variables import METHODS, MODELS
@@ -23,8 +23,7 @@ def restart(used: Any, system: System, start: float) -> bool:
         return False
     rest = (0.0,) * len(system.mass)
     row = array("d", used.row(system, rest, rest))
-    used.prepare(1, array("d", [start]), array("d", rest))
-    rows = RunQueue(used, True)
+    rows = RunQueue(Filling(used, array("d", [start]), array("d", rest)), True)
     rows.take(row, start)
     assert rows.go(0, 1) == [(0, 1, start, 0, 0)]
     return True
@@ -69,10 +68,12 @@ def told(integrator: Any, system: System) -> tuple[object, ...]:
     rows, n = len(TIMES), len(system.mass)
     filled = [array("d", bytes(8 * n * rows)) for _ in range(3)]
     forces = array("d", bytes(8 * len(system.elements) * rows))
-    status = integrator.run(array("d", [integrator.time + t for t in TIMES]), *filled, forces)
+    times = array("d", [integrator.time + t for t in TIMES])
+    filling = Filling(integrator, times, *filled, forces)
+    status = filling.fill()
     elements = range(len(system.elements))
     return (
-        status, integrator.filled, *(bytes(part) for part in (*filled, forces)), integrator.log,
+        status, filling.filled, *(bytes(part) for part in (*filled, forces)), integrator.log,
         integrator.snapshot(), repr(integrator.energies()), repr(integrator.residual_end),
         integrator.beyond_stable(), repr(integrator.stable_step()), integrator.step_count,
         [repr(integrator.limited_time_at(e, integrator.time)) for e in elements],
@@ -169,8 +170,8 @@ def test_a_row_without_a_proper_mass_tells_nothing_of_the_run_before() -> None:
     integrator, rest = Integrator(system), (0.0, 0.0)
     good = integrator.row(system, rest, rest)
     bad = [*good[:5], -1.0, *good[6:]]
-    integrator.prepare(3, TIMES, array("d", bytes(8 * 3 * 2 * len(TIMES))))
-    rows = RunQueue(integrator, True)
+    filling = Filling(integrator, TIMES, array("d", bytes(8 * 3 * 2 * len(TIMES))), runs=3)
+    rows = RunQueue(filling, True)
     rows.take(array("d", good + bad + good), 0.0)
     first, refused, last = rows.go(0, 3)
     assert FAILURES[refused[0]].startswith("the mass matrix must be")
@@ -183,12 +184,8 @@ def test_rows_that_are_not_there_are_refused() -> None:
     system = build("QuarterCar", {})
     integrator, rest = Integrator(system), (0.0, 0.0)
     row = array("d", integrator.row(system, rest, rest))
-    rows = RunQueue(integrator, False)
-    rows.take(row, 0.0)
-    with pytest.raises(ValueError, match="is not prepared"):
-        rows.go(0, 1)  # nothing prepared
-    integrator.prepare(2, TIMES, array("d", bytes(8 * 2 * 2 * len(TIMES))))
-    rows = RunQueue(integrator, False)
+    room = array("d", bytes(8 * 2 * 2 * len(TIMES)))
+    rows = RunQueue(Filling(integrator, TIMES, room, runs=2), False)
     with pytest.raises(ValueError, match="do not form whole rows"):
         rows.take(row[:-1], 0.0)
     rows.take(row, 0.0)
@@ -196,6 +193,3 @@ def test_rows_that_are_not_there_are_refused() -> None:
         with pytest.raises(ValueError, match="no such rows"):
             rows.go(first, last)
     assert len(rows.go(0, 1)) == 1
-    integrator.run(TIMES, array("d", bytes(8 * 2 * len(TIMES))))
-    with pytest.raises(ValueError, match="is not prepared"):
-        rows.go(0, 1)  # what was prepared is gone

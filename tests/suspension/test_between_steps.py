@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.engine import Filling, Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import Session
 
@@ -16,7 +16,7 @@ def _motion(model: str, given: dict[str, Any], duration: float, **solver: Any) -
     system = build(model, given)
     times = np.linspace(0.0, duration, 301)
     found = [np.zeros(len(system.mass) * len(times)) for _ in range(3)]
-    assert Integrator(system, **solver).run(array("d", times), *found) == 0
+    assert Filling(Integrator(system, **solver), array("d", times), *found).fill() == 0
     return found
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from kernels import motion
 from phaseplane.suspension.characteristics import cubic, damper, linear, monotone_table
-from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.engine import Filling, Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import Element, System
 from scipy.integrate import solve_ivp
@@ -122,7 +122,7 @@ def swing(tolerance: float) -> tuple[int, int, float]:
     integrator = Integrator(on_a_smooth_table(), tolerance=tolerance)
     integrator.set_state([0.08], [0.0])
     found = np.empty(len(times))
-    assert integrator.run(times, found) == 0
+    assert Filling(integrator, times, found).fill() == 0
     true = solve_ivp(
         lambda _, y: [y[1], -law.force(y[0]) - 10.0 * y[1]], (0.0, 1.0), [0.08, 0.0], "DOP853", times,
         rtol=1e-12, atol=1e-13, max_step=2e-4,
@@ -152,7 +152,7 @@ def test_a_long_swing_through_a_smooth_table_is_as_right_as_on_a_cubic_spring(
     )
     integrator.set_state([start], [0.0])
     found = np.empty(len(times))
-    assert integrator.run(times, found) == 0
+    assert Filling(integrator, times, found).fill() == 0
     true = solve_ivp(
         lambda _, y: [y[1], -law.force(y[0])], (0.0, 1.6), [start, 0.0], "DOP853", times,
         rtol=1e-11, atol=1e-13, max_step=2e-3,

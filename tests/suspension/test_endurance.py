@@ -9,7 +9,7 @@ from random import Random
 import numpy as np
 import pytest
 from drawn_parts import drawn_parameters
-from phaseplane.suspension.engine import FAILURES, Integrator
+from phaseplane.suspension.engine import FAILURES, Filling, Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import System
 from phaseplane.suspension.variables import METHODS, MODELS
@@ -51,7 +51,7 @@ def run_on(seed: int) -> None:
 def motion(system: System, tolerance: float) -> np.ndarray:
     displacements = np.zeros((len(system.mass), len(TIMES)))
     integrator = Integrator(system, tolerance=tolerance, energy=False)
-    assert integrator.run(TIMES, displacements.reshape(-1)) == 0
+    assert Filling(integrator, TIMES, displacements.reshape(-1)).fill() == 0
     return displacements
 
 

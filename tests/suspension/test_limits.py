@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from phaseplane.suspension import characteristics as law
 from phaseplane.suspension import roads
-from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.engine import Filling, Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import Session
 from phaseplane.suspension.signals import Segment, Signal
@@ -24,7 +24,7 @@ def motion(system: System, times: np.ndarray, **options: Any) -> np.ndarray:
     """Displacements, (coordinates, instants)."""
     found = np.zeros((len(system.mass), len(times)))
     integrator = Integrator(system, **options)
-    assert integrator.run(array("d", times), found.reshape(-1)) == 0
+    assert Filling(integrator, array("d", times), found.reshape(-1)).fill() == 0
     return found
 
 
@@ -83,7 +83,7 @@ def test_between_steps_velocities_and_forces_keep_the_tolerance(
     for options in ({"method": "exact", "tolerance": 1e-12}, {"tolerance": tolerance}):
         integrator = Integrator(system, **options)  # type: ignore[arg-type]
         columns = [np.zeros((k, len(times))) for k in (2, 2, 2, len(system.elements))]
-        assert integrator.run(array("d", times), *(c.reshape(-1) for c in columns)) == 0
+        assert Filling(integrator, array("d", times), *(c.reshape(-1) for c in columns)).fill() == 0
         runs.append((columns, [t for t, *_ in integrator.log]))
     (truth, switches), (found, _) = runs
     apart = np.abs(times[:, None] - np.array(switches)).min(axis=1) > 2e-4  # forces jump there
@@ -105,8 +105,9 @@ def test_a_wheel_that_swings_fast_but_little_keeps_the_tolerance(tolerance: floa
     }  # fmt: skip
     system, times = build("QuarterCar", given), array("d", np.linspace(0.0, 0.7, 301))
     q, v, right_q, right_v = (np.zeros(2 * len(times)) for _ in range(4))
-    assert Integrator(system, method="exact", tolerance=1e-11).run(times, right_q, right_v) == 0
-    assert Integrator(system, tolerance=tolerance).run(times, q, v) == 0
+    exact = Integrator(system, method="exact", tolerance=1e-11)
+    assert Filling(exact, times, right_q, right_v).fill() == 0
+    assert Filling(Integrator(system, tolerance=tolerance), times, q, v).fill() == 0
     assert np.abs(q - right_q).max() < 3.0 * tolerance * np.abs(right_q).max()
     assert np.abs(v - right_v).max() < 3.0 * 36.0 * tolerance * np.abs(right_v).max()
 
@@ -140,7 +141,7 @@ def test_a_fast_swing_is_read_as_accurately_as_it_is_stepped() -> None:
     for options in ({"method": "exact", "tolerance": 1e-12}, {"tolerance": 1e-8}):
         columns = [np.zeros((1, len(times))) for _ in range(2)]
         integrator = Integrator(system, **options)  # type: ignore[arg-type]
-        assert integrator.run(array("d", times), *(c.reshape(-1) for c in columns)) == 0
+        assert Filling(integrator, array("d", times), *(c.reshape(-1) for c in columns)).fill() == 0
         runs.append(columns[1])
     assert np.abs(runs[1] - runs[0]).max() < 3e-8 * np.abs(runs[0]).max()
 
@@ -230,7 +231,7 @@ def test_the_zero_of_the_road_does_not_matter(height: float, tolerance: float) -
     integrator = Integrator(higher, tolerance=tolerance)
     integrator.set_state([height, height], [0.0, 0.0])
     found = np.zeros_like(truth)
-    assert integrator.run(array("d", times), found.reshape(-1)) == 0
+    assert Filling(integrator, array("d", times), found.reshape(-1)).fill() == 0
     assert np.abs(found - height - truth).max() < 3.0 * tolerance * np.abs(truth).max()
 
 
@@ -264,7 +265,7 @@ def test_no_digits_are_lost_high_above_the_zero_of_the_road(name: str) -> None:
         found = np.zeros((n, len(times)))
         integrator = Integrator(chosen)
         integrator.set_state([x + rise for x in start], [0.0] * n)
-        assert integrator.run(times, found.reshape(-1)) == 0
+        assert Filling(integrator, times, found.reshape(-1)).fill() == 0
         ends.append(found - rise)
         steps.append(integrator.step_count)
     assert np.abs(ends[1] - ends[0]).max() < 1e-7 * np.abs(ends[0] - ends[0][:, :1]).max() + 1e-12

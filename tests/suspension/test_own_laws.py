@@ -11,7 +11,7 @@ import pytest
 from phaseplane.suspension import characteristics
 from phaseplane.suspension.characteristics import Characteristic, function, power
 from phaseplane.suspension.checking import check_characteristic, check_system
-from phaseplane.suspension.engine import FAILURES, Integrator, RunQueue
+from phaseplane.suspension.engine import FAILURES, Filling, Integrator, RunQueue
 from phaseplane.suspension.signals import Segment, Signal
 from phaseplane.suspension.systems import Element, Load, System
 from scipy.special import beta
@@ -102,7 +102,7 @@ def test_what_a_function_raises_is_raised_by_the_run() -> None:
         integrator.advance(3.0)
     times, out = array("d", [0.0, 3.0]), array("d", [0.0, 0.0])
     with pytest.raises(ValueError, match="no force is known"):
-        started(spring(function(broken, lambda x: 1.0)), 1.0, 0.0).run(times, out)
+        Filling(started(spring(function(broken, lambda x: 1.0)), 1.0, 0.0), times, out).fill()
 
 
 def test_a_derivative_that_is_wrong_is_found() -> None:
@@ -128,8 +128,7 @@ def test_runs_in_one_go_have_their_own_functions() -> None:
     masses = [1.0, 2.0, 0.5]
     times = array("d", [0.1 * k for k in range(21)])
     out = array("d", [0.0]) * (len(masses) * len(times))
-    integrator.prepare(len(masses), times, out)
-    rows = RunQueue(integrator, False)
+    rows = RunQueue(Filling(integrator, times, out, runs=len(masses)), False)
     row = array("d")
     for mass in masses:
         assert integrator.fits(car(mass, law))
@@ -140,7 +139,7 @@ def test_runs_in_one_go_have_their_own_functions() -> None:
         alone = Integrator(car(mass, law), energy=False)
         alone.set_state([0.7], [0.0])
         single = array("d", [0.0]) * len(times)
-        assert alone.run(times, single) == 0
+        assert Filling(alone, times, single).fill() == 0
         assert out[k * len(times) : (k + 1) * len(times)] == single
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from phaseplane.suspension.engine import FAILURES, Integrator
+from phaseplane.suspension.engine import FAILURES, Filling, Integrator
 from phaseplane.suspension.models import build
 
 STOPS = {
@@ -30,9 +30,9 @@ def test_a_run_fills_arrays_with_what_is_read_instant_by_instant(model: str) -> 
     system, times = build(model, {}), np.linspace(0.0, 0.5, 101)
     n = len(system.coordinates)
     q, v, a = (np.full(n * len(times), np.nan) for _ in range(3))
-    integrator = Integrator(system, energy=False)
-    assert integrator.run(times, q, v, a) == 0
-    assert integrator.filled == len(times)
+    filling = Filling(Integrator(system, energy=False), times, q, v, a)
+    assert filling.fill() == 0
+    assert filling.filled == len(times)
     slowly = Integrator(system)
     for k, t in enumerate(times):
         assert slowly.advance(t) == 0
@@ -42,17 +42,18 @@ def test_a_run_fills_arrays_with_what_is_read_instant_by_instant(model: str) -> 
         assert list(v[here]) == list(slowly.sample_v)
         assert list(a[here]) == list(slowly.sample_a)
     alone = np.zeros_like(q)
-    assert Integrator(system).run(times, alone) == 0
+    assert Filling(Integrator(system), times, alone).fill() == 0
     assert np.array_equal(alone, q)
     with pytest.raises(ValueError, match="it needs at least"):
-        integrator.run(times, q[:-1])
+        Filling(slowly, times, q[:-1])
 
 
 def test_a_run_that_fails_keeps_what_it_has() -> None:
     integrator = Integrator(build("QuarterCar", {"spring.cubic": -1e9, "road.height": 0.3}))
     times = np.linspace(0.0, 1.0, 101)
     q = np.full((2, 101), np.nan)
-    assert integrator.run(times, q.reshape(-1)) in FAILURES
-    assert 0 < integrator.filled < 101
-    assert np.all(np.isfinite(q[:, : integrator.filled]))
-    assert np.all(np.isnan(q[:, integrator.filled :]))
+    filling = Filling(integrator, times, q.reshape(-1))
+    assert filling.fill() in FAILURES
+    assert 0 < filling.filled < 101
+    assert np.all(np.isfinite(q[:, : filling.filled]))
+    assert np.all(np.isnan(q[:, filling.filled :]))

@@ -20,7 +20,7 @@ from phaseplane.scenarios.measures.linearised import linearised
 from phaseplane.scenarios.measures.modal_planes import modal_planes
 from phaseplane.suspension import characteristics, roads, system_file
 from phaseplane.suspension.checking import check_system
-from phaseplane.suspension.engine import Integrator, RunQueue
+from phaseplane.suspension.engine import Filling, Integrator, RunQueue
 from phaseplane.suspension.equilibrium import static_equilibrium
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
@@ -226,8 +226,7 @@ def test_batches_vary_the_spring_and_the_damper() -> None:
     integrator = Integrator(varied[0])
     assert all(map(integrator.fits, varied))
     found = np.empty((len(varied), 1, len(times)))
-    integrator.prepare(len(varied), times, found.reshape(-1))
-    queue = RunQueue(integrator, False)
+    queue = RunQueue(Filling(integrator, times, found.reshape(-1), runs=len(varied)), False)
     numbers = array("d")
     for system in varied:
         integrator.add_row(numbers, system, *([x] for x in START))

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from phaseplane.suspension import characteristics, engine
-from phaseplane.suspension.engine import FAILURES, Integrator
+from phaseplane.suspension.engine import FAILURES, Filling, Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.systems import Element, System
@@ -275,9 +275,9 @@ def test_what_would_take_for_ever_is_refused_soon() -> None:
     assert FAILURES[status].startswith("the run needs more than 30 million steps")
     assert integrator.step_count < 250_000
     again = Integrator(car(**parameters), energy=False)
-    filled = array("d", bytes(2 * 8 * 2))
-    assert again.run(array("d", [0.0, 0.5]), filled) == status
-    assert again.filled == 1
+    filling = Filling(again, array("d", [0.0, 0.5]), array("d", bytes(2 * 8 * 2)))
+    assert filling.fill() == status
+    assert filling.filled == 1
 
 
 def test_a_body_of_a_milligram_on_a_damper_is_stepped_right() -> None:

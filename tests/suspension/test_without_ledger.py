@@ -6,7 +6,7 @@ from array import array
 
 import numpy as np
 import pytest
-from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.engine import Filling, Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import System
 
@@ -73,7 +73,10 @@ def test_a_whole_run_is_the_same() -> None:
     system = build("QuarterCar", BUSY)
     times = array("d", np.linspace(0.0, 1.0, 333))
     columns = np.empty((2, len(times)))
-    assert Integrator(system, "mean", STEP, energy=False).run(times, columns.reshape(-1)) == 0
+    assert (
+        Filling(Integrator(system, "mean", STEP, energy=False), times, columns.reshape(-1)).fill()
+        == 0
+    )
     integrator = Integrator(system, "mean", STEP, energy=False)
     for t, row in zip(times, columns.T, strict=True):
         integrator.advance(t)

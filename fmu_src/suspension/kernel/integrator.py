@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 import cython
 
 from .account import Account
-from .arrays import Lent, Memory
+from .arrays import Memory
 from .contacts import Contacts
 from .elements import KINDS
+from .filling import Filling
 from .handover import Handover
 from .language import Doubles, Integers, PyErr_CheckSignals, Size, open_to_python, uses_python
 from .layout import BRANCHES, CONTACT, SPRING
@@ -35,6 +36,7 @@ __all__ = [
     "METHODS",
     "Account",
     "Contacts",
+    "Filling",
     "Integrator",
     "Lines",
     "Method",
@@ -102,9 +104,6 @@ class Integrator(TimeLoop):
         # called with the present time at each pause of a long run; returns whether to continue
         self.going_on = None
         self.state_size: Size = len(self.state.content())
-        # not prepared to fill arrays
-        self.count: Size = 0
-        self.places: Size = 0
 
     def set_state(self, displacements, velocities):
         """Start from given displacements (m) and velocities (m/s), at the present time.
@@ -195,11 +194,11 @@ class Integrator(TimeLoop):
 
         `interval` is the time since the last sample, s, in which the signal has moved to its new value.
         """
-        before = self._energy_now()
+        before = self.transitions.energy()
         before -= self.state.exchange
         for r in range(self.net.rows):
             self.rate_before[r] = self.net.row_v[r]
-        self._remember_branches()
+        self.transitions.remember()
         jump = self.net.replace_signal(signal, self.state.time, coefficients)
         if self.net.is_road[signal]:  # a load moves no element, not even one that is on a corner
             if jumps and jump != 0.0:
@@ -209,15 +208,15 @@ class Integrator(TimeLoop):
                 self.net.impulse(signal, jump, interval, self.rate_before, self.motion.v)
             self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
         if jumps:  # at the start the road has always been there: no contact has begun or ended
-            self._book_contacts()
-        self._note_changes()
+            self.transitions.book_contacts()
+        self.transitions.note()
         if not jumps:  # an element at rest can slip only the way that all loads together push it
             self.net.follow_slips(self.state.time, self.motion.q, self.motion.v)
         self._enter_branches()
         if not jumps:
             self._break_loose()
         if jump != 0.0:
-            change = self._energy_now()
+            change = self.transitions.energy()
             change = change - self.state.exchange - before
             if jumps:
                 self.ledger.bring_in(signal, change + self._lost(signal, jump, interval))
@@ -253,29 +252,29 @@ class Integrator(TimeLoop):
         -------
         0, or the key in `outcomes.FAILURES` of the reason why the run ended early.
         """
-        self._look_at_pace()
+        self.look_at_pace()
         while True:
             with cython.nogil:
-                status = self._advance(until, stop)
+                status = self.step_until(until, stop)
             if status != PAUSED:
-                self._raise_failure(status)
+                self.raise_failure(status)
                 return status
-            status = self._reason_to_end(until)
+            status = self.reason_to_end(until)
             if status != 0:
                 return status
 
-    def _raise_failure(self, status):
+    def raise_failure(self, status):
         """Raise the exception that a function of an element has raised, if it has ended the run."""
         failure, self.net.failure = self.net.failure, None
         if status != 0 and failure is not None:
             raise failure
 
-    def _look_at_pace(self) -> None:
+    def look_at_pace(self) -> None:
         """Start measuring the pace of the run."""
         self.begun, self.started = self.state.step_count, self.state.time
 
     @uses_python
-    def _reason_to_end(self, until: float) -> int:
+    def reason_to_end(self, until: float) -> int:
         """Between parts of a long run, move switches to the log and let an interrupt end the run.
 
         Return 0, or the key in `outcomes.FAILURES` of a reason to end it: `going_on` returns false, or
@@ -295,133 +294,8 @@ class Integrator(TimeLoop):
         if taken >= _ENOUGH_STEPS:
             if taken * (until - self.state.time) > _MOST_STEPS * (self.state.time - self.started):
                 return False
-            self._look_at_pace()
+            self.look_at_pace()
         return True
-
-    def run(self, times, displacements, velocities=None, accelerations=None, forces=None):
-        """Step over a whole run and fill arrays, without Python between the instants.
-
-        See `prepare` for the arguments.
-
-        Returns
-        -------
-        0, or the key in `outcomes.FAILURES` of the reason why the run ended early; `filled` instants are
-        valid.
-
-        Raises
-        ------
-        ValueError : if an array is too short.
-        Exception : any that a function of an element has raised.
-        """
-        self.prepare(1, times, displacements, velocities, accelerations, forces)
-        status = self.fill(len(times))
-        self.count = self.places = 0
-        self.lent = []
-        self._raise_failure(status)
-        return status
-
-    @open_to_python
-    @uses_python
-    def fill(self, last: Size) -> int:
-        """Step over the next prepared instants, up to number `last`, and fill the arrays of one run.
-
-        Returns
-        -------
-        0, or the key in `outcomes.FAILURES` of the reason why the run ended early.
-        """
-        self.last = last
-        self._look_at_pace()
-        while True:
-            with cython.nogil:
-                status = self._run(0)
-            if status != PAUSED:
-                return status
-            status = self._reason_to_end(self.instants[last - 1])
-            if status != 0:
-                return status
-
-    def prepare(
-        self,
-        runs,
-        times,
-        displacements,
-        velocities=None,
-        accelerations=None,
-        forces=None,
-        residuals=None,
-    ):
-        """Set the arrays that the next runs fill, one after the other.
-
-        Parameters
-        ----------
-        runs : number of runs that fit into the arrays
-        times : s, ascending, none before the last step; like the others, an array of doubles
-        displacements : m, of the first coordinate at all instants, then of the second and so on; then
-            the same for the next run
-        velocities, accelerations : in the same order, m/s and m/s^2; None to omit them
-        forces : N, of each element; with them the accelerations are those of the equation of motion, as
-            in `sample_forces`
-        residuals : of the energy balance, J, of an integrator that keeps the ledger
-
-        Raises
-        ------
-        ValueError : if an array is too short.
-        """
-        self.count = self.places = 0  # until all arrays have been checked
-        count = len(times)
-        for out in (displacements, velocities, accelerations):
-            self._check_room(out, runs * count * self.net.series.outer)
-        self._check_room(forces, runs * count * self.net.elements)
-        self._check_room(residuals, runs * count)
-        self.want_v, self.want_a = velocities is not None, accelerations is not None
-        self.want_f, self.want_r = forces is not None, residuals is not None
-        t, q, f = Lent(times), Lent(displacements), Lent(forces)
-        v, a, r = Lent(velocities), Lent(accelerations), Lent(residuals)
-        self.instants, self.out_q, self.out_f = t.numbers, q.numbers, f.numbers
-        self.out_v, self.out_a, self.out_r = v.numbers, a.numbers, r.numbers
-        self.lent = [t, q, v, a, f, r]
-        self.count, self.last, self.places = count, count, runs
-        self.filled = 0
-        self.next_mark: Size = -1
-
-    def _check_room(self, out, numbers):
-        if out is not None and len(out) < numbers:
-            raise ValueError(f"an array has {len(out)} numbers; it needs at least {numbers}")
-
-    def _run(self, place: Size) -> int:
-        """Step over the instants and fill the part of the arrays that belongs to one run."""
-        before = place * self.count
-        while self.filled < self.last:
-            if self.filled == self.next_mark:
-                return PAUSED
-            t = self.instants[self.filled]
-            status = self._advance(t, False)
-            if status != 0:
-                return status
-            if self.want_r:
-                self.out_r[before + self.filled] = self.residual_at(t)
-            n = self.net.series.outer
-            at = before * n + self.filled
-            if not (self.want_v or self.want_a or self.want_f):
-                self.dense.read_values(t, self.state.datum, self.out_q, at, self.count, n)
-                self.filled += 1
-                continue
-            self.sample(t)
-            if self.want_f:
-                self.sample_forces(t)
-                force_at = before * self.net.elements + self.filled
-                for i in range(self.net.elements):
-                    self.out_f[force_at + i * self.count] = self.reading.f[i]
-            for i in range(n):
-                self.out_q[at + i * self.count] = self.reading.q[i]
-            if self.want_v:
-                for i in range(n):
-                    self.out_v[at + i * self.count] = self.reading.v[i]
-            if self.want_a:
-                for i in range(n):
-                    self.out_a[at + i * self.count] = self.reading.a[i]
-            self.filled += 1
-        return 0
 
     @property
     def log(self):

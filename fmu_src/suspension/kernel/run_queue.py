@@ -12,7 +12,7 @@ from .outcomes import NO_MASS, PAUSED
 from .switch_log import CAPACITY
 
 if TYPE_CHECKING:
-    from .integrator import Integrator
+    from .filling import Filling
 
 
 class RunQueue:
@@ -22,7 +22,7 @@ class RunQueue:
 
     Parameters
     ----------
-    integrator : prepared for the number of runs in one batch
+    filling : the arrays that the runs of one batch fill
     logs : whether to log the switches of all runs of a batch
     every : instants from one mark of a run to the next, from which it can be resumed; 0 for no marks
 
@@ -33,9 +33,10 @@ class RunQueue:
 
     marks: list[list[tuple[float, bytes]]]
 
-    def __init__(self, integrator: Integrator, logs: bool, every: Size = 0):
-        self.integrator, self.logs, self.every = integrator, logs, every
-        most = self.most = self.integrator.places
+    def __init__(self, filling: Filling, logs: bool, every: Size = 0):
+        self.filling, self.logs, self.every = filling, logs, every
+        self.integrator = self.filling.integrator
+        most = self.most = self.filling.runs
         self.width = 1 + 2 * self.integrator.net.series.outer + self.integrator.net.size
         self.contacts = self.integrator.limited.count
         self.memory = memory = Memory()
@@ -66,8 +67,8 @@ class RunQueue:
     def go(self, first: Size, last: Size) -> list[tuple[int, int, float, int, int]]:
         """Make the runs from `first` up to `last`, or as many of them as fit; at least one.
 
-        At most as many fit as the integrator is prepared for; with a log, the next run starts only while
-        three quarters of the log are empty.
+        At most as many fit as into the arrays; with a log, the next run starts only while three quarters
+        of the log are empty.
 
         Returns
         -------
@@ -76,13 +77,11 @@ class RunQueue:
 
         Raises
         ------
-        ValueError : if the integrator is not prepared, or rows for these runs are missing.
+        ValueError : if rows for these runs are missing.
         """
-        one = self.integrator
-        if one.count == 0 or one.places < self.most or not 0 <= first < last <= self.rows:
-            raise ValueError(
-                f"runs {first} to {last} of {self.rows}: no such rows, or the integrator is not prepared"
-            )
+        one, filling = self.integrator, self.filling
+        if not 0 <= first < last <= self.rows:
+            raise ValueError(f"runs {first} to {last} of {self.rows}: no such rows")
         one.take_log()
         self.first = first
         self.wanted: Size = min(last - first, self.most)
@@ -94,14 +93,14 @@ class RunQueue:
                 paused = self._go()
             if not paused:
                 break
-            if one.filled == one.next_mark:
+            if filling.filled == filling.next_mark:
                 self.marks[self.made].append((one.state.time, one.snapshot()))
-                one.next_mark += self.every
+                filling.next_mark += self.every
                 continue
-            status = one._reason_to_end(one.instants[one.count - 1])
+            status = one.reason_to_end(filling.instants[filling.count - 1])
             if status != 0:
                 self._end(status)
-        one._raise_failure(max([self.status[k] for k in range(self.made)]))
+        one.raise_failure(max([self.status[k] for k in range(self.made)]))
         return [
             (self.status[k], self.filled[k], self.time[k], self.steps[k], self.log_end[k])
             for k in range(self.made)
@@ -131,7 +130,7 @@ class RunQueue:
                     return False
                 status = self._begin()
             if status == 0:
-                status = self.integrator._run(self.made)
+                status = self.filling.go_on(self.made)
             if status == PAUSED:
                 return True
             self._end(status)
@@ -140,21 +139,23 @@ class RunQueue:
     def _begin(self) -> int:
         at = (self.first + self.made) * self.width
         status = self.integrator.begin_row(self.numbers, at, self.start)
-        self.integrator._look_at_pace()
-        self.integrator.next_mark = 0 if self.every > 0 else -1
+        self.integrator.look_at_pace()
+        self.filling.begin()
+        if self.every > 0:
+            self.filling.next_mark = 0
         self.underway = True
         return NO_MASS if status != 0 else 0
 
     def _end(self, status: int) -> None:
         """Store how the present run has ended."""
         k = self.made
-        self.status[k], self.filled[k] = status, self.integrator.filled
+        self.status[k], self.filled[k] = status, self.filling.filled
         self.time[k], self.steps[k] = self.integrator.state.time, self.integrator.state.step_count
         self.log_end[k] = self.integrator.noted.flushed + self.integrator.noted.count
         for i in range(self.integrator.limited.count):
             self.limited[k * self.contacts + i] = self.integrator.limited_time_at(
                 self.integrator.limited.element[i],
-                self.integrator.instants[self.integrator.count - 1],
+                self.filling.instants[self.filling.count - 1],
             )
         self.made += 1
         self.underway = False

@@ -12,8 +12,9 @@ import cython
 
 from .dense import Dense
 from .knots import Knots
+from .landing import Landing
 from .language import inline
-from .layout import BRANCHES, CONTACT, FRICTION
+from .layout import FRICTION
 from .ledger import Ledger
 from .limited import Limited
 from .methods import METHODS
@@ -35,10 +36,11 @@ from .stability import POLICIES, StabilityMonitor
 from .stepper import Stepper
 from .switch_log import SwitchLog
 from .switches import Switches
+from .transitions import Transitions
 from .trial import Trial
 
 if TYPE_CHECKING:
-    from .language import Doubles, Size
+    from .language import Doubles
 
 if not cython.compiled:
     from math import fabs, sqrt
@@ -57,20 +59,15 @@ _FAR = 1e8  # m, or times the scale of the run: a larger motion has diverged
 _RUNAWAY = 1e4  # times that scale: a larger motion has diverged if steps vanish, too
 _DECAY_PHASE = 1.0  # of the fastest motion in a step after a switch, where it may decay
 _FIRST_PHASE = 0.25  # phase of the fastest mode in the first step
-_SHORT_PHASE = 1e-4  # phase of the fastest motion up to which its Taylor series replaces a step
-_SIMULTANEOUS = 1e-6  # of a step: switches that are closer may be exchanged
+_OVERRUN_PHASE = 1e-4  # of the fastest motion: the length of a step beyond such a point
 _KNOTS = 4  # attempts to end a step on its first knot
 _AFTER_KNOT = 0.85  # least part of the step proposed before one that a point shortens, for the next
-# of an attempt: this close to its end, its septic is far more accurate than halfway
-_NEAR_END = 0.005
-_NEAR_PHASE = 0.05  # of the fastest motion: the same, in long steps
 
 
 class TimeLoop:
     """Step one system; see `integrator.Integrator` for the parameters."""
 
     halts: int
-    filled: Size
 
     def __init__(
         self,
@@ -122,19 +119,20 @@ class TimeLoop:
         )
         self.ledger = Ledger(self.stepper.balance, self.stepper.rows, self.dense)
         self.fixed_step = step
-        self.landing, self.energy = landing, energy
+        self.ends_on_switches, self.energy = landing, energy
         self.halts = 0  # set by a host that must see every switch, or every step
         self.stepper.errors.controlled = self.method.controls and step == 0.0
         self.stepper.errors.full_growth_error = (0.9 / 4.0) ** (order + 1)
-        # an attempt in which a switch is located
-        self.whole = Dense(memory, memory, self.motion, False, False)
+        self.landing = Landing(self.switches, memory)
         # the result at the last sampled instant
         self.reading = Reading(self.net)
         self.limited = Limited(
             self.net, [e for e, element in enumerate(system.elements) if element.limit < 1e300]
         )
         self.noted = SwitchLog(memory)
-        self.branch_before = memory.marks(BRANCHES * self.net.elements)
+        self.transitions = Transitions(
+            memory, self.net, self.motion, self.ledger, self.limited, self.noted
+        )
         self._stand_still(start, max(system.scales))
         self._begin()
         self.net.place_moving()
@@ -186,7 +184,7 @@ class TimeLoop:
         tolerance, but the log continues. Return 1 if the mass matrix is not positive definite.
         """
         self.noted.begin_row()
-        self.filled = self.state.step_count = 0
+        self.state.step_count = 0
         self.state.time = start
         if self.net.enter_system(x, at + 1 + 2 * self.net.series.outer) != 0:
             return 1
@@ -212,7 +210,7 @@ class TimeLoop:
 
     def _stand_still(self, time: float, reach: float) -> None:
         """Reset to rest in equilibrium."""
-        self.filled = self.since_pause = 0
+        self.since_pause = 0
         self.state.stand_still(time, reach)
         self.limited.start()
         self.net.forget()
@@ -266,8 +264,11 @@ class TimeLoop:
             self.ledger.enter()
         self.state.entered = True
 
-    @inline
-    def _advance(self, until: float, stop: bool) -> int:
+    def step_until(self, until: float, stop: bool) -> int:
+        """Step until `until` is reached or passed, or exactly to it if `stop`.
+
+        Return 0, `PAUSED`, `HALTED`, or the key in `outcomes.FAILURES` of the reason why the run ended.
+        """
         while self.state.time < until:
             events = self.noted.count
             if self.noted.is_half_full() or self.since_pause >= _PAUSE:
@@ -308,7 +309,7 @@ class TimeLoop:
         self.state.overruns += 1
         joint = self.trial.joint
         end = min(joint, latest)
-        h = _SHORT_PHASE / (self.stepper.modes.quickest + 1.0)
+        h = _OVERRUN_PHASE / (self.stepper.modes.quickest + 1.0)
         if self.state.overruns > _OVERRUNS:
             return NO_TIME_PASSES
         to_end = self.state.time + h >= end
@@ -319,54 +320,12 @@ class TimeLoop:
             return status
         self._accept(h, end if to_end else self.state.time + h)
         if to_end and end == joint:
-            self._pass_joint()
-        before = self._energy_now()
-        self._relocate(True)
+            self.transitions.pass_joint()
+        before = self.transitions.energy()
+        self.transitions.relocate(True)
         self.state.exchange += self.net.energy(self.motion.v) - before
         self._enter_branches()
         return 0
-
-    def _energy_now(self) -> float:
-        """Return kinetic energy and the energy stored in the elements, in the present branches."""
-        self.net.all_signals(self.state.time)
-        self.net.row_states(self.motion.q, self.motion.v)
-        return self.net.energy(self.motion.v)
-
-    def _relocate(self, flows: bool) -> None:
-        """Choose the branches from the state, with those of flow if `flows`; log the changes."""
-        self._remember_branches()
-        if flows:
-            self.net.follow(self.state.time, self.motion.q, self.motion.v)
-        else:
-            self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
-        self._note_changes()
-
-    def _remember_branches(self) -> None:
-        """Store the branches before new ones are chosen."""
-        self._leave_step()
-        for i in range(BRANCHES * self.net.elements):
-            self.branch_before[i] = self.net.branch[i]
-
-    def _book_contacts(self) -> None:
-        """Book the exchange of tyres that have just left or met the road, which is not work of a road."""
-        for k in range(self.limited.count):
-            e = self.limited.element[k]
-            if (
-                self.net.branch[BRANCHES * e + CONTACT]
-                != self.branch_before[BRANCHES * e + CONTACT]
-            ):
-                self.net.book_exchange(e, self.state.time, self.motion.q, self.motion.v)
-
-    def _note_changes(self) -> None:
-        for i in range(BRANCHES * self.net.elements):
-            if self.net.branch[i] != self.branch_before[i]:
-                self.noted.note(
-                    self.state.time,
-                    i // BRANCHES,
-                    i % BRANCHES,
-                    self.branch_before[i],
-                    self.net.branch[i],
-                )
 
     def _resume(self, content: bytes) -> None:
         """Continue from an earlier content of the state."""
@@ -463,14 +422,17 @@ class TimeLoop:
         if self.stepper.errors.controlled and self._shortens():
             return _AGAIN
         if self.trial.on_knot and not self.trial.to_end:
-            h = self._meet_knot(self.trial.length, self.trial.end)
-            self.trial.length = h
-        at = self.switches.first(self.state.time, self.trial.length) if self.landing else 2.0
+            self._meet_knot()
+        at = 2.0
+        if self.ends_on_switches:
+            at = self.switches.first(self.state.time, self.trial.length)
         if at == 0.0:
             if self.trial.flips < _FLIPS:
                 # the branch is left at once: it was on the wrong side of its bound
                 self.trial.flips += 1
-                self._switch(self.switches.element, self.switches.kind, self.switches.side)
+                self.transitions.switch(
+                    self.switches.element, self.switches.kind, self.switches.side
+                )
                 self._enter_branches()
                 return _AGAIN
             if self.stepper.errors.controlled:
@@ -478,6 +440,14 @@ class TimeLoop:
             self.state.overruns += 1
         self._look_ahead()
         return self._end_on_switch() if 0.0 < at <= 1.0 else REACHED
+
+    def _meet_knot(self) -> None:
+        """Continue an attempt that ends just before a point of a smooth table to that, if possible."""
+        h = self.trial.length
+        step = self.knots.met(h)
+        if step != h and self.state.time + step < self.trial.end:
+            self.landing.continue_to(step, h)
+            self.trial.length = step
 
     def _shortens(self) -> bool:
         """Shorten the step to a point of a smooth table, or for its error, and return whether it is."""
@@ -508,10 +478,11 @@ class TimeLoop:
 
     def _end_on_switch(self) -> int:
         """End the step on the switch found; return the same as `_try`."""
-        status = self._land(self.trial.length)
+        status = self.landing.end_on_switch(self.trial.length)
         if status != 0:
             self.trial.length *= 0.25
             return status if self.trial.length < 1e-14 else _AGAIN
+        self.trial.length = self.landing.length
         if self.stepper.errors.controlled and self.stepper.balance.bends.count:
             excess = self.stepper.errors.of_reading(self.trial.length)
             if excess > self.method.most_error:  # it is proportional to the square of the length
@@ -534,12 +505,12 @@ class TimeLoop:
         )
         self.switches.carry_on()
         if self.trial.lands:
-            self._switch(self.switches.element, self.switches.kind, self.switches.side)
+            self.transitions.switch(self.switches.element, self.switches.kind, self.switches.side)
         if self.trial.to_end and self.trial.end == self.trial.joint:
-            self._pass_joint()
-        if not self.landing:
-            self._relocate(True)
-        if self.trial.lands or self.trial.to_end or not self.landing:
+            self.transitions.pass_joint()
+        if not self.ends_on_switches:
+            self.transitions.relocate(True)
+        if self.trial.lands or self.trial.to_end or not self.ends_on_switches:
             self._enter_branches()
         elif self.stepper.balance.bends.count:
             self.stepper.modes.follow()
@@ -554,38 +525,6 @@ class TimeLoop:
     @inline
     def _has_diverged(self) -> bool:
         return not self.state.reach < _FAR * max(self.state.scale, 1.0)
-
-    def _pass_joint(self) -> None:
-        """Enter the next segments of signals; the effect of a jump of a road is work of that road."""
-        self._leave_step()
-        before = self._energy_now() - self.state.exchange
-        jumped = False
-        for s in range(self.net.signals):
-            jump = self.net.enter_segment(s, self.state.time)
-            if jump != 0.0:
-                jumped = True
-                self.net.kerb(s, jump, self.motion.v)
-                self._relocate(False)
-                self._book_contacts()
-                now = self._energy_now() - self.state.exchange
-                self.ledger.bring_in(s, now - before)
-                before = now
-        if not jumped:
-            self._remember_branches()
-            self.net.follow_slips(self.state.time, self.motion.q, self.motion.v)
-            self._note_changes()
-
-    def _meet_knot(self, h: float, end: float) -> float:
-        """End an attempt that ends close to a point of a smooth table on it; return its length.
-
-        The attempt's septic is continued to the point, if that is accurate enough.
-        """
-        step = self.knots.met(h)
-        if step == h or self.state.time + step >= end:
-            return h
-        self._keep_attempt(h)
-        self.stepper.stop_within(self.state.time + step, self.whole)
-        return step
 
     @inline
     def _accept(self, h: float, t: float) -> None:
@@ -610,79 +549,3 @@ class TimeLoop:
         if self.energy:
             self.ledger.book()
             self.ledger.strike_balance(self.motion.q, self.motion.v)
-
-    def _land(self, h: float) -> int:
-        """End the attempt on the switch found, by Newton's method, finally along the Taylor series.
-
-        Under error control the state is read from the septic through the ends of the attempt, if that is
-        accurate enough. Otherwise the step is repeated; as short steps are more accurate, it may then not
-        reach the bound, or only after another switch, and is accepted without a switch at its end. A step
-        that is shortened because a gap opens in it has no switch at its end, either.
-        """
-        step = self.switches.at * h
-        near = h  # how far from the switch expected the stored attempt may be read
-        if self._reads() and self.stepper.errors.can_read(self.switches.at, h):
-            self._keep_attempt(h)
-            self.stepper.stop_within(self.state.time + step, self.whole)
-            status = 0
-        else:
-            status = self.stepper.attempt(self.state.time, step)
-            near = self._keep_near(step)
-        self.switches.recedes = False
-        latest = h * min(1.0, self.switches.next + _SIMULTANEOUS)
-        best = 1e300
-        for _iteration in range(0 if self.switches.only_opens else 8):
-            if status != 0:
-                return status
-            late = self.switches.lateness(self.state.time + step)
-            if self.switches.recedes:
-                break
-            new = step - late
-            if late == 0.0 or self.switches.miss >= best or new <= 0.0:
-                break
-            if new > latest:
-                self.switches.recedes = True
-                break
-            if self.state.time + new == self.state.time + step:
-                break
-            best = self.switches.miss
-            if fabs(late) * self.stepper.modes.quickest < _SHORT_PHASE:
-                self.stepper.shift_end(self.state.time + new, -late)
-            elif fabs(late) < near:
-                self.stepper.stop_within(self.state.time + new, self.whole)
-            else:
-                status = self.stepper.attempt(self.state.time, new)
-                near = self._keep_near(new)
-            step = new
-        if status == 0:
-            self.trial.length = step
-        return status
-
-    def _reads(self) -> bool:
-        """Return whether the state at a switch may be read from an attempt."""
-        return self.stepper.errors.controlled and not self.method.exact
-
-    def _keep_near(self, h: float) -> float:
-        """Store the attempt just made; return how far from its end it may be read."""
-        if self.net.stuck or not self._reads():
-            return 0.0
-        self._keep_attempt(h)
-        return min(_NEAR_END * h, _NEAR_PHASE / (self.stepper.modes.quickest + 1.0))
-
-    def _keep_attempt(self, h: float) -> None:
-        self.whole.take_attempt(self.state.time, self.state.time + h, self.motion.j, self.motion.jb)
-
-    def _switch(self, e: int, kind: int, side: int) -> None:
-        """Move element e to the neighbouring branch at the present time, and log the switch."""
-        self._leave_step()
-        before = self.net.branch[BRANCHES * e + kind]
-        new = self.net.enter(e, kind, side, self.state.time, self.motion.q, self.motion.v)
-        if self.net.yields[e] and kind < CONTACT:
-            before = new - side  # a change of sign of the rate ends the flow of the spring
-        self.noted.note(self.state.time, e, kind, before, new)
-
-    def _leave_step(self) -> None:
-        """Store the branches of the step that ends here before they change."""
-        if self.state.in_step:
-            self.net.keep_branches()
-            self.state.in_step = False

@@ -19,7 +19,7 @@ from phaseplane.vehicle_fmus.native.kernel_sources import (
 from phaseplane.vehicle_fmus.native.structure import specialised
 from phaseplane.vehicle_fmus.native.translate import check, needed, number, translated
 
-ROOTS = [("Integrator", name) for name in ("begin_row", "_advance", "sample", "sample_forces")]
+ROOTS = [("Integrator", name) for name in ("begin_row", "step_until", "sample", "sample_forces")]
 MAIN = """
 static Memory memory;
 static double row[] = {%s};
@@ -29,7 +29,7 @@ int go(const double *times, int count, double *out) {
     memory_make(&memory);
     Integrator_begin_row(one, row, 0, 0.0);
     for (int k = 0; k < count; k++) {
-        while ((status = Integrator__advance(one, times[k], 0)) == PAUSED) {
+        while ((status = Integrator_step_until(one, times[k], 0)) == PAUSED) {
             one->since_pause = one->noted->count = 0;
         }
         if (status) return status;

@@ -259,7 +259,7 @@ static int step(Instance *one, double until, int stop) {
     int status;
     integrator->halts = one->quiet ? 0 : one->update ? AT_STEPS : one->early_return ? AT_SWITCHES : 0;
     for (;;) {
-        status = Integrator__advance(integrator, until, stop);
+        status = Integrator_step_until(integrator, until, stop);
         note_switches(one, one->quiet ? -INFINITY : until);
         if (status == HALTED) status = 0;
         if (status != PAUSED) break;
@@ -295,7 +295,7 @@ static int step(Instance *one, double until, int stop) {
 static void look_at_pace(Instance *one) {
     Integrator *integrator = &one->now.machine.integrator;
     integrator->since_pause = 0;
-    Integrator__look_at_pace(integrator);
+    Integrator_look_at_pace(integrator);
 }
 
 /* Note the state of a machine. */

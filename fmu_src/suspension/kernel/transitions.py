@@ -1,0 +1,113 @@
+"""Changes of branch: found from the state, logged, and booked in the ledger."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .layout import BRANCHES, CONTACT
+
+if TYPE_CHECKING:
+    from .arrays import Memory
+    from .ledger import Ledger
+    from .limited import Limited
+    from .motion import Motion
+    from .network import Network
+    from .switch_log import SwitchLog
+
+
+class Transitions:
+    """Moves elements from one branch to another at the present time.
+
+    Parameters
+    ----------
+    memory : for the branches before a change
+    network, motion : the system and its present motion
+    ledger : of the energies that changes bring in
+    limited : the elements with a limit, which a change may lift or reach
+    noted : the log of switches
+    """
+
+    def __init__(
+        self,
+        memory: Memory,
+        network: Network,
+        motion: Motion,
+        ledger: Ledger,
+        limited: Limited,
+        noted: SwitchLog,
+    ):
+        self.net, self.motion, self.ledger = network, motion, ledger
+        self.limited, self.noted = limited, noted
+        self.state = self.motion.state
+        self.before = memory.marks(BRANCHES * self.net.elements)
+
+    def energy(self) -> float:
+        """Return kinetic energy and the energy stored in the elements, in the present branches."""
+        self.net.all_signals(self.state.time)
+        self.net.row_states(self.motion.q, self.motion.v)
+        return self.net.energy(self.motion.v)
+
+    def switch(self, e: int, kind: int, side: int) -> None:
+        """Move element e to the neighbouring branch, and log that."""
+        self._leave_step()
+        before = self.net.branch[BRANCHES * e + kind]
+        new = self.net.enter(e, kind, side, self.state.time, self.motion.q, self.motion.v)
+        if self.net.yields[e] and kind < CONTACT:
+            before = new - side  # a change of sign of the rate ends the flow of the spring
+        self.noted.note(self.state.time, e, kind, before, new)
+
+    def relocate(self, flows: bool) -> None:
+        """Choose the branches from the state, with those of flow if `flows`; log the changes."""
+        self.remember()
+        if flows:
+            self.net.follow(self.state.time, self.motion.q, self.motion.v)
+        else:
+            self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
+        self.note()
+
+    def remember(self) -> None:
+        """Store the branches before new ones are chosen."""
+        self._leave_step()
+        for i in range(BRANCHES * self.net.elements):
+            self.before[i] = self.net.branch[i]
+
+    def note(self) -> None:
+        """Log the changes since then."""
+        for i in range(BRANCHES * self.net.elements):
+            if self.net.branch[i] != self.before[i]:
+                e, kind = i // BRANCHES, i % BRANCHES
+                self.noted.note(self.state.time, e, kind, self.before[i], self.net.branch[i])
+
+    def book_contacts(self) -> None:
+        """Book the exchange of tyres that have just left or met the road, which is not work of a road."""
+        for k in range(self.limited.count):
+            e = self.limited.element[k]
+            at = BRANCHES * e + CONTACT
+            if self.net.branch[at] != self.before[at]:
+                self.net.book_exchange(e, self.state.time, self.motion.q, self.motion.v)
+
+    def pass_joint(self) -> None:
+        """Enter the next segments of signals; the effect of a jump of a road is work of that road."""
+        self._leave_step()
+        before = self.energy() - self.state.exchange
+        jumped = False
+        for s in range(self.net.signals):
+            jump = self.net.enter_segment(s, self.state.time)
+            if jump != 0.0:
+                jumped = True
+                self.net.kerb(s, jump, self.motion.v)
+                self.relocate(False)
+                self.book_contacts()
+                now = self.energy() - self.state.exchange
+                self.ledger.bring_in(s, now - before)
+                before = now
+        if not jumped:
+            self.remember()
+            self.net.follow_slips(self.state.time, self.motion.q, self.motion.v)
+            self.note()
+
+    def _leave_step(self) -> None:
+        """Store the branches of the step that ends here before they change."""
+        if self.state.in_step:
+            self.net.keep_branches()
+            self.state.in_step = False
