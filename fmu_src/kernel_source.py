@@ -15,6 +15,7 @@ from suspension.kernel_types import (
     Routine,
     assigned,
     declared,
+    has_c_types,
     is_condition,
     modules_in,
     number_in,
@@ -29,7 +30,7 @@ from cpython.bytearray cimport PyByteArray_AsString
 from cpython.exc cimport PyErr_CheckSignals
 from libc.string cimport memcpy"""
 
-MARKS = ("inline", "open_to_python", "takes_gil", "uses_python")
+MARKS = ("inline", "of_python", "open_to_python", "takes_gil", "uses_python")
 
 
 @dataclass(frozen=True)
@@ -154,7 +155,7 @@ class Plain(ast.NodeTransformer):
     def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.FunctionDef:
         self.generic_visit(node)
         for parameter in node.args.args:
-            kept = not node.returns and parameter.annotation
+            kept = not has_c_types(node) and parameter.annotation
             if not (kept and ast.unparse(kept) in self.classes):
                 parameter.annotation = None
         node.returns = None

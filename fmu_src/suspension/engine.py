@@ -20,6 +20,38 @@ from .kernel_name import KERNEL, kernel_name
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from .kernel.integrator import (
+        FAILURES,
+        KINDS,
+        METHODS,
+        Filling,
+        Integrator,
+        Lines,
+        Method,
+        Network,
+        Rest,
+        Run,
+        RunQueue,
+        laws_of,
+    )
+
+__all__ = [
+    "FAILURES",
+    "KINDS",
+    "METHODS",
+    "Filling",
+    "Integrator",
+    "Lines",
+    "Method",
+    "Network",
+    "Rest",
+    "Run",
+    "RunQueue",
+    "compiled",
+    "laws_of",
+    "why_uncompiled",
+]
+
 
 @contextmanager
 def _cython_directives() -> Iterator[None]:
@@ -68,15 +100,4 @@ def _choose() -> tuple[ModuleType, str]:
 
 _integrator, why_uncompiled = _choose()
 compiled: bool = not why_uncompiled
-Integrator = _integrator.Integrator
-Filling = _integrator.Filling
-Lines = _integrator.Lines
-RunQueue = _integrator.RunQueue
-Run = _integrator.Run
-Network = _integrator.Network
-Rest = _integrator.Rest
-laws_of = _integrator.laws_of
-FAILURES: dict[int, str] = _integrator.FAILURES
-KINDS: tuple[str, ...] = _integrator.KINDS
-Method = _integrator.Method
-METHODS: dict[str, type] = _integrator.METHODS
+globals().update({name: x for name, x in vars(_integrator).items() if name in __all__})

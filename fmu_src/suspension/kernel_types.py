@@ -1,9 +1,10 @@
 """The C types of the kernel, which its sources contain as ordinary annotations.
 
-A function or method that names the type of its result has C types; any other is one of Python's. Only
-those that `language.uses_python` marks, or whose types Python's objects are among, need Python. An
-attribute has the type of its annotation or of the first value that its class assigns to it; those
-annotated in the body of the class, with names that do not begin with _, are open to Python.
+A function or method has C types, unless it is a special method, a property, a static method or marked by
+`language.of_python`: these are Python's. Of those with C types, the ones that `language.uses_python`
+marks, or whose types Python's objects are among, need Python. An attribute has the type of its annotation
+or of the first value that its class assigns to it; those annotated in the body of the class, with names
+that do not begin with _, are open to Python.
 """
 
 from __future__ import annotations
@@ -39,7 +40,8 @@ _RESULTS = {"len": "int", "sum": "int", "list": "list"} | dict.fromkeys(
     ("sqrt", "fabs", "exp", "float"), "double"
 )
 _OBJECTS = ("list", "tuple", "bytes", "object")
-_ANY_OBJECT = ("Any", "Callable", "Exception", "str")
+_ANY_OBJECT = ("Any", "Callable", "Exception", "Iterable", "Lendable", "Sequence", "str")
+_OF_PYTHON = {"of_python", "property", "staticmethod"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +134,15 @@ def assigned(node: ast.Assign) -> Iterator[tuple[ast.expr, ast.expr]]:
             yield target, node.value
 
 
+def has_c_types(routine: ast.FunctionDef) -> bool:
+    """Return whether a routine has C types; otherwise it is one of Python's."""
+    return not routine.name.startswith("__") and not _OF_PYTHON & _marks(routine)
+
+
+def _marks(routine: ast.FunctionDef) -> set[str]:
+    return {ast.unparse(mark) for mark in routine.decorator_list}
+
+
 def is_condition(node: ast.expr) -> bool:
     """Return whether an expression is true or false."""
     match node:
@@ -177,14 +188,12 @@ class _Kernel:
         return {
             node.name: self._routine(node)
             for node in nodes
-            if isinstance(node, ast.FunctionDef) and node.returns
+            if isinstance(node, ast.FunctionDef) and has_c_types(node)
         }
 
     def _routine(self, node: ast.FunctionDef) -> Routine:
-        marks = {ast.unparse(mark) for mark in node.decorator_list}
-        parameters = {
-            p.arg: self._annotation(p.annotation) for p in node.args.args if p.arg != "self"
-        }
+        marks = _marks(node)
+        parameters = {name: kind for name, kind in self._given(node).items() if name != "self"}
         returns = self._annotation(node.returns)
         with_gil = "takes_gil" in marks
         objects = any(kind in _OBJECTS for kind in (returns, *parameters.values()))
@@ -200,21 +209,33 @@ class _Kernel:
             inline="inline" in marks,
         )
 
+    def _given(self, routine: ast.FunctionDef) -> dict[str, str]:
+        """Return the types of parameters; in a routine of Python's, what has none is any object."""
+        given = routine.args.args
+        if has_c_types(routine):
+            return {p.arg: self._annotation(p.annotation) for p in given}
+        return {p.arg: self._known(p.annotation) or "object" for p in given}
+
     def _annotation(self, node: ast.expr | None) -> str:
         """Return the type that an annotation names; one without is any object."""
+        kind = self._known(node)
+        if node and not kind:
+            known = ", ".join([*_IN_C, *_OBJECTS, *_ANY_OBJECT])
+            raise ValueError(
+                f"line {node.lineno}: {ast.unparse(node)} is no type of the kernel; "
+                f"use one of its classes, or of {known}"
+            )
+        return kind
+
+    def _known(self, node: ast.expr | None) -> str:
+        """Return the same, empty if it is no type of the kernel."""
         written = ast.unparse(node) if node else "object"
         if written in _IN_C:
             return _IN_C[written]
         kind = written.removesuffix(" | None").partition("[")[0]
         if kind in _OBJECTS or kind in self.classes:
             return kind
-        if kind in _ANY_OBJECT:
-            return "object"
-        known = ", ".join([*_IN_C, *_OBJECTS, *_ANY_OBJECT])
-        line = getattr(node, "lineno", 0)
-        raise ValueError(
-            f"line {line}: {written} is no type of the kernel; use one of its classes, or of {known}"
-        )
+        return "object" if kind in _ANY_OBJECT else ""
 
     def _base(self, node: ast.ClassDef) -> str:
         bases = [ast.unparse(base) for base in node.bases]
@@ -247,8 +268,7 @@ class _Kernel:
             }
             methods = [child for child in node.body if isinstance(child, ast.FunctionDef)]
             for method in sorted(methods, key=lambda method: method.name != "__init__"):
-                names = {p.arg: self._annotation(p.annotation) for p in method.args.args}
-                names["self"] = owner
+                names = {**self._given(method), "self": owner}
                 for target, value in _assignments(method.body):
                     match target:
                         case ast.Attribute(value=ast.Name(id="self"), attr=name):

@@ -428,7 +428,7 @@ class Session:
             name = self._system.elements[element].name
             self.events.append(Event(time, name, KINDS[kind], before, after))
             if element in self._tyre_elements and KINDS[kind] == "contact":
-                self._run.contacts.note(time, element, after)
+                self._run.contacts.note(time, element, after != 0)
             elif name.endswith("stop"):
                 met = (after < before) == name.endswith("bump_stop")
                 self._report("event", f"{name} {'met' if met else 'left'} at {time:.9g} s")

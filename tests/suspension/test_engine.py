@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import ast
-import inspect
 import json
 import os
 import shutil
@@ -15,7 +13,6 @@ import pytest
 from kernels import motion
 from phaseplane.suspension import engine
 from phaseplane.suspension.models import build
-from phaseplane.vehicle_fmus.native.kernel_sources import plain_module
 
 from phaseplane import suspension
 
@@ -138,19 +135,3 @@ def test_roads_of_any_number_of_points_have_room(points: int) -> None:
     table = ", ".join(f"{0.01 * k:.2f}:{0.001 * (k * k % 7)}" for k in range(points))
     system = build("QuarterCar", {"road.shape": "table", "road.table": table, "speed": 3.0})
     motion(system, [0.02, 0.05], [0.001, 0.002])  # compares them
-
-
-def test_the_types_of_the_kernel_are_those_of_its_source() -> None:
-    """What `engine.pyi` declares of each class is there, with the same arguments."""
-    declared = ast.parse(Path(engine.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
-    for kind in (node for node in declared.body if isinstance(node, ast.ClassDef)):
-        made = getattr(plain_module("integrator"), kind.name)
-        methods = [node for node in kind.body if isinstance(node, ast.FunctionDef)]
-        assert methods
-        for method in methods:
-            its = inspect.getattr_static(made, method.name)
-            decorator = type(its).__name__ if isinstance(its, property | staticmethod) else None
-            assert [ast.unparse(d) for d in method.decorator_list] == [decorator] * bool(decorator)
-            function = its.fget if isinstance(its, property) else its
-            names = [argument.arg for argument in method.args.args]
-            assert names == list(inspect.signature(function).parameters), method.name

@@ -80,11 +80,11 @@ def test_what_the_body_of_a_class_annotates_is_open_to_python() -> None:
     assert record.open == {"x"}
 
 
-def test_routines_with_a_result_have_types() -> None:
+def test_routines_have_types() -> None:
     routines = in_one(
         """
 def free(x: float, marks: Integers) -> None: ...
-def ordinary(x): ...
+def __ordinary__(x: Sequence) -> None: ...
 def of_objects(x) -> int: ...
 def gives_nothing(x: bytes) -> None: ...
 @uses_python
@@ -93,6 +93,8 @@ def raises(x: int, y: bool = False) -> int: ...
 def small(x: float) -> float: ...
 @takes_gil
 def calls(x: float) -> float: ...
+@of_python
+def of_python(x: Sequence[str]) -> dict[str, float]: ...
 """
     ).functions
     assert set(routines) == {"free", "of_objects", "gives_nothing", "raises", "calls", "small"}
@@ -102,6 +104,17 @@ def calls(x: float) -> float: ...
     assert [name for name, routine in routines.items() if routine.with_gil] == ["calls"]
     assert routines["gives_nothing"].returns == "object"
     assert routines["raises"].optional == 1
+
+
+def test_an_attribute_set_from_a_parameter_of_python_is_any_object() -> None:
+    text = "class A:\n    def __init__(self, x: dict, y: float):\n        self.x, self.y = x, y\n"
+    assert in_one(text).records["A"].fields == {"x": "object", "y": "double"}
+
+
+@pytest.mark.parametrize("mark", ["of_python", "property", "staticmethod"])
+def test_some_methods_with_a_result_are_of_python(mark: str) -> None:
+    record = in_one(f"class A:\n    @{mark}\n    def f(x: float) -> float: ...\n").records["A"]
+    assert not record.methods
 
 
 def test_a_type_that_the_kernel_does_not_have_is_refused_with_its_line() -> None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import cython
 
-from .language import open_to_python
+from .language import of_python, open_to_python
 
 if TYPE_CHECKING:
     from .arrays import Memory
@@ -36,7 +36,7 @@ class Account:
     drifts: bool
     look_at: Long
 
-    def __init__(self, memory: Memory, signals: int):
+    def __init__(self, memory: Memory, signals: int) -> None:
         self.memory, self.signals = memory, signals
         self.kinetic = self.stored = self.dissipated = 0.0
         # dissipated + kinetic + stored energy - residual, J: constant for one integrator
@@ -93,7 +93,8 @@ class Account:
         for e in range(integrator.net.elements):
             self.stored += integrator.ledger.kept[e]
 
-    def energies(self):
+    @of_python
+    def energies(self) -> tuple[float, float, float, tuple[float, ...]]:
         """Return the kinetic, stored, dissipated and supplied energies found last, J."""
         supplied = [self.supplied[s] for s in range(self.signals)]
         return self.kinetic, self.stored, self.dissipated, tuple(supplied)

@@ -8,7 +8,7 @@ Uncompiled, it is a list, whose items Python reads in half the time that it take
 from __future__ import annotations
 
 from array import array
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import cython
@@ -18,6 +18,7 @@ from .language import (
     Buffer,
     Doubles,
     Integers,
+    Lendable,
     PyBUF_C_CONTIGUOUS,
     PyBUF_FORMAT,
     PyBUF_WRITABLE,
@@ -25,6 +26,7 @@ from .language import (
     PyByteArray_AsString,
     PyObject_GetBuffer,
     Size,
+    of_python,
     uses_python,
 )
 
@@ -33,19 +35,19 @@ if not cython.compiled:
     class View(Sequence[float]):
         """The first numbers of a list, as a memoryview shows those of an array."""
 
-        def __init__(self, numbers, count, code):
+        def __init__(self, numbers: list[Any], count: int, code: str) -> None:
             self.numbers, self.length, self.format = numbers, count, code
 
-        def __len__(self):
+        def __len__(self) -> int:
             return self.length
 
-        def __getitem__(self, at):
+        def __getitem__(self, at: Any) -> Any:
             return self.numbers[: self.length][at]
 
-        def __setitem__(self, at, value):
+        def __setitem__(self, at: int, value: float) -> None:
             self.numbers[at] = value
 
-        def tolist(self):
+        def tolist(self) -> list[float]:
             return self.numbers[: self.length]
 
 
@@ -63,7 +65,7 @@ class Memory:
     block : number of doubles allocated at a time
     """
 
-    def __init__(self, block: Size = _BLOCK):
+    def __init__(self, block: Size = _BLOCK) -> None:
         self.block = block
         self.blocks: list[Any] = []  # of bytes; uncompiled, the lists themselves
         self.codes: list[str] = []  # uncompiled, the types of their items: "d" or "i"
@@ -103,13 +105,14 @@ class Memory:
         else:  # noqa: RET505
             return self._list("i", [0] * count)
 
-    def _list(self, code, numbers):
+    @of_python
+    def _list(self, code: str, numbers: list[Any]) -> list[Any]:
         """Note a new list and the type of its items, and return it."""
         self.codes.append(code)
         self.blocks.append(numbers)
         return numbers
 
-    def doubles(self, values) -> Doubles:
+    def doubles(self, values: Iterable[float]) -> Doubles:
         """Return a new array with the given doubles."""
         given = list(values)
         placed = self.zeros(len(given))
@@ -117,7 +120,7 @@ class Memory:
             placed[i] = given[i]
         return placed
 
-    def integers(self, values) -> Integers:
+    def integers(self, values: Iterable[int]) -> Integers:
         """Return a new array with the given integers."""
         given = list(values)
         placed = self.marks(len(given))
@@ -190,7 +193,7 @@ class Lent:
 
     _view: Buffer
 
-    def __init__(self, given):
+    def __init__(self, given: Lendable) -> None:
         if not cython.compiled:
             self.numbers: Doubles = given
         elif given is not None:
@@ -207,6 +210,6 @@ class Lent:
                 raise ValueError("an array of doubles is needed")
             self.numbers = cython.cast("double *", self._view.buf)
 
-    def __dealloc__(self):
+    def __dealloc__(self) -> None:
         """Release the buffer."""
         PyBuffer_Release(cython.address(self._view))

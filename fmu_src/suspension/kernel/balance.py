@@ -18,6 +18,8 @@ from .bends import Bends
 from .language import inline
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from .language import Doubles
     from .network import Network
 
@@ -39,7 +41,7 @@ class Balance:
         the end of the step (or the theta of Wilson's method)
     """
 
-    def __init__(self, network: Network, fractions):
+    def __init__(self, network: Network, fractions: Sequence[float]) -> None:
         n, rows = network.n, max(network.rows, 1)
         self.net, self.n = network, n
         memory = self.net.memory

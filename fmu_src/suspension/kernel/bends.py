@@ -19,7 +19,7 @@ class Bends:
     network : network of the system
     """
 
-    def __init__(self, network: Network):
+    def __init__(self, network: Network) -> None:
         self.net = network
         rows, laws = max(self.net.rows, 1), LAWS * self.net.elements
         memory = self.net.memory

@@ -23,7 +23,7 @@ _CLOSE = 1e-8  # of a step; Newton's next correction would be of the order of it
 class Crossing:
     """A Hermite polynomial on (0, 1), and the search for its first exit."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.bezier, self.casteljau = [0.0] * 8, [0.0] * 8
         self.terms, self.slope_terms = [0.0] * 8, [0.0] * 8
         self.halves = [0.0] * 512

@@ -27,6 +27,7 @@ from .layout import (
 )
 
 if TYPE_CHECKING:
+    from ..systems import System
     from .language import Doubles
 
 if not cython.compiled:
@@ -45,7 +46,7 @@ class Branches(Elements):
 
     laws_size: int
 
-    def __init__(self, system, joins):
+    def __init__(self, system: System, joins: bool) -> None:
         Elements.__init__(self, system, joins)
         memory, elements = self.memory, self.elements
         # count of the numbers that `enter_elements` reads

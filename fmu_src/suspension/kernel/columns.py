@@ -32,10 +32,12 @@ import cython
 
 from .inverses import Inverses
 from .iteration import Iteration
-from .language import inline
+from .language import inline, of_python
 from .outcomes import NOT_POSITIVE
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from .balance import Balance
     from .language import Doubles
 
@@ -51,7 +53,8 @@ SEQUENCES = {2: (1,), 4: (1, 3), 6: (1, 2, 4), 8: (1, 2, 3, 5)}
 
 
 @cache
-def instants_of(sequence):
+@of_python
+def instants_of(sequence: tuple[int, ...]) -> tuple[list[float], list[int]]:
     """Return the ends of all substeps, as fractions of a macro step, and the index of each of them."""
     fractions = sorted({(i + 1.0) / m for m in sequence for i in range(m)})
     return fractions, [
@@ -60,7 +63,8 @@ def instants_of(sequence):
 
 
 @cache
-def extrapolation_weights(sequence):
+@of_python
+def extrapolation_weights(sequence: tuple[int, ...]) -> list[float]:
     """Return the weights w of macro steps with n substeps: sum w = 1, sum w / n^(2k) = 0."""
     weights = []
     for n in sequence:
@@ -82,7 +86,9 @@ class Columns:
     fraction_index : index of the loads at the end of each substep, 5 for each column
     """
 
-    def __init__(self, balance: Balance, sequence, fraction_index):
+    def __init__(
+        self, balance: Balance, sequence: tuple[int, ...], fraction_index: Sequence[int]
+    ) -> None:
         self.balance = balance
         self.net, self.n, self.columns = self.balance.net, self.balance.n, len(sequence)
         memory = self.net.memory

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .language import open_to_python
+from .language import of_python, open_to_python
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Any
+
     from .arrays import Memory
     from .integrator import Integrator
 
@@ -25,7 +28,7 @@ class Contacts:
 
     waiting: int
 
-    def __init__(self, memory: Memory, tyres):
+    def __init__(self, memory: Memory, tyres: Sequence[int]) -> None:
         self.memory, self.tyres = memory, len(tyres)
         self.tyre = self.memory.integers(tyres)
         self.airborne, self.lift_offs = self.memory.marks(self.tyres), self.memory.marks(self.tyres)
@@ -92,7 +95,8 @@ class Contacts:
         """Discard the waiting switches, after a return to the present time."""
         self.waiting = 0
 
-    def seen(self):
+    @of_python
+    def seen(self) -> tuple[memoryview[int], memoryview[int], memoryview[float], memoryview[float]]:
         """Return the contacts of all tyres at the present time, as views that change in place.
 
         Returns
@@ -106,7 +110,8 @@ class Contacts:
             self.memory.seen(self.last_touchdown, self.tyres),
         )
 
-    def parts(self):
+    @of_python
+    def parts(self) -> list[Any]:
         """Return views of all arrays of the state for Python."""
         return [
             *self.seen(),

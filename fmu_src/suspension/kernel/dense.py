@@ -33,7 +33,9 @@ class Dense:
         with the acceleration of the equation of motion, which is not that of their cubic
     """
 
-    def __init__(self, place: Memory, kept: Memory, motion: Motion, cubic: bool, to_end: bool):
+    def __init__(
+        self, place: Memory, kept: Memory, motion: Motion, cubic: bool, to_end: bool
+    ) -> None:
         self.memory, self.motion, self.cubic, self.to_end = place, motion, cubic, to_end
         memory = self.memory
         self.n = n = self.motion.n

@@ -12,12 +12,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .language import inline
+from .language import inline, of_python
 from .laws import Laws, law_numbers
 from .layout import BRANCHES, C0, C1, CONTACT, DAMPER, FRICTION, LAWS, MODULATION, PIECE, SPRING
 from .series_springs import SeriesSprings
 
 if TYPE_CHECKING:
+    from ..systems import Element, System
     from .language import Doubles
 
 # The kinds of switches: of one of the element's laws, of its contact (1: off) or of its dry friction
@@ -45,7 +46,7 @@ class Elements(Laws):
     rows: int
     elements: int
 
-    def __init__(self, system, joins):
+    def __init__(self, system: System, joins: bool) -> None:
         Laws.__init__(self, system, joins)
         self.n = len(system.mass)
         self._read_rows(system)
@@ -63,7 +64,8 @@ class Elements(Laws):
         self.branch_f, self.branch_k = memory.zeros(rows), memory.zeros(rows)
         self.branch_c = memory.zeros(rows)
 
-    def _read_rows(self, system):
+    @of_python
+    def _read_rows(self, system: System) -> None:
         names = list(system.signals)
         rows: list[tuple[tuple[float, ...], int]] = []
         element_row = []
@@ -286,7 +288,8 @@ class Elements(Laws):
         return power
 
 
-def element_numbers(element):
+@of_python
+def element_numbers(element: Element) -> list[float]:
     """Return the numbers of an element: laws, modulation, limit, yield and friction."""
     limited, yields = element.limit < 1e300, element.yield_force < 1e300
     free = element.free_length if limited else 0.0

@@ -44,7 +44,7 @@ class Errors:
     tolerance : relative to the largest motion so far
     """
 
-    def __init__(self, motion: Motion, balance: Balance, modes: Modes, tolerance: float):
+    def __init__(self, motion: Motion, balance: Balance, modes: Modes, tolerance: float) -> None:
         self.motion, self.balance, self.modes = motion, balance, modes
         self.net, self.n = self.motion.net, self.motion.n
         self.tolerance = tolerance

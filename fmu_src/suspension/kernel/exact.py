@@ -17,11 +17,15 @@ from typing import TYPE_CHECKING
 
 import cython
 
+from .language import of_python
 from .layout import AMPLITUDE, ANGLE, C1, C2, C3, ORIGIN, SEGMENT, SPEED
 from .method import Method
 from .outcomes import DIVERGED
 
 if TYPE_CHECKING:
+    from typing import Any
+
+    from ..systems import System
     from .balance import Balance
     from .language import Doubles
     from .motion import Motion
@@ -48,7 +52,7 @@ class Propagator:
     balance : the equation of motion
     """
 
-    def __init__(self, motion: Motion, balance: Balance):
+    def __init__(self, motion: Motion, balance: Balance) -> None:
         self.net, self.n = motion.net, motion.n
         self.stiffness, self.damping = balance.tangent_k, balance.tangent_c
         self.q0, self.v0, self.a0 = motion.q, motion.v, motion.a
@@ -264,22 +268,22 @@ class Propagator:
 class Exact(Method):
     """The matrix exponential; the step is chosen so that the septic through its ends is accurate, too."""
 
-    def __init__(self, motion, balance, modes, errors, order, theta):
-        Method.__init__(self, motion, balance, modes, errors, order, theta)
+    def __init__(self, *given: Any) -> None:
+        Method.__init__(self, *given)
         self.controls = self.exact = True
         self.propagator = Propagator(self.motion, self.balance)
 
     @staticmethod
-    def order_of(system, step, tolerance, order):
+    def order_of(system: System, step: float, tolerance: float, order: int) -> int:
         """Return the order of the septic; the motion itself is exact at any step."""
         return 8
 
     @staticmethod
-    def limit_of(order):
+    def limit_of(order: int) -> float:
         return 0.0
 
     @staticmethod
-    def refusal(system):
+    def refusal(system: System) -> str:
         """Return why a system is not linear in each of its branches; empty if it is."""
         return not_straight(system)
 
@@ -312,7 +316,8 @@ class Exact(Method):
         return 0
 
 
-def not_straight(system):
+@of_python
+def not_straight(system: System) -> str:
     """Return why a system is not linear in each of its branches; empty if it is."""
     for element in system.elements:
         for what in ("spring", "damper", "modulation"):

@@ -9,13 +9,20 @@ substeps, but 6.2 if the last column had 4.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
 
 from .columns import SEQUENCES, Columns, instants_of
 from .errors import ROUNDING_OF_RATES
-from .language import inline
+from .language import inline, of_python
 from .method import Method
 from .outcomes import DIVERGED
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ..systems import Element, System
 
 if not cython.compiled:
     from math import fabs
@@ -44,26 +51,26 @@ _LIMITS = {2: 12.0**0.5, 4: 2.2, 6: 2.2, 8: 3.2}
 class Extrapolated(Method):
     """Columns of 1, 2, 3 and 5 incremental steps, extrapolated to order 8; or to 2, 4, 6 with fewer."""
 
-    def __init__(self, motion, balance, modes, errors, order, theta):
-        Method.__init__(self, motion, balance, modes, errors, order, theta)
+    def __init__(self, *given: Any) -> None:
+        Method.__init__(self, *given)
         self.controls = True
         self.most_error = _EXCESS
-        self.least_damping = _LEAST_DAMPING[order]
-        sequence = SEQUENCES[order]
+        self.least_damping = _LEAST_DAMPING[self.order]
+        sequence = SEQUENCES[self.order]
         self.columns = Columns(self.balance, sequence, instants_of(sequence)[1])
 
     @staticmethod
-    def order_of(system, step, tolerance, order):
+    def order_of(system: System, step: float, tolerance: float, order: int) -> int:
         if order:
             return order
         return 8 if tolerance < _FINE_TOLERANCE or step > 0.0 or _is_stiffly_damped(system) else 6
 
     @staticmethod
-    def limit_of(order):
+    def limit_of(order: int) -> float:
         return _LIMITS[order]
 
     @staticmethod
-    def instants(order, theta):
+    def instants(order: int, theta: float) -> list[float]:
         return instants_of(SEQUENCES[order])[0]
 
     def enter(self) -> None:
@@ -144,18 +151,19 @@ class Extrapolated(Method):
 class Equilibrium(Extrapolated):
     """One incremental step to the equilibrium at its end: the single column, of order 2."""
 
-    def __init__(self, motion, balance, modes, errors, order, theta):
-        Extrapolated.__init__(self, motion, balance, modes, errors, order, theta)
+    def __init__(self, *given: Any) -> None:
+        Extrapolated.__init__(self, *given)
         self.controls = False
         self.most_error = 1.0
         self.cubic = True
 
     @staticmethod
-    def order_of(system, step, tolerance, order):
+    def order_of(system: System, step: float, tolerance: float, order: int) -> int:
         return 2
 
 
-def _is_stiffly_damped(system):
+@of_python
+def _is_stiffly_damped(system: System) -> bool:
     """Return whether a damper acts like a rigid link: c b'M^-1 b >> omega_max.
 
     Order 8 damps such a motion in every step, order 6 hardly (see above). Only the diagonal of M is used.
@@ -172,5 +180,6 @@ def _is_stiffly_damped(system):
     return False
 
 
-def _mobility(system, element):
+@of_python
+def _mobility(system: System, element: Element) -> float:
     return sum(b * b / system.mass[i][i] for i, b in enumerate(element.direction))

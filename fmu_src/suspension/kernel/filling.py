@@ -12,6 +12,7 @@ from .outcomes import PAUSED
 
 if TYPE_CHECKING:
     from .integrator import Integrator
+    from .language import Lendable
 
 
 class Filling:
@@ -45,15 +46,15 @@ class Filling:
     def __init__(
         self,
         integrator: Integrator,
-        times,
-        displacements,
-        velocities=None,
-        accelerations=None,
-        forces=None,
-        residuals=None,
+        times: Lendable,
+        displacements: Lendable,
+        velocities: Lendable | None = None,
+        accelerations: Lendable | None = None,
+        forces: Lendable | None = None,
+        residuals: Lendable | None = None,
         *,
-        runs=1,
-    ):
+        runs: int = 1,
+    ) -> None:
         self.integrator = integrator
         self.runs: Size = runs
         self.count: Size = len(times)

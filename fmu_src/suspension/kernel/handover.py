@@ -23,7 +23,7 @@ class Handover:
     network : network of the system
     """
 
-    def __init__(self, network: Network):
+    def __init__(self, network: Network) -> None:
         self.net, self.n, self.elements = network, network.n, network.elements
         memory = self.net.memory
         self.q, self.v = memory.zeros(self.n), memory.zeros(self.n)

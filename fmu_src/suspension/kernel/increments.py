@@ -15,6 +15,9 @@ from .iteration import LEAST_SHARE
 from .outcomes import DIVERGED, NOT_CONVERGED, NOT_POSITIVE
 
 if TYPE_CHECKING:
+    from typing import Any
+
+    from ..systems import System
     from .language import Doubles
     from .network import Network
 
@@ -34,7 +37,7 @@ class Increments:
     network : network of the system
     """
 
-    def __init__(self, network: Network):
+    def __init__(self, network: Network) -> None:
         self.net, self.n = network, network.n
         self.once = False  # whether to use the tangents at the start only
         memory, n, size = self.net.memory, self.n, self.n * self.n
@@ -190,8 +193,8 @@ class Mean(Extrapolated):
     In straight branches and where friction sticks it is the single step that ends in equilibrium.
     """
 
-    def __init__(self, motion, balance, modes, errors, order, theta):
-        Extrapolated.__init__(self, motion, balance, modes, errors, order, theta)
+    def __init__(self, *given: Any) -> None:
+        Extrapolated.__init__(self, *given)
         self.controls = False
         self.most_error = 1.0
         # the interpolant is a cubic; its acceleration at the end is not that of the equation of motion
@@ -199,7 +202,7 @@ class Mean(Extrapolated):
         self.increments = Increments(self.net)
 
     @staticmethod
-    def order_of(system, step, tolerance, order):
+    def order_of(system: System, step: float, tolerance: float, order: int) -> int:
         return 2
 
     def attempt(self, t: float, h: float) -> int:
@@ -218,6 +221,6 @@ class Mean(Extrapolated):
 class Tangent(Mean):
     """The incremental step with the tangents at its start, as in a calculation by hand."""
 
-    def __init__(self, motion, balance, modes, errors, order, theta):
-        Mean.__init__(self, motion, balance, modes, errors, order, theta)
+    def __init__(self, *given: Any) -> None:
+        Mean.__init__(self, *given)
         self.increments.once = True

@@ -6,7 +6,11 @@ from typing import TYPE_CHECKING
 
 import cython
 
+from .language import of_python
+
 if TYPE_CHECKING:
+    from typing import Any
+
     from .arrays import Memory
 
 if not cython.compiled:
@@ -25,7 +29,7 @@ class Inputs:
     count : number of inputs
     """
 
-    def __init__(self, memory: Memory, count: int):
+    def __init__(self, memory: Memory, count: int) -> None:
         self.memory, self.count = memory, count
         self.value = self.memory.zeros(count)
         self.samples = self.memory.marks(count)
@@ -78,7 +82,8 @@ class Inputs:
             return 0.0
         return before if fabs(before) <= fabs(last) else last
 
-    def parts(self):
+    @of_python
+    def parts(self) -> list[Any]:
         """Return views of all arrays of the state for Python."""
         return [
             self.memory.seen(self.value, self.count),

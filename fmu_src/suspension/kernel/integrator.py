@@ -12,7 +12,15 @@ from .contacts import Contacts
 from .elements import KINDS
 from .filling import Filling
 from .handover import Handover
-from .language import Doubles, Integers, PyErr_CheckSignals, Size, open_to_python, uses_python
+from .language import (
+    Doubles,
+    Integers,
+    PyErr_CheckSignals,
+    Size,
+    of_python,
+    open_to_python,
+    uses_python,
+)
 from .layout import BRANCHES, CONTACT, SPRING
 from .lines import Lines
 from .method import Method
@@ -26,6 +34,8 @@ from .time_loop import TimeLoop
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from .language import Numbers, Switch
 
 if not cython.compiled:
     from math import sqrt
@@ -96,7 +106,8 @@ class Integrator(TimeLoop):
 
     going_on: Callable[[float], bool] | None
 
-    def _make_room(self):
+    @of_python
+    def _make_room(self) -> None:
         """Allocate the arrays for changes of signals and parameters, and find the size of the state."""
         self.given = self.net.memory.zeros(4)
         self.rate_before = self.net.memory.zeros(max(self.net.rows, 1))
@@ -105,7 +116,8 @@ class Integrator(TimeLoop):
         self.going_on = None
         self.state_size: Size = len(self.state.content())
 
-    def set_state(self, displacements, velocities):
+    @of_python
+    def set_state(self, displacements: Numbers, velocities: Numbers) -> None:
         """Start from given displacements (m) and velocities (m/s), at the present time.
 
         Raises
@@ -170,7 +182,8 @@ class Integrator(TimeLoop):
         self.ledger.strike_balance(self.motion.q, self.motion.v)
         self.ledger.carry_on(self.handover.residual)
 
-    def set_signal(self, signal, coefficients, jumps=True):
+    @of_python
+    def set_signal(self, signal: int, coefficients: Numbers, jumps: bool = True) -> None:
         """Replace a one-segment signal from now on by c0 + c1 s + c2 s^2 + c3 s^3, s = t - now.
 
         A jump of the value acts on the masses through the dampers as an impulse, so that a sampled
@@ -263,7 +276,8 @@ class Integrator(TimeLoop):
             if status != 0:
                 return status
 
-    def raise_failure(self, status):
+    @of_python
+    def raise_failure(self, status: int) -> None:
         """Raise the exception that a function of an element has raised, if it has ended the run."""
         failure, self.net.failure = self.net.failure, None
         if status != 0 and failure is not None:
@@ -298,11 +312,12 @@ class Integrator(TimeLoop):
         return True
 
     @property
-    def log(self):
+    def log(self) -> list[Switch]:
         """The switches so far: (time, element, kind, branch before, branch after)."""
         return self.noted.all()
 
-    def take_log(self):
+    @of_python
+    def take_log(self) -> list[Switch]:
         """Return the switches since the last call, and clear them."""
         taken = self.noted.all()
         self.noted.clear()
@@ -332,32 +347,32 @@ class Integrator(TimeLoop):
         self.net.exchange_branches()
 
     @property
-    def sample_q(self):
+    def sample_q(self) -> memoryview[float]:
         """Displacements at the last sampled time, m."""
         return self.net.memory.seen(self.reading.q, self.net.series.outer)
 
     @property
-    def sample_v(self):
+    def sample_v(self) -> memoryview[float]:
         """Velocities at the last sampled time, m/s."""
         return self.net.memory.seen(self.reading.v, self.net.series.outer)
 
     @property
-    def sample_a(self):
+    def sample_a(self) -> memoryview[float]:
         """Accelerations at the last sampled time, m/s^2."""
         return self.net.memory.seen(self.reading.a, self.net.series.outer)
 
     @property
-    def sample_f(self):
+    def sample_f(self) -> memoryview[float]:
         """The force of each element at the last sampled time, N; see `sample_forces`."""
         return self.net.memory.seen(self.reading.f, self.net.elements)
 
     @property
-    def sample_set(self):
+    def sample_set(self) -> memoryview[float]:
         """The permanent set of each element that yields at the last sampled time, m."""
         return self.net.memory.seen(self.reading.set, self.net.elements)
 
     @property
-    def residual_end(self):
+    def residual_end(self) -> float:
         """The residual of the energy balance at the end of the last step, J."""
         return self.state.residual_end
 
@@ -370,7 +385,8 @@ class Integrator(TimeLoop):
         x = (t - self.dense.start) / h
         return self.state.residual_start + x * (self.state.residual_end - self.state.residual_start)
 
-    def energies(self):
+    @of_python
+    def energies(self) -> tuple[float, list[float], list[float], list[float]]:
         """Return the stored energies at the end of the last step and the works until then, J.
 
         Returns
@@ -380,7 +396,8 @@ class Integrator(TimeLoop):
         """
         return self.energies_at(self.dense.end)
 
-    def energies_at(self, t):
+    @of_python
+    def energies_at(self, t: float) -> tuple[float, list[float], list[float], list[float]]:
         """Return the same as `energies` at a time t within the last step, by its interpolant."""
         self.find_energies(t)
         ledger, elements = self.ledger, self.net.elements
@@ -430,7 +447,8 @@ class Integrator(TimeLoop):
         at = BRANCHES * e + SPRING
         return (self.net.branch[at] if self.state.in_step else self.net.kept_branch[at]) != 1
 
-    def permanent_set(self, e):
+    @of_python
+    def permanent_set(self, e: int) -> float:
         """Return the deflection at which element e, which can yield, has no force, m."""
         d = sum(
             self.net.row_direction[self.net.element_row[e] * self.n + i] * self.motion.q[i]
@@ -451,7 +469,8 @@ class Integrator(TimeLoop):
         omega = self.monitor.fastest()
         return 2.0 * sqrt(3.0) / omega if omega > 0.0 else 0.0
 
-    def beyond_stable(self):
+    @of_python
+    def beyond_stable(self) -> tuple[float, float] | None:
         """Return when a fixed step was first too long and the stable step then, s; or None."""
         if self.state.beyond_since == -1e300:
             return None
@@ -460,11 +479,12 @@ class Integrator(TimeLoop):
     # -- why a run ended ---------------------------------------------------------------------------
 
     @property
-    def last_attempt(self):
+    def last_attempt(self) -> float:
         """The length of the step attempted last, s."""
         return self.stepper.errors.step
 
-    def tangents(self):
+    @of_python
+    def tangents(self) -> tuple[list[list[float]], list[list[float]]]:
         """Return the present stiffness and damping matrices, row by row (N/m and N s/m).
 
         Springs in series are included as if their dampers were rigid.
@@ -479,26 +499,28 @@ class Integrator(TimeLoop):
     # -- whole state -------------------------------------------------------------------------------
 
     @property
-    def time(self):
+    def time(self) -> float:
         """The end of the last step, s."""
         return self.state.time
 
     @property
-    def step_count(self):
+    def step_count(self) -> int:
         """The number of steps so far."""
         return self.state.step_count
 
     @property
-    def overruns(self):
+    def overruns(self) -> int:
         """How often switches that followed one another without time between them were passed over."""
         return self.state.overruns
 
-    def snapshot(self):
+    @of_python
+    def snapshot(self) -> bytes:
         """Return the whole state as bytes, from which `restore` continues bit-identically."""
         self.net.take_moving()
         return self.state.content()
 
-    def restore(self, state):
+    @of_python
+    def restore(self, state: bytes) -> None:
         """Return to the state of a snapshot of the same system.
 
         Raises

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 from .language import inline
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from .balance import Balance
 
 # share of a condition that is independent of those before it, below which it follows from them
@@ -27,7 +29,7 @@ class Inverses:
     sequence : substeps in each column of the extrapolation, one to four columns, ascending
     """
 
-    def __init__(self, balance: Balance, sequence):
+    def __init__(self, balance: Balance, sequence: Sequence[int]) -> None:
         self.balance = balance
         self.net, self.n, self.columns = self.balance.net, self.balance.n, len(sequence)
         n, rows, columns = self.n, max(self.net.rows, 1), self.columns

@@ -42,7 +42,7 @@ class Iteration:
     inverses : W of all columns
     """
 
-    def __init__(self, inverses: Inverses):
+    def __init__(self, inverses: Inverses) -> None:
         self.inverses = inverses
         self.bends, self.rows = self.inverses.balance.bends, self.inverses.net.rows
         memory, bent = self.inverses.net.memory, self.inverses.columns * max(self.rows, 1)

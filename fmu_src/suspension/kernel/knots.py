@@ -43,7 +43,7 @@ class Knots:
     switches : knows the polynomials of their quantities over an attempt
     """
 
-    def __init__(self, switches: Switches):
+    def __init__(self, switches: Switches) -> None:
         self.switches = switches
         self.stepper, self.motion = self.switches.stepper, self.switches.motion
         self.net, self.crossing = self.switches.net, self.switches.crossing

@@ -36,7 +36,7 @@ class Landing:
     memory : for the attempt that is stored
     """
 
-    def __init__(self, switches: Switches, memory: Memory):
+    def __init__(self, switches: Switches, memory: Memory) -> None:
         self.switches = switches
         self.stepper, self.motion = self.switches.stepper, self.switches.motion
         self.whole = Dense(memory, memory, self.motion, False, False)

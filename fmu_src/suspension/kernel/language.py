@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 Routine = TypeVar("Routine", bound=Callable[..., Any])
@@ -16,6 +16,9 @@ Long = int  # an integer of 64 bits
 Size = int  # a length of one of Python's objects
 Address = Any  # of a byte
 Buffer = Any  # the memory of one of Python's objects, as C sees it
+Numbers = Sequence[float]  # of Python
+Lendable = Any  # an array of doubles of Python's, contiguous and writable
+Switch = tuple[float, int, int, int, int]  # time, element, kind, branch before, branch after
 
 # only the compiled kernel calls C and Python's interface for it
 memcpy: Any = None
@@ -40,6 +43,11 @@ def inline(routine: Routine) -> Routine:
 
 def open_to_python(routine: Routine) -> Routine:
     """Mark a method that Python calls, too."""
+    return routine
+
+
+def of_python(routine: Routine) -> Routine:
+    """Mark a routine of Python, whose types are no types of C."""
     return routine
 
 

@@ -7,10 +7,11 @@ s = x - origin. The last term is a function in Python, which is called with the 
 from __future__ import annotations
 
 from itertools import accumulate
+from typing import TYPE_CHECKING
 
 import cython
 
-from .language import Doubles, takes_gil
+from .language import Doubles, of_python, takes_gil
 from .layout import (
     C0,
     C1,
@@ -28,6 +29,11 @@ from .layout import (
     STORED,
 )
 from .signals import Signals
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ..systems import Element, System
 
 if not cython.compiled:
     from math import exp, fabs, log1p, pow, sinh
@@ -51,7 +57,7 @@ class Laws(Signals):
 
     failure: Exception | None
 
-    def __init__(self, system, joins: bool):
+    def __init__(self, system: System, joins: bool) -> None:
         Signals.__init__(self, system.signals)
         self.joins = joins
         memory = self.memory
@@ -361,26 +367,30 @@ def power_slope(power: float, exponent: float, s: float) -> float:
     return power * exponent * pow(min(fabs(s), _FARTHEST), exponent - 1.0)
 
 
-def functions_of(element):
+@of_python
+def functions_of(element: Element) -> tuple[Any, ...]:
     """Return the function of each piece of an element's laws, or None."""
     if element.yield_force < 1e300:
         return (None,) * sum(pieces_of(element))
     return element.spring.functions + element.damper.functions + element.modulation.functions
 
 
-def pieces_of(element):
+@of_python
+def pieces_of(element: Element) -> tuple[int, int, int]:
     """Return the numbers of pieces of an element's spring, damper and modulation."""
     spring = len(element.spring.pieces) if element.yield_force > 1e300 else 3
     return spring, len(element.damper.pieces), len(element.modulation.pieces)
 
 
-def law_numbers(element):
+@of_python
+def law_numbers(element: Element) -> list[float]:
     """Return the pieces of the laws of an element, one after the other."""
     spring = _flow_pieces(element) if element.yield_force < 1e300 else element.spring.numbers
     return [*spring, *element.damper.numbers, *element.modulation.numbers]
 
 
-def _flow_pieces(element):
+@of_python
+def _flow_pieces(element: Element) -> list[float]:
     """Return the three pieces of an element that yields: flow down, elastic, flow up.
 
     The lines of flow are fixed: -+ yield force (1 - flow / rate) + flow d.

@@ -41,7 +41,7 @@ class Ledger:
     dense : dense output of the last step
     """
 
-    def __init__(self, balance: Balance, rows: Rows, dense: Dense):
+    def __init__(self, balance: Balance, rows: Rows, dense: Dense) -> None:
         self.balance, self.rows, self.dense = balance, rows, dense
         self.net = self.balance.net
         elements, most = self.net.elements, max(self.net.rows, 1)

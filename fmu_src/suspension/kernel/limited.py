@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 from .layout import BRANCHES, CONTACT
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from .network import Network
 
 
@@ -19,7 +21,7 @@ class Limited:
     elements : numbers of the elements that have a limit
     """
 
-    def __init__(self, network: Network, elements):
+    def __init__(self, network: Network, elements: Sequence[int]) -> None:
         self.net = network
         self.element, self.count = self.net.memory.integers(elements), len(elements)
         kept = self.net.state.memory

@@ -16,7 +16,11 @@ from .language import inline, open_to_python, uses_python
 from .layout import AMPLITUDE, ANGLE, C1, C2, C3, CHIRP, ORIGIN, SEGMENT, SPEED, START
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
     from .run import Run
+
+    Terms = Sequence[tuple[int, float]]
 
 if not cython.compiled:
     from math import cos, sin
@@ -35,7 +39,12 @@ class Lines:
     find_forces : evaluates accelerations and forces at the present time, if that has not been done
     """
 
-    def __init__(self, run: Run, lines, find_forces):
+    def __init__(
+        self,
+        run: Run,
+        lines: Iterable[tuple[int, Terms, Terms, float]],
+        find_forces: Callable[[], None],
+    ) -> None:
         self.run = run
         self.integrator = run.integrator
         self.net = self.integrator.net
@@ -54,7 +63,7 @@ class Lines:
         self.signal_factor = memory.doubles([c for one in signals for _, c in one])
 
     @open_to_python
-    def read(self, of, which) -> list[Any]:
+    def read(self, of: Sequence[Any], which: Sequence[int]) -> list[Any]:
         """Return values at the present time.
 
         Parameters

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .language import inline, takes_gil
+from .language import inline, of_python, takes_gil
 from .outcomes import DIVERGED
 
 if TYPE_CHECKING:
+    from ..systems import System
     from .balance import Balance
     from .errors import Errors
+    from .language import Numbers
     from .modes import Modes
     from .motion import Motion
 
@@ -53,7 +55,7 @@ class Method:
         errors: Errors,
         order: int,
         theta: float,
-    ):
+    ) -> None:
         self.motion, self.balance, self.modes, self.errors = motion, balance, modes, errors
         self.net, self.n = self.motion.net, self.motion.n
         self.order, self.theta = order, theta
@@ -70,22 +72,22 @@ class Method:
         self.cubic = self.to_end = False
 
     @staticmethod
-    def order_of(system, step, tolerance, order):
+    def order_of(system: System, step: float, tolerance: float, order: int) -> int:
         """Return the order for a system, a fixed step (0: automatic), a tolerance and a desired order."""
         return 2
 
     @staticmethod
-    def limit_of(order):
+    def limit_of(order: int) -> float:
         """Return the largest omega h at which no undamped mode grows; 0 if there is no limit."""
         return 12.0**0.5
 
     @staticmethod
-    def instants(order, theta):
+    def instants(order: int, theta: float) -> list[float]:
         """Return the instants at which a step needs the loads, as fractions of it, ascending."""
         return [1.0]
 
     @staticmethod
-    def refusal(system):
+    def refusal(system: System) -> str:
         """Return why the method cannot integrate a system; empty if it can."""
         return ""
 
@@ -98,9 +100,9 @@ class Method:
         try:
             q = [self.motion.q[i] for i in range(self.n)]
             v = [self.motion.v[i] for i in range(self.n)]
-            q, v = self.step(t, h, q, v)
+            qb, vb = self.step(t, h, q, v)
             for i in range(self.n):
-                self.motion.qb[i], self.motion.vb[i] = q[i], v[i]
+                self.motion.qb[i], self.motion.vb[i] = qb[i], vb[i]
         except Exception as error:
             self.net.failure = self.net.failure or error
             return DIVERGED
@@ -113,11 +115,13 @@ class Method:
         self.balance.end(t, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
         self.errors.keep_jerks()
 
-    def step(self, t, h, q, v):
+    @of_python
+    def step(self, t: float, h: float, q: Numbers, v: Numbers) -> tuple[Numbers, Numbers]:
         """Return displacements and velocities at t + h from those at t; a method in Python defines it."""
         raise NotImplementedError(f"{type(self).__name__} defines no step")
 
-    def accelerations(self, t, q, v):
+    @of_python
+    def accelerations(self, t: float, q: Numbers, v: Numbers) -> list[float]:
         """Return the accelerations of a state at any time t, by the equation of motion (m/s^2)."""
         n, errors = self.n, self.errors
         for i in range(n):

@@ -30,7 +30,7 @@ class Modes:
     balance : equation of motion of the branches, with its tangents
     """
 
-    def __init__(self, balance: Balance):
+    def __init__(self, balance: Balance) -> None:
         self.balance = balance
         self.net, self.n = self.balance.net, self.balance.n
         memory, n = self.net.memory, self.n

@@ -24,7 +24,7 @@ class Motion:
     network : network of the system
     """
 
-    def __init__(self, network: Network):
+    def __init__(self, network: Network) -> None:
         n, elements = network.n, network.elements
         self.net, self.n, self.elements = network, n, elements
         self.outer = self.net.series.outer

@@ -14,11 +14,14 @@ import cython
 from .arrays import Lent
 from .branches import Branches
 from .elements import element_numbers
-from .language import open_to_python
+from .language import of_python, open_to_python
 from .laws import functions_of, pieces_of
 from .layout import BRANCHES, C1, CONTACT, DAMPER, LAWS, MODULATION, PIECE, SEGMENT, SPRING, START
 
 if TYPE_CHECKING:
+    from typing import Any
+
+    from ..systems import Element, System
     from .language import Doubles
 
 if not cython.compiled:
@@ -50,7 +53,7 @@ class Network(Branches):
     loads: int
     size: int
 
-    def __init__(self, system, joins=False):
+    def __init__(self, system: System, joins: bool = False) -> None:
         system = system.with_internal()
         Branches.__init__(self, system, joins)
         n, elements = self.n, self.elements
@@ -81,7 +84,7 @@ class Network(Branches):
         if any(len(row) != n for row in system.mass):
             raise ValueError("mass matrix and directions must have one entry per coordinate")
         self.load_names = [load.signal for load in system.loads]
-        self.signal_sizes: list[int] = _sizes(system)
+        self.signal_sizes: list[tuple[str, int]] = _sizes(system)
         self.element_shapes = list(map(_shape, system.elements))
         numbers = array("d")
         add_numbers(system, numbers)
@@ -90,7 +93,8 @@ class Network(Branches):
         if self.enter_system(lent.numbers, 0) != 0:
             raise ValueError("the mass matrix must be symmetric and positive definite")
 
-    def _find_roads(self):
+    @of_python
+    def _find_roads(self) -> None:
         """Find which signals are roads, and whether all roads and masses can be raised without effect."""
         self.can_rise = True
         for r in range(self.rows):
@@ -120,7 +124,8 @@ class Network(Branches):
                         self.set_datum(self.road[4 * s])
                     return
 
-    def fits(self, system) -> bool:
+    @of_python
+    def fits(self, system: System) -> bool:
         """Return whether a system differs from the present one only in its numbers."""
         system = system.with_internal()
         return (
@@ -164,7 +169,8 @@ class Network(Branches):
 
     # -- numbers of the system that change in a run: elastic pieces move, inputs are replaced ---------
 
-    def place_moving(self):
+    @of_python
+    def place_moving(self) -> None:
         """Allocate these numbers in the state."""
         yielding = sum(1 for e in range(self.elements) if self.yields[e])
         single = sum(1 for s in range(self.signals) if self.signal_count[s] == 1)
@@ -555,7 +561,8 @@ class Network(Branches):
         return energy
 
 
-def add_numbers(system, numbers):
+@of_python
+def add_numbers(system: System, numbers: list[float] | array[float]) -> None:
     """Add all numbers of a system, one after the other, to an array of doubles.
 
     They may be numbers that record operations, too (see `trace`), which go to a list.
@@ -572,20 +579,23 @@ def add_numbers(system, numbers):
     numbers.extend(laws_of(system))
 
 
-def laws_of(system):
+@of_python
+def laws_of(system: System) -> list[float]:
     """Return the numbers of all elements, one after the other."""
-    numbers = []
+    numbers: list[float] = []
     for element in system.with_internal().elements:
         numbers += element_numbers(element)
     return numbers
 
 
-def _sizes(system):
+@of_python
+def _sizes(system: System) -> list[tuple[str, int]]:
     """Return the names of the signals and their numbers of segments."""
     return [(name, len(signal.segments)) for name, signal in system.signals.items()]
 
 
-def _shape(element):
+@of_python
+def _shape(element: Element) -> tuple[Any, ...]:
     """Return what is fixed in an element; elements of the same shape can exchange their numbers."""
     return (
         element.name,

@@ -20,7 +20,7 @@ class Potential:
     network : network of the system
     """
 
-    def __init__(self, network: Network):
+    def __init__(self, network: Network) -> None:
         self.net = network
         memory, rows = self.net.memory, max(self.net.rows, 1)
         self.e0, self.e1, self.e2 = memory.zeros(rows), memory.zeros(rows), memory.zeros(rows)

@@ -17,7 +17,7 @@ class Reading:
     network : network of the system
     """
 
-    def __init__(self, network: Network):
+    def __init__(self, network: Network) -> None:
         self.net = network
         memory, n, elements = self.net.memory, self.net.n, self.net.elements
         self.q, self.v, self.a = memory.zeros(n), memory.zeros(n), memory.zeros(n)

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 
 import cython
 
-from .language import open_to_python
+from .language import of_python, open_to_python
 from .layout import LAWS, PIECE, SPRING, START
 
 if TYPE_CHECKING:
-    from .language import Doubles
+    from .language import Doubles, Numbers
     from .network import Network
 
 if not cython.compiled:
@@ -33,7 +33,7 @@ class Rest:
     network : network of the system; its branches are not changed
     """
 
-    def __init__(self, network: Network):
+    def __init__(self, network: Network) -> None:
         self.net, self.n = network, network.n
         memory, n = self.net.memory, self.n
         self.level = memory.zeros(max(self.net.signals, 1))  # of roads and loads, m and N
@@ -42,7 +42,8 @@ class Rest:
         self.tangent = memory.zeros(n * n)
         self.rows = memory.zeros(n * (n + 1))
 
-    def displacements(self, levels):
+    @of_python
+    def displacements(self, levels: Numbers) -> tuple[float, ...] | None:
         """Return the displacements at rest for a level of each signal, or None if there is no rest."""
         for s in range(self.net.signals):
             self.level[s] = levels[s]

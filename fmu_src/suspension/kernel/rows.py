@@ -21,7 +21,7 @@ class Rows:
     motion, balance, errors : those of the stepper whose attempts are read
     """
 
-    def __init__(self, motion: Motion, balance: Balance, errors: Errors):
+    def __init__(self, motion: Motion, balance: Balance, errors: Errors) -> None:
         self.motion, self.balance, self.errors = motion, balance, errors
         self.net = self.motion.net
         memory = self.net.memory

@@ -19,12 +19,15 @@ from .account import Account
 from .arrays import Lent, Memory
 from .contacts import Contacts
 from .inputs import Inputs
-from .language import open_to_python
+from .language import of_python, open_to_python
 from .rest import Rest
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Any
+
     from .integrator import Integrator
-    from .language import Doubles, Integers
+    from .language import Doubles, Integers, Lendable, Numbers
 
 _NONE = -1
 _CHANGED, _SUCCESSIVELY = 2, 3
@@ -53,7 +56,15 @@ class Run:
     start: float
     sampled: bool
 
-    def __init__(self, integrator: Integrator, start, inputs, lines, tyres, sampled: bool):
+    def __init__(
+        self,
+        integrator: Integrator,
+        start: float,
+        inputs: int,
+        lines: Sequence[Sequence[int]],
+        tyres: Sequence[int],
+        sampled: bool,
+    ) -> None:
         self.integrator = integrator
         self.rest = Rest(self.integrator.net)
         self.lines, self.sampled = len(lines), sampled
@@ -206,7 +217,7 @@ class Run:
         self._begin_anew(self.integrator)
 
     @open_to_python
-    def retune(self, laws) -> None:
+    def retune(self, laws: Lendable) -> None:
         """Continue with other laws of the elements.
 
         Parameters
@@ -238,7 +249,8 @@ class Run:
         self.contacts.compare(integrator, self.time)
         self.account.carry(integrator)
 
-    def replace(self, integrator, counterpart):
+    @of_python
+    def replace(self, integrator: Integrator, counterpart: Sequence[int]) -> None:
         """Continue with another integrator from the state of the present one, which it replaces.
 
         Parameters
@@ -252,7 +264,8 @@ class Run:
 
     # -- whole state ---------------------------------------------------------------------------------
 
-    def _parts(self):
+    @of_python
+    def _parts(self) -> list[Any]:
         """Return views of all arrays of the state for Python."""
         memory = self.memory
         return [
@@ -264,7 +277,8 @@ class Run:
             *self.contacts.parts(),
         ]
 
-    def courses(self):
+    @of_python
+    def courses(self) -> list[tuple[int, float, float, float]]:
         """Return the present course of every signal that inputs drive.
 
         Returns
@@ -276,7 +290,8 @@ class Run:
             for k in range(self.lines)
         ]
 
-    def snapshot(self):
+    @of_python
+    def snapshot(self) -> list[float]:
         """Return the state, apart from the integrator's, as numbers."""
         numbers = [
             self.time, self.start, self.handed, self.interval, self.account.opening,
@@ -287,7 +302,8 @@ class Run:
             numbers += part.tolist()
         return numbers
 
-    def restore(self, state):
+    @of_python
+    def restore(self, state: Numbers) -> None:
         """Return to the state of a snapshot of the same run."""
         account, contacts = self.account, self.contacts
         self.time, self.start, self.handed, self.interval, account.opening = state[:5]

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 import cython
 
 from .arrays import Lent, Memory
-from .language import Size, open_to_python, uses_python
+from .language import Size, of_python, open_to_python, uses_python
 from .outcomes import NO_MASS, PAUSED
 from .switch_log import CAPACITY
 
 if TYPE_CHECKING:
     from .filling import Filling
+    from .language import Lendable
 
 
 class RunQueue:
@@ -33,7 +34,7 @@ class RunQueue:
 
     marks: list[list[tuple[float, bytes]]]
 
-    def __init__(self, filling: Filling, logs: bool, every: Size = 0):
+    def __init__(self, filling: Filling, logs: bool, every: Size = 0) -> None:
         self.filling, self.logs, self.every = filling, logs, every
         self.integrator = self.filling.integrator
         most = self.most = self.filling.runs
@@ -44,7 +45,8 @@ class RunQueue:
         self.steps, self.log_end = memory.marks(most), memory.marks(most)
         self.time, self.limited = memory.zeros(most), memory.zeros(most * max(self.contacts, 1))
 
-    def take(self, numbers, start):
+    @of_python
+    def take(self, numbers: Lendable, start: float) -> None:
         """Set the rows of all runs.
 
         Parameters
@@ -60,7 +62,7 @@ class RunQueue:
             raise ValueError(f"{len(numbers)} numbers do not form whole rows of {self.width}")
         self.lent = Lent(numbers)
         self.numbers = self.lent.numbers
-        self.start: float = start
+        self.start = start
         self.rows: Size = len(numbers) // self.width
 
     @open_to_python
@@ -112,7 +114,8 @@ class RunQueue:
         """Return to the system of run k of the last batch, so that its marks can be restored."""
         self.integrator.begin_row(self.numbers, (self.first + k) * self.width, self.start)
 
-    def limited_time(self, k, e):
+    @of_python
+    def limited_time(self, k: int, e: int) -> float:
         """Return how long element e was at its limit, s, in run k of the last batch."""
         for i in range(self.contacts):
             if self.integrator.limited.element[i] == e:

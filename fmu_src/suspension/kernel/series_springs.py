@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from ..systems import System
     from .arrays import Memory
     from .language import Doubles
 
@@ -27,7 +28,7 @@ class SeriesSprings:
     internal: int
     outer: int
 
-    def __init__(self, memory: Memory, system):
+    def __init__(self, memory: Memory, system: System) -> None:
         self.memory = memory
         self.n, self.internal = len(system.mass), len(system.internal)
         self.outer = self.n - self.internal  # number of the coordinates that are not internal

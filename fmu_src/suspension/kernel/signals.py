@@ -12,6 +12,9 @@ from .layout import AMPLITUDE, ANGLE, C0, C1, C2, C3, CHIRP, ORIGIN, SEGMENT, SP
 from .state import KernelState
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ..signals import Signal
     from .language import Doubles
 
 if not cython.compiled:
@@ -30,7 +33,7 @@ class Signals:
 
     signals: int
 
-    def __init__(self, signals):
+    def __init__(self, signals: Mapping[str, Signal]) -> None:
         self.memory = memory = Memory()
         self.state = KernelState()
         count = [len(signal.segments) for signal in signals.values()]

@@ -35,7 +35,7 @@ class StabilityMonitor:
     limit : largest stable omega_max h; 0 if there is no limit
     """
 
-    def __init__(self, modes: Modes, policy, limit):
+    def __init__(self, modes: Modes, policy: str, limit: float) -> None:
         self.modes = modes
         self.net, self.n = self.modes.net, self.modes.n
         self.policy: int = POLICIES[policy]

@@ -21,7 +21,7 @@ class KernelState:
     `time` on, in the order of their declarations.
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.memory = Memory(_BLOCK_OF_STATE)
         self.time = 0.0
         self.step_start = 0.0  # of the last step, which ends now

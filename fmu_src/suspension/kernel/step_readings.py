@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING
 
+from .language import of_python
+
 if TYPE_CHECKING:
     from .dense import Dense
     from .language import Doubles
@@ -29,7 +31,7 @@ class StepReadings:
     dense : dense output of the last step
     """
 
-    def __init__(self, rows: Rows, dense: Dense):
+    def __init__(self, rows: Rows, dense: Dense) -> None:
         self.rows, self.dense = rows, dense
         self.net, self.row = self.rows.net, self.rows.row
         memory = self.net.memory
@@ -135,7 +137,8 @@ class StepReadings:
 
 
 @cache
-def _readings(cubic, to_end):
+@of_python
+def _readings(cubic: bool, to_end: bool) -> tuple[list[float], list[float]]:
     """Return q and h v at the points, if one of the numbers at the ends is 1 and all others are 0.
 
     The numbers are q, h v, h^2 a and h^3 j at the start and at the end; see `dense` for the polynomials.

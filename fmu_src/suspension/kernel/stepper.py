@@ -29,7 +29,9 @@ class Stepper:
     theta : of `wilson`
     """
 
-    def __init__(self, network: Network, method, order, tolerance, theta):
+    def __init__(
+        self, network: Network, method: type[Method], order: int, tolerance: float, theta: float
+    ) -> None:
         n = network.n
         if n > MOST_COORDINATES:
             raise ValueError(

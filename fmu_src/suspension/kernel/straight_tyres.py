@@ -18,7 +18,7 @@ class StraightTyres:
     network : network of the system
     """
 
-    def __init__(self, network: Network):
+    def __init__(self, network: Network) -> None:
         self.net = network
         memory, elements = self.net.memory, self.net.elements
         self.f, self.k = memory.zeros(elements), memory.zeros(elements)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from .language import of_python
+
 if TYPE_CHECKING:
     from .arrays import Memory
 
@@ -18,7 +20,7 @@ class SwitchLog:
     memory : the memory that contains the arrays
     """
 
-    def __init__(self, memory: Memory):
+    def __init__(self, memory: Memory) -> None:
         self.memory = memory
         self.time, self.what = self.memory.zeros(CAPACITY), self.memory.marks(4 * CAPACITY)
         self.listed: list[
@@ -57,7 +59,8 @@ class SwitchLog:
         self.count, self.base, self.flushed = 0, 0, len(self.listed)
         return self.listed
 
-    def clear(self):
+    @of_python
+    def clear(self) -> None:
         """Clear the list."""
         self.listed = []
         self.flushed = 0

@@ -37,7 +37,7 @@ class Switches:
     stepper : the stepper whose attempts are searched
     """
 
-    def __init__(self, stepper: Stepper):
+    def __init__(self, stepper: Stepper) -> None:
         self.stepper = stepper
         self.net, self.motion = self.stepper.net, self.stepper.motion
         self.rows, self.row = self.stepper.rows, self.stepper.rows.row

@@ -13,7 +13,7 @@ import cython
 from .dense import Dense
 from .knots import Knots
 from .landing import Landing
-from .language import inline
+from .language import inline, of_python
 from .layout import FRICTION
 from .ledger import Ledger
 from .limited import Limited
@@ -40,7 +40,10 @@ from .transitions import Transitions
 from .trial import Trial
 
 if TYPE_CHECKING:
-    from .language import Doubles
+    from array import array
+
+    from ..systems import System
+    from .language import Doubles, Numbers
 
 if not cython.compiled:
     from math import fabs, sqrt
@@ -71,7 +74,7 @@ class TimeLoop:
 
     def __init__(
         self,
-        system,
+        system: System,
         method: str = "extrapolated",
         step: float = 0.0,
         tolerance: float = 1e-6,
@@ -81,7 +84,7 @@ class TimeLoop:
         energy: bool = True,
         theta: float = 1.4,
         beyond_stable: str = "substep",
-    ):
+    ) -> None:
         if method not in METHODS:
             raise ValueError(f"method {method!r} is not one of {', '.join(METHODS)}")
         if not theta >= _LEAST_THETA:
@@ -138,23 +141,27 @@ class TimeLoop:
         self.net.place_moving()
         self._make_room()
 
-    def _make_room(self):
+    @of_python
+    def _make_room(self) -> None:
         """Allocate what a class derived from this one needs."""
 
-    def fits(self, system):
+    @of_python
+    def fits(self, system: System) -> bool:
         """Return whether a system differs from the present one only in its numbers."""
         return (
             self.net.fits(system)
             and METHODS[self.method_name].order_of(system, *self.wanted) == self.method.order
         )
 
-    def refuse(self, system):
+    @of_python
+    def refuse(self, system: System) -> None:
         """Refuse a system that the method cannot integrate."""
         why = METHODS[self.method_name].refusal(system)
         if why:
             raise ValueError(f"method {self.method_name!r} cannot integrate this system: {why}")
 
-    def row(self, system, displacements, velocities):
+    @of_python
+    def row(self, system: System, displacements: Numbers, velocities: Numbers) -> list[float]:
         """Return what `begin_row` reads: the numbers of a system that fits, and its start (m, m/s).
 
         In this list they may be numbers that record operations (see `trace`).
@@ -163,10 +170,19 @@ class TimeLoop:
         ------
         ValueError : if the method cannot integrate the system.
         """
-        return self.add_row([], system, displacements, velocities)
+        numbers: list[float] = []
+        self.add_row(numbers, system, displacements, velocities)
+        return numbers
 
-    def add_row(self, numbers, system, displacements, velocities):
-        """Add the same to an array of doubles, and return it.
+    @of_python
+    def add_row(
+        self,
+        numbers: list[float] | array[float],
+        system: System,
+        displacements: Numbers,
+        velocities: Numbers,
+    ) -> None:
+        """Add the same to an array of doubles.
 
         Raises
         ------
@@ -175,7 +191,6 @@ class TimeLoop:
         self.refuse(system)
         numbers.extend([max(system.scales), *displacements, *velocities])
         add_numbers(system, numbers)
-        return numbers
 
     def begin_row(self, x: Doubles, at: int, start: float) -> int:
         """Start again with the system and state whose `row` is in x[at:].

@@ -35,7 +35,7 @@ class Transitions:
         ledger: Ledger,
         limited: Limited,
         noted: SwitchLog,
-    ):
+    ) -> None:
         self.net, self.motion, self.ledger = network, motion, ledger
         self.limited, self.noted = limited, noted
         self.state = self.motion.state

@@ -6,7 +6,7 @@ from __future__ import annotations
 class Trial:
     """Its length, where it ends, and what its attempts so far have shown."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.joint = 0.0  # the next joint of a signal, s
         self.begin(0.0)
 

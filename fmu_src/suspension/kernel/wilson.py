@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import cython
 
 from .columns import Columns
 from .method import Method
 from .outcomes import DIVERGED
+
+if TYPE_CHECKING:
+    from typing import Any
 
 if not cython.compiled:
     from math import isfinite
@@ -15,17 +20,17 @@ if not cython.compiled:
 class Wilson(Method):
     """(15.12), (15.13) up to theta h, equilibrium there, and 1/theta of the change of acceleration."""
 
-    def __init__(self, motion, balance, modes, errors, order, theta):
-        Method.__init__(self, motion, balance, modes, errors, order, theta)
+    def __init__(self, *given: Any) -> None:
+        Method.__init__(self, *given)
         self.columns = Columns(self.balance, (1,), [0])
         self.start_a = self.net.memory.zeros(self.n)
 
     @staticmethod
-    def limit_of(order):
+    def limit_of(order: int) -> float:
         return 0.0
 
     @staticmethod
-    def instants(order, theta):
+    def instants(order: int, theta: float) -> list[float]:
         return [theta]
 
     def enter(self) -> None:
