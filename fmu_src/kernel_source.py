@@ -90,12 +90,12 @@ def kinds(types: Declared) -> Iterator[str]:
 def one_source(modules: Sequence[Module]) -> tuple[str, set[str]]:
     """All modules one after the other, and the functions of the C library that they call.
 
-    Left out is what modules import from each other or uncompiled, and integers, which C has as constants.
+    Left out is what modules import from each other or uncompiled, and numbers, which C has as constants.
 
     Raises
     ------
     ValueError : two modules define the same function or class, or different constants of one name; in
-        one module, the later would take the place of the earlier. Or one statement defines integers
+        one module, the later would take the place of the earlier. Or one statement defines numbers
         and other constants, or stands at the top of a module where none of its kind may.
     """
     classes = {record for module in modules for record in module.types.records}
@@ -119,10 +119,10 @@ def one_source(modules: Sequence[Module]) -> tuple[str, set[str]]:
                             raise ValueError(
                                 f"{name}: {constant} = {number}, not {known[constant]}"
                             )
-                    integers = {isinstance(number_in(value), int) for _, value in pairs}
-                    if len(integers) > 1:
-                        raise ValueError(f"{name}: integers stand apart: {written}")
-                    if integers == {False}:
+                    numbers = {number_in(value) is not None for _, value in pairs}
+                    if len(numbers) > 1:
+                        raise ValueError(f"{name}: numbers stand apart: {written}")
+                    if numbers == {False}:
                         bodies.append(written)
                 case ast.FunctionDef(name=own) | ast.ClassDef(name=own):
                     if own in defined:
@@ -172,14 +172,18 @@ class Plain(ast.NodeTransformer):
 def one_set_of_types(modules: Sequence[Module], functions: Iterable[str]) -> str:
     """All declarations of C types, and those of constants and mathematical functions."""
     constants = numbers_of(module.tree for module in modules)
-    doubles = ", ".join(name for name, x in constants.items() if isinstance(x, float))
+    doubles = {name: x for name, x in constants.items() if isinstance(x, float)}
     integers = [f"    {name} = {x}" for name, x in constants.items() if isinstance(x, int)]
     records = {name: x for module in modules for name, x in module.types.records.items()}
     lines = [
         "cimport cython",
         FROM_C,
         f"from libc.math cimport {', '.join(sorted(functions))}",
-        *([f"cdef double {doubles}"] if doubles else []),
+        "cdef extern from *:",
+        '    """',
+        *(f"    static const double kernel_{name} = {x!r};" for name, x in doubles.items()),
+        '    """',
+        *(f'    double {name} "kernel_{name}"' for name in doubles),
         *(["cdef enum:", *integers] if integers else []),
     ]
     for module in modules:

@@ -69,11 +69,11 @@ def test_two_meanings_of_one_name_are_refused(
         joined(kernel_source, tmp_path, first, second)
 
 
-@pytest.mark.parametrize("text", ["_N, _X = 2, 0.5", "_N: int = 2", "for _n in range(2): pass"])
+@pytest.mark.parametrize("text", ["_N, _X = 2, (0.5,)", "_N: int = 2", "for _n in range(2): pass"])
 def test_what_cannot_stand_at_the_top_of_a_module_is_refused(
     kernel_source: Any, tmp_path: Path, text: str
 ) -> None:
-    with pytest.raises(ValueError, match=r"part0\.py: (integers stand apart|not at the top)"):
+    with pytest.raises(ValueError, match=r"part0\.py: (numbers stand apart|not at the top)"):
         joined(kernel_source, tmp_path, text)
 
 
@@ -81,22 +81,33 @@ def test_modules_follow_one_another(kernel_source: Any, tmp_path: Path) -> None:
     source, _ = joined(
         kernel_source,
         tmp_path,
-        "from math import sqrt\n_N = 2.0\ndef root(): return sqrt(_N)",
-        "from .part0 import root\n_N = 2.0\ndef twice(): return 2.0 * root()",
+        "from math import sqrt\n_N = (2.0,)\ndef root(): return sqrt(_N[0])",
+        "from .part0 import root\n_N = (2.0,)\ndef twice(): return 2.0 * root()",
     )
     found: dict[str, Any] = {}
     exec("\n".join(source), found)
     assert found["twice"]() == pytest.approx(2.0 * 2.0**0.5)
 
 
-def test_integers_of_the_kernel_are_constants_of_c(kernel_source: Any, tmp_path: Path) -> None:
+def test_numbers_of_the_kernel_are_constants_of_c(kernel_source: Any, tmp_path: Path) -> None:
     uncompiled = "if not cython.compiled:\n    from math import sin, cos"
     source, types = joined(
-        kernel_source, tmp_path, "_N, _M = 2, 3\n_X = 0.5", f"{uncompiled}\n_N = 2"
+        kernel_source, tmp_path, "_N, _M = 2, 3\n_X, _Y = 0.5, 1e9", f"{uncompiled}\n_N = 2"
     )
-    assert source == ["_X = 0.5"]
+    assert source == []
     at = types.index("from libc.math cimport cos, sin")
-    assert types[at + 1 :] == ["cdef double _X", "cdef enum:", "    _N = 2", "    _M = 3"]
+    assert types[at + 1 :] == [
+        "cdef extern from *:",
+        '    """',
+        "    static const double kernel__X = 0.5;",
+        "    static const double kernel__Y = 1000000000.0;",
+        '    """',
+        '    double _X "kernel__X"',
+        '    double _Y "kernel__Y"',
+        "cdef enum:",
+        "    _N = 2",
+        "    _M = 3",
+    ]
 
 
 def test_types_for_cython(kernel_source: Any, tmp_path: Path) -> None:

@@ -20,37 +20,7 @@ from .kernel_name import KERNEL, kernel_name
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from .kernel.integrator import (
-        FAILURES,
-        KINDS,
-        METHODS,
-        Filling,
-        Integrator,
-        Lines,
-        Method,
-        Network,
-        Rest,
-        Run,
-        RunQueue,
-        laws_of,
-    )
-
-__all__ = [
-    "FAILURES",
-    "KINDS",
-    "METHODS",
-    "Filling",
-    "Integrator",
-    "Lines",
-    "Method",
-    "Network",
-    "Rest",
-    "Run",
-    "RunQueue",
-    "compiled",
-    "laws_of",
-    "why_uncompiled",
-]
+    from .kernel.integrator import *  # noqa: F403
 
 
 @contextmanager
@@ -100,4 +70,4 @@ def _choose() -> tuple[ModuleType, str]:
 
 _integrator, why_uncompiled = _choose()
 compiled: bool = not why_uncompiled
-globals().update({name: x for name, x in vars(_integrator).items() if name in __all__})
+globals().update({name: getattr(_integrator, name) for name in _integrator.__all__})

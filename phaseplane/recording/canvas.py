@@ -19,6 +19,7 @@ from .columns import (
     LETTERS_FIRST,
     LINE_UP,
     UPRIGHT,
+    Clock,
     Integers,
     legible,
     line_style,
@@ -43,8 +44,8 @@ _HEAD = 0.5  # length of the head of an arrow, em
 class Viewer(Canvas):
     """A canvas of the viewer, whose entities are under the path `root`."""
 
-    def __init__(self, recording: rr.RecordingStream, root: str) -> None:
-        self.recording, self.root = recording, root
+    def __init__(self, recording: rr.RecordingStream, root: str, clock: Clock) -> None:
+        self.recording, self.root, self.clock = recording, root, clock
         self._ticks: list[Page] = []
         self._begun: set[str] = set()
 
@@ -107,8 +108,7 @@ class Viewer(Canvas):
     def end(self) -> None:
         """Log the ticks."""
         if self._ticks:
-            stage = rr.TimeColumn("stage", sequence=np.arange(len(self._ticks)))
-            self._send("story", self._ticks, [stage])
+            self._send("story", self._ticks, self.clock.staged())
 
     def _send(self, name: str, pages: Sequence[Page], times: Sequence[rr.TimeColumn]) -> None:
         """Log pages, each at one of these times; without times it stays."""

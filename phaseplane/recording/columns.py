@@ -1,7 +1,8 @@
 """Timelines, styles, texts and lines as rerun's components.
 
 Steps are stored once, on the timelines `t` (time of the motion) and `step`. The timeline `stage` has the
-ticks of the story, which is stored apart.
+ticks of the story, which is stored apart. The viewer plays both at one rate, so the ticks of the story of
+a long motion are several counts apart.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import repeat
+from itertools import count, repeat, takewhile
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,7 @@ lines and points against each other, those that are farther apart in their order
 """
 _BENEATH, _LINES, _POINTS = 19.0, 20.0, 30.0  # draw orders of a run, other lines, and points
 _SCREEN = 1.25  # points on a screen for a point on paper
+_LEAST_SHOWN = 40  # ticks in which the viewer plays all steps, if there are as many
 _INSTEAD = {0x2098: "m", 0x209B: "s", 0x209C: "t", 0x2009: " "}  # of indices and a thin space
 
 
@@ -53,6 +55,21 @@ class Clock:
     times: Reals  # s
     steps: Integers
     ticks: Reals  # times of the ticks of the story, s
+
+    @property
+    def stride(self) -> int:
+        """How many steps pass while one tick of the story is shown: 1, 2, 5, 10, 20 and so on.
+
+        All steps then take as long as 40 to 100 ticks, or as there are if these are fewer.
+        """
+        sizes = (size * 10**power for power in count() for size in (1, 2, 5))
+        few = takewhile(lambda size: len(self.steps) >= _LEAST_SHOWN * size, sizes)
+        return max(few, default=1)
+
+    @property
+    def stages(self) -> Integers:
+        """The counts of the ticks of the story on `stage`."""
+        return self.stride * np.arange(len(self.ticks))
 
     @classmethod
     def of(cls, drawing: Drawing | None, ticks: Sequence[float] = ()) -> Clock:
@@ -76,7 +93,7 @@ class Clock:
 
     def staged(self) -> list[rr.TimeColumn]:
         """Return the time columns of all ticks of the story."""
-        return [rr.TimeColumn("stage", sequence=np.arange(len(self.ticks)))]
+        return [rr.TimeColumn("stage", sequence=self.stages)]
 
     def over(self, times: Reals) -> Iterator[tuple[Reals, list[rr.TimeColumn]]]:
         """Yield some times of a run with their time columns.
@@ -99,7 +116,7 @@ class Clock:
         if len(times):
             yield times, [seconds(times)]
         if len(ticks):
-            yield self.ticks[ticks], [rr.TimeColumn("stage", sequence=ticks)]
+            yield self.ticks[ticks], [rr.TimeColumn("stage", sequence=self.stages[ticks])]
 
 
 def send(

@@ -47,7 +47,7 @@ class Recorder:
         self.ticks = self._story()
         self.clock = Clock.of(content.drawing, [tick.time for tick in self.ticks])
         self.sheet, self.arms, self.over_time = (
-            Viewer(recording, root) for root in (SHEET, ARMS, CHART)
+            Viewer(recording, root, self.clock) for root in (SHEET, ARMS, CHART)
         )
         self._rows = 0
 

@@ -44,7 +44,7 @@ from phaseplane.picture.story import Tick, arms_page, story_of
 from phaseplane.picture.styles import style_of
 from phaseplane.recording import DETAILS, new_recording, record
 from phaseplane.recording.canvas import BLOCK
-from phaseplane.recording.columns import LINE_UP, rgba
+from phaseplane.recording.columns import LINE_UP, Clock, rgba
 from phaseplane.recording.motion import pages_of
 from phaseplane.recording.server import viewer_program
 
@@ -153,6 +153,25 @@ def test_stages_play_at_one_a_second_and_the_motion_in_a_minute(recorded: Record
     (speed,), (fps,) = (panel[f"TimePanelBlueprint:{n}"] for n in ("playback_speed", "fps"))
     assert fps * speed == pytest.approx(1.0)
     assert 60 * STEP / speed == pytest.approx(60.0)
+
+
+@pytest.mark.parametrize(("steps", "stride"), [(79, 1), (80, 2), (300, 5)])
+def test_the_steps_of_a_long_motion_pass_faster_than_stages(
+    tmp_path: Path, steps: int, stride: int
+) -> None:
+    record(content(steps - 1), tmp_path / "f.rrd")
+    made = Recorded(tmp_path / "f.rrd")
+    panel = {name: value for _, row in made.layout for name, value in row.items()}
+    (speed,), (fps,) = (panel[f"TimePanelBlueprint:{n}"] for n in ("playback_speed", "fps"))
+    assert fps * speed == pytest.approx(stride)
+    stages = [row["stage"] for row in made.rows["/words"] if "stage" in row]
+    assert stages == [stride * k for k in range(len(stages))]
+    assert len(stages) > 20
+
+
+@pytest.mark.parametrize(("steps", "stride"), [(1, 1), (10_000, 200), (100_000, 2000)])
+def test_all_steps_pass_in_about_a_minute(steps: int, stride: int) -> None:
+    assert Clock(np.zeros(steps), np.arange(steps), np.zeros(0)).stride == stride
 
 
 def test_sheet_stands_upright(recorded: Recorded) -> None:

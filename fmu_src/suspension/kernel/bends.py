@@ -5,7 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .language import inline
-from .layout import BRANCHES, CONTACT, DAMPER, LAWS, MODULATION, OWN, PIECE, SPRING, START
+from .layout import (
+    BRANCHES,
+    CONTACT,
+    DAMPER,
+    LAWS,
+    MODULATION,
+    OWN,
+    PIECE,
+    SPRING,
+    START,
+    UNBOUNDED,
+)
 
 if TYPE_CHECKING:
     from .network import Network
@@ -77,7 +88,7 @@ class Bends:
     def _bound(self, i: int) -> None:
         """Find where the piece of law i begins and ends."""
         p = self.piece[i]
-        self.low[i], self.high[i] = -1e300, 1e300
+        self.low[i], self.high[i] = -UNBOUNDED, UNBOUNDED
         if p > self.net.run_first[p]:
             self.low[i] = self.net.piece[PIECE * p + START]
         if p < self.net.run_last[p]:

@@ -24,6 +24,7 @@ from .layout import (
     PIECE,
     SPRING,
     START,
+    UNBOUNDED,
 )
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ class Branches(Elements):
         for e in range(self.elements):
             for kind in range(BRANCHES):
                 if kind == CONTACT:
-                    several = self.limit[e] < 1e300
+                    several = self.limit[e] < UNBOUNDED
                 elif kind == FRICTION:
                     several = self.friction[e] > 0.0
                 else:
@@ -125,26 +126,26 @@ class Branches(Elements):
         now = self.branch[BRANCHES * e + kind]
         if kind == CONTACT:
             if now:
-                return self.limit[e] if side < 0 else 1e300
-            return self.limit[e] if side > 0 else -1e300
+                return self.limit[e] if side < 0 else UNBOUNDED
+            return self.limit[e] if side > 0 else -UNBOUNDED
         if kind == FRICTION:
             if now == 0:
                 return side * self.breakaway[e]
-            return 0.0 if now == -side else side * 1e300
+            return 0.0 if now == -side else side * UNBOUNDED
         if self.yields[e] and kind != MODULATION:
             spring = self.branch[BRANCHES * e + SPRING]
             if kind == DAMPER or spring != ELASTIC:
                 # flow upwards ends when the rate falls to zero, flow downwards when it rises to zero
                 if kind == DAMPER and spring == ELASTIC - side:
                     return 0.0
-                return side * 1e300
+                return side * UNBOUNDED
         law = LAWS * e + kind
         if side < 0:
-            return self.piece[(self.first[law] + now) * PIECE + START] if now > 0 else -1e300
+            return self.piece[(self.first[law] + now) * PIECE + START] if now > 0 else -UNBOUNDED
         above = self.run_last[self.first[law] + now] + 1
         if above < self.first[law] + self.count[law]:
             return self.piece[above * PIECE + START]
-        return 1e300
+        return UNBOUNDED
 
     def enter(self, e: int, kind: int, side: int, t: float, q: Doubles, v: Doubles) -> int:
         """Move element e to its neighbouring branch; return the number of the new branch."""
@@ -193,7 +194,7 @@ class Branches(Elements):
                 self.branch[at + SPRING] = self.piece_at(LAWS * e + SPRING, d)
             self.branch[at + DAMPER] = self.piece_at(LAWS * e + DAMPER, w)
             self.branch[at + MODULATION] = self.piece_at(LAWS * e + MODULATION, d)
-            if self.limit[e] < 1e300:
+            if self.limit[e] < UNBOUNDED:
                 force = self.law(self.piece_now(e, SPRING), d) + self.damper_force(e)
                 off = 1 if force > self.limit[e] or d > self.opening[e] else 0
                 self.branch[at + CONTACT] = off
@@ -223,15 +224,15 @@ class Branches(Elements):
             e = self.switch_element[k]
             kind = self.switch_kind[k]
             r = self.element_row[e]
-            x = 1e300  # contact is never marked: it starts inside
+            x = UNBOUNDED  # contact is never marked: it starts inside
             if kind in (SPRING, MODULATION):
                 x = self.row_d[r]
             elif kind == DAMPER or (kind == FRICTION and self.branch[BRANCHES * e + FRICTION] != 0):
                 x = self.row_v[r]
             mark = 0
-            if x < 1e300 and x == self.bound(e, kind, -1):
+            if x < UNBOUNDED and x == self.bound(e, kind, -1):
                 mark = -1
-            elif x < 1e300 and x == self.bound(e, kind, 1):
+            elif x < UNBOUNDED and x == self.bound(e, kind, 1):
                 mark = 1
             self.departing[BRANCHES * e + kind] = mark
 

@@ -14,7 +14,19 @@ from typing import TYPE_CHECKING
 
 from .language import inline, of_python
 from .laws import Laws, law_numbers
-from .layout import BRANCHES, C0, C1, CONTACT, DAMPER, FRICTION, LAWS, MODULATION, PIECE, SPRING
+from .layout import (
+    BRANCHES,
+    C0,
+    C1,
+    CONTACT,
+    DAMPER,
+    FRICTION,
+    LAWS,
+    MODULATION,
+    PIECE,
+    SPRING,
+    UNBOUNDED,
+)
 from .series_springs import SeriesSprings
 
 if TYPE_CHECKING:
@@ -291,7 +303,7 @@ class Elements(Laws):
 @of_python
 def element_numbers(element: Element) -> list[float]:
     """Return the numbers of an element: laws, modulation, limit, yield and friction."""
-    limited, yields = element.limit < 1e300, element.yield_force < 1e300
+    limited, yields = element.limit < UNBOUNDED, element.yield_force < UNBOUNDED
     free = element.free_length if limited else 0.0
     return [
         *law_numbers(element),

@@ -12,6 +12,7 @@ import cython
 
 from .extrapolated import Extrapolated
 from .iteration import LEAST_SHARE
+from .layout import UNBOUNDED
 from .outcomes import DIVERGED, NOT_CONVERGED, NOT_POSITIVE
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ class Increments:
     def add(self, t: float, h: float, q: Doubles, v: Doubles, a: Doubles) -> int:
         """Step from t to t + h; return 0 or a key of `outcomes.FAILURES`."""
         self._begin(t, q, v, a)
-        before = 1e300
+        before = UNBOUNDED
         share = 1.0
         for iteration in range(_MOST_MEANS):
             self._excitation_increment(t, h)

@@ -21,7 +21,7 @@ from .language import (
     open_to_python,
     uses_python,
 )
-from .layout import BRANCHES, CONTACT, SPRING
+from .layout import BRANCHES, CONTACT, SPRING, UNBOUNDED
 from .lines import Lines
 from .method import Method
 from .methods import METHODS
@@ -472,7 +472,7 @@ class Integrator(TimeLoop):
     @of_python
     def beyond_stable(self) -> tuple[float, float] | None:
         """Return when a fixed step was first too long and the stable step then, s; or None."""
-        if self.state.beyond_since == -1e300:
+        if self.state.beyond_since == -UNBOUNDED:
             return None
         return self.state.beyond_since, self.state.beyond_step
 

@@ -16,6 +16,7 @@ import cython
 
 from .balance import MOST_ROWS
 from .language import inline
+from .layout import UNBOUNDED
 from .outcomes import DIVERGED, NOT_CONVERGED, NOT_POSITIVE
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ class Iteration:
         for p in range(bends):  # the parabola through the last three values
             at = self.rows * c + p
             self.x[p] = 3.0 * (self.x1[at] - self.x2[at]) + self.x3[at]
-        before = lack_before = 1e300
+        before = lack_before = UNBOUNDED
         share = 1.0
         for _iteration in range(_ITERATIONS):
             lack = 0.0
@@ -106,7 +107,7 @@ class Iteration:
                 return NOT_POSITIVE
             size = self._correct(bends, c)
             limit = max(self.enough, rounding)
-            if before < 1e300 and self._power(before) > 0.0:
+            if before < UNBOUNDED and self._power(before) > 0.0:
                 self.bend = max(self.bend, size / self._power(before))
             if (
                 size <= limit
@@ -192,7 +193,7 @@ class Iteration:
             first = max(first, fabs(self.dx[p]))
             second = max(second, fabs(self.second[p]))
         if not second <= _MOST_SECOND * first:
-            self.bend = 1e300
+            self.bend = UNBOUNDED
             for p in range(bends):
                 self.second[p] = self.rise[p] = 0.0
         size = 0.0

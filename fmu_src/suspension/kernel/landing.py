@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import cython
 
 from .dense import Dense
+from .layout import UNBOUNDED
 
 if TYPE_CHECKING:
     from .arrays import Memory
@@ -68,7 +69,7 @@ class Landing:
             near = self._keep_near(step)
         self.switches.recedes = False
         latest = h * min(1.0, self.switches.next + _SIMULTANEOUS)
-        best = 1e300
+        best = UNBOUNDED
         for _iteration in range(0 if self.switches.only_opens else _MOST_ITERATIONS):
             if status != 0:
                 return status

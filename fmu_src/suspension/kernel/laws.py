@@ -27,6 +27,7 @@ from .layout import (
     SCALE,
     START,
     STORED,
+    UNBOUNDED,
 )
 from .signals import Signals
 
@@ -95,7 +96,7 @@ class Laws(Signals):
                 and self.piece[k + OWN] == 0.0
             )
             self.straight[p] = self.cubic[p] and not curved
-            self.low[p], self.high[p] = -1e300, 1e300
+            self.low[p], self.high[p] = -UNBOUNDED, UNBOUNDED
         for law in range(LAWS * e, LAWS * (e + 1)):
             for p in range(self.first[law], self.first[law] + self.count[law]):
                 k = p * PIECE
@@ -370,7 +371,7 @@ def power_slope(power: float, exponent: float, s: float) -> float:
 @of_python
 def functions_of(element: Element) -> tuple[Any, ...]:
     """Return the function of each piece of an element's laws, or None."""
-    if element.yield_force < 1e300:
+    if element.yield_force < UNBOUNDED:
         return (None,) * sum(pieces_of(element))
     return element.spring.functions + element.damper.functions + element.modulation.functions
 
@@ -378,14 +379,14 @@ def functions_of(element: Element) -> tuple[Any, ...]:
 @of_python
 def pieces_of(element: Element) -> tuple[int, int, int]:
     """Return the numbers of pieces of an element's spring, damper and modulation."""
-    spring = len(element.spring.pieces) if element.yield_force > 1e300 else 3
+    spring = len(element.spring.pieces) if element.yield_force > UNBOUNDED else 3
     return spring, len(element.damper.pieces), len(element.modulation.pieces)
 
 
 @of_python
 def law_numbers(element: Element) -> list[float]:
     """Return the pieces of the laws of an element, one after the other."""
-    spring = _flow_pieces(element) if element.yield_force < 1e300 else element.spring.numbers
+    spring = _flow_pieces(element) if element.yield_force < UNBOUNDED else element.spring.numbers
     return [*spring, *element.damper.numbers, *element.modulation.numbers]
 
 

@@ -3,6 +3,8 @@
 `pieces.Piece` and `signals.Segment` give their numbers in this order.
 """
 
+# stands for a bound, a limit or an instant that does not exist
+UNBOUNDED = 1e300
 # the kinds of branches of an element: `branch[BRANCHES e + kind]`
 SPRING, DAMPER, MODULATION, CONTACT, FRICTION = 0, 1, 2, 3, 4
 BRANCHES = 5

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import cython
 
 from .language import inline
+from .layout import UNBOUNDED
 
 if TYPE_CHECKING:
     from .balance import Balance
@@ -45,8 +46,8 @@ class Modes:
     def start(self) -> None:
         """Discard all earlier branches."""
         for i in range(self.n):
-            self.softest[i] = 1e300
-        self.stiffness_known[0] = -1e300  # none yet
+            self.softest[i] = UNBOUNDED
+        self.stiffness_known[0] = -UNBOUNDED  # none yet
 
     def follow(self) -> None:
         """Update what depends on the tangents, after a change of them."""
@@ -70,7 +71,7 @@ class Modes:
             else:
                 self.omega_squared = self._highest(self.n)
         self.quickest = sqrt(self.omega_squared)
-        self.longest = _SAFE_PHASE / self.quickest if self.quickest > 0.0 else 1e300
+        self.longest = _SAFE_PHASE / self.quickest if self.quickest > 0.0 else UNBOUNDED
         self.damping_known = 0
 
     @inline

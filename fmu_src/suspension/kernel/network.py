@@ -16,7 +16,19 @@ from .branches import Branches
 from .elements import element_numbers
 from .language import of_python, open_to_python
 from .laws import functions_of, pieces_of
-from .layout import BRANCHES, C1, CONTACT, DAMPER, LAWS, MODULATION, PIECE, SEGMENT, SPRING, START
+from .layout import (
+    BRANCHES,
+    C1,
+    CONTACT,
+    DAMPER,
+    LAWS,
+    MODULATION,
+    PIECE,
+    SEGMENT,
+    SPRING,
+    START,
+    UNBOUNDED,
+)
 
 if TYPE_CHECKING:
     from typing import Any
@@ -215,11 +227,11 @@ class Network(Branches):
 
     @open_to_python
     def next_corner(self, t: float) -> float:
-        """Return the next time after t at which the value or the rate of a signal jumps, or 1e300.
+        """Return the next time after t at which the value or the rate of a signal jumps, or UNBOUNDED.
 
         The present segments may be later than t.
         """
-        corner = 1e300
+        corner = UNBOUNDED
         for s in range(self.signals):
             now = self.signal_now[s]
             for k in range(1, self.signal_count[s]):
@@ -248,7 +260,7 @@ class Network(Branches):
             self.scratch[i] = 0.0
         for e in range(self.elements):
             r = self.element_row[e]
-            if self.row_signal[r] != signal or (jump < 0.0 and self.limit[e] < 1e300):
+            if self.row_signal[r] != signal or (jump < 0.0 and self.limit[e] < UNBOUNDED):
                 continue
             law = LAWS * e + DAMPER
             p = self.first[law] if jump > 0.0 else self.first[law] + self.count[law] - 1
@@ -275,7 +287,7 @@ class Network(Branches):
                 continue
             d, w = self.row_d[r], self.row_v[r]
             push = self.law_slope(self.piece_now(e, DAMPER), w) * self._way(e, d + jump, jump)
-            if self.limit[e] < 1e300:
+            if self.limit[e] < UNBOUNDED:
                 held = 0.0  # N h
                 if d + jump <= self.opening[e]:
                     middle = d + 0.5 * jump
@@ -603,6 +615,6 @@ def _shape(element: Element) -> tuple[Any, ...]:
         element.road,
         pieces_of(element),
         functions_of(element),
-        element.limit < 1e300,
+        element.limit < UNBOUNDED,
         element.friction > 0.0,
     )

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import cython
 
 from .language import of_python, open_to_python
-from .layout import LAWS, PIECE, SPRING, START
+from .layout import LAWS, PIECE, SPRING, START, UNBOUNDED
 
 if TYPE_CHECKING:
     from .language import Doubles, Numbers
@@ -22,7 +22,6 @@ if not cython.compiled:
     from math import fabs, isfinite
 
 _MOST_TRIALS = 400
-_FREE = 1e300  # a limit that stands for none; a larger shift is not tried
 
 
 class Rest:
@@ -80,7 +79,7 @@ class Rest:
                 shift = 0.1 * shift if shift > least else 0.0
             else:
                 shift = max(4.0 * shift, least)
-            if not shift < _FREE:
+            if not shift < UNBOUNDED:
                 break
         return 1
 
@@ -113,7 +112,7 @@ class Rest:
 
     def _find_force(self, e: int, d: float) -> None:
         """Set `force` and `stiffness` of element e at rest: up to its limit, along its yield lines."""
-        if self.net.limit[e] < _FREE and d >= self.net.free_length[e]:
+        if self.net.limit[e] < UNBOUNDED and d >= self.net.free_length[e]:
             self.force, self.stiffness = self.net.limit[e], 0.0
             return
         law = LAWS * e + SPRING
@@ -123,7 +122,7 @@ class Rest:
 
     def _energy(self, e: int, d: float) -> float:
         """Return the potential of element e at rest, J."""
-        if self.net.limit[e] < _FREE and d >= self.net.free_length[e]:
+        if self.net.limit[e] < UNBOUNDED and d >= self.net.free_length[e]:
             return self.net.free_energy[e] + self.net.limit[e] * (d - self.net.free_length[e])
         law = LAWS * e + SPRING
         k = self.net.piece_at(law, d)

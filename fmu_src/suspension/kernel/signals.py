@@ -8,7 +8,20 @@ from typing import TYPE_CHECKING
 import cython
 
 from .arrays import Memory
-from .layout import AMPLITUDE, ANGLE, C0, C1, C2, C3, CHIRP, ORIGIN, SEGMENT, SPEED, START
+from .layout import (
+    AMPLITUDE,
+    ANGLE,
+    C0,
+    C1,
+    C2,
+    C3,
+    CHIRP,
+    ORIGIN,
+    SEGMENT,
+    SPEED,
+    START,
+    UNBOUNDED,
+)
 from .state import KernelState
 
 if TYPE_CHECKING:
@@ -197,7 +210,7 @@ class Signals:
 
     def next_joint(self) -> float:
         """Return the next time at which a signal changes segment."""
-        joint = 1e300
+        joint = UNBOUNDED
         for s in range(self.signals):
             k = self.signal_now[s] + 1
             if k < self.signal_count[s]:
@@ -207,7 +220,7 @@ class Signals:
 
     def road_limit(self, t: float) -> float:
         """Return the longest macro step that the sinusoids of the present segments allow."""
-        limit = 1e300
+        limit = UNBOUNDED
         for s in range(self.signals):
             at = (self.signal_first[s] + self.signal_now[s]) * SEGMENT
             if self.segment[at + AMPLITUDE] != 0.0:

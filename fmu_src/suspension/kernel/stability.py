@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 
 import cython
 
+from .layout import UNBOUNDED
+
 if TYPE_CHECKING:
     from .modes import Modes
 
@@ -47,7 +49,7 @@ class StabilityMonitor:
 
     def start(self) -> None:
         """Reset: no step has been too long yet."""
-        self.net.state.beyond_since = -1e300  # time at which a step was first too long, s
+        self.net.state.beyond_since = -UNBOUNDED  # time at which a step was first too long, s
         self.net.state.beyond_step = 0.0  # the stable step then, s
 
     def fit(self, time: float, h: float) -> float:
@@ -60,7 +62,7 @@ class StabilityMonitor:
         omega = self.fastest()
         if h * omega <= self.limit:
             return h
-        if self.net.state.beyond_since == -1e300:
+        if self.net.state.beyond_since == -UNBOUNDED:
             self.net.state.beyond_since = time
             self.net.state.beyond_step = self.limit / omega
         if self.policy == _REFUSE:

@@ -6,6 +6,7 @@ import cython
 
 from .arrays import _SIZE_OF_INTEGER, Memory
 from .language import Address, Long, Size, memcpy, uses_python
+from .layout import UNBOUNDED
 
 if not cython.compiled:
     from array import array
@@ -36,7 +37,7 @@ class KernelState:
         self.initial_energy = self.most_stored = 0.0
         self.residual_start = self.residual_end = 0.0  # at both ends of the last step
         # time at which a fixed step was first too long, and the stable step then, s
-        self.beyond_since = -1e300
+        self.beyond_since = -UNBOUNDED
         self.beyond_step = 0.0
         self.grid_index: Long = 0  # steps of the grid that have been taken
         self.step_count: Long = 0

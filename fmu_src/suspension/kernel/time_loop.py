@@ -14,7 +14,7 @@ from .dense import Dense
 from .knots import Knots
 from .landing import Landing
 from .language import inline, of_python
-from .layout import FRICTION
+from .layout import FRICTION, UNBOUNDED
 from .ledger import Ledger
 from .limited import Limited
 from .methods import METHODS
@@ -57,7 +57,6 @@ _STALLED = 100  # consecutive steps in which no time passes
 _OVERRUNS = 1000  # overruns (see `_overrun`) allowed in a run
 _LEAST_THETA = 1.37
 _ORDERS = (0, 2, 4, 6, 8)
-_NO_STEP = 1e300
 _FAR = 1e8  # m, or times the scale of the run: a larger motion has diverged
 _RUNAWAY = 1e4  # times that scale: a larger motion has diverged if steps vanish, too
 _DECAY_PHASE = 1.0  # of the fastest motion in a step after a switch, where it may decay
@@ -91,7 +90,7 @@ class TimeLoop:
             raise ValueError(f"theta = {theta:g} must be at least {_LEAST_THETA:g}")
         if order not in _ORDERS:
             raise ValueError(f"order = {order!r} is not one of 0 (automatic), 2, 4, 6, 8")
-        if not 0.0 <= step < _NO_STEP:
+        if not 0.0 <= step < UNBOUNDED:
             raise ValueError(f"step = {step:g} s must be finite and positive, or 0 (automatic)")
         if not 0.0 < tolerance < 1.0:
             raise ValueError(f"tolerance = {tolerance:g} must be greater than 0 and less than 1")
@@ -130,7 +129,7 @@ class TimeLoop:
         # the result at the last sampled instant
         self.reading = Reading(self.net)
         self.limited = Limited(
-            self.net, [e for e, element in enumerate(system.elements) if element.limit < 1e300]
+            self.net, [e for e, element in enumerate(system.elements) if element.limit < UNBOUNDED]
         )
         self.noted = SwitchLog(memory)
         self.transitions = Transitions(
@@ -290,7 +289,7 @@ class TimeLoop:
                 return PAUSED
             self.since_pause += 1
             before = self.state.time
-            status = self._step(until if stop else 1e300)
+            status = self._step(until if stop else UNBOUNDED)
             if status != 0:
                 return status
             if self._passes(self.state.time - before):
@@ -298,7 +297,7 @@ class TimeLoop:
             else:
                 self.state.stalled += 1
                 if self.state.stalled > _STALLED:
-                    status = self._overrun(until if stop else 1e300)
+                    status = self._overrun(until if stop else UNBOUNDED)
                     if status != 0:
                         return status
             if self.halts == _AT_STEPS or (

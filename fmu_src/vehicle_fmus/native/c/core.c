@@ -269,7 +269,7 @@ static int step(Instance *one, double until, int stop) {
             break;
         }
     }
-    if (integrator->state->beyond_since != -1e300 && !now->warned) {
+    if (integrator->state->beyond_since != -UNBOUNDED && !now->warned) {
         now->warned = 1;
         say(one, WARNING, "solver.step = %g s is not stable from %.6g s on: it is divided into parts "
             "of at most %.3g s", integrator->fixed_step, integrator->state->beyond_since,

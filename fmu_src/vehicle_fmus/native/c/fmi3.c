@@ -259,7 +259,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *again, fmi3Bool
     corner = Network_next_corner(now->machine.integrator.net, now->conduct.run.time);
     host->instance.roads_known = 0;
     *again = *terminate = *nominals_changed = *values_changed = fmi3False;
-    *has_next = corner < 1e300;
+    *has_next = corner < UNBOUNDED;
     *next = corner;
     return fmi3OK;
 }
