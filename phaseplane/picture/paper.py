@@ -168,7 +168,7 @@ def telling_vertices(points: Points, close: float, most: int) -> npt.NDArray[np.
     while True:
         start, middle, end = (points[kept[i : len(kept) - 2 + i : 2]] for i in range(3))
         chord, apart = end - start, middle - start
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(all="ignore"):
             along = np.clip(np.nan_to_num((apart / chord).real), 0.0, 1.0)
         away = abs(apart - along * chord)
         near = ~(away >= close) | np.isinf(away)

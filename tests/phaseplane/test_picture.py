@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from phaseplane.scenarios.draw.constructions import draw_construction
 from phaseplane.scenarios.scene.loading import load_scene
@@ -308,6 +308,7 @@ def test_a_long_motion_stays_smooth_in_a_story() -> None:
 
 
 @given(st.lists(st.complex_numbers(max_magnitude=1e3), min_size=2, max_size=200), st.integers(2, 9))
+@example([2e-313, 0j, 0j], 2)
 def test_a_thinned_curve_has_few_vertices_and_both_ends(points: list[complex], most: int) -> None:
     kept = telling_vertices(np.array(points), 1e-3, most)
     assert len(kept) <= most
