@@ -12,7 +12,7 @@ from .units import UNITS
 from .variable import ParameterError, Variable
 
 if TYPE_CHECKING:
-    from .system_file import Definition
+    from .system_definition import Definition
 
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_][\w.]*")
 _PLACE = "_"  # before the number of a name in an expression

@@ -1,0 +1,90 @@
+"""What may stand in the tables of a system's file: words, tables, numbers and expressions."""
+
+from __future__ import annotations
+
+import ast
+import operator
+import re
+from collections.abc import Callable, Mapping, Sequence
+from math import inf, isfinite
+from typing import Any
+
+from .system_units import numbered, place_of
+from .units import nearest
+from .variable import ParameterError, Value, number
+
+_WORD = re.compile(r"[a-z][a-z0-9_]*\Z")
+_OPERATIONS: Mapping[type, Callable[..., float]] = {
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul,
+    ast.Div: operator.truediv, ast.Pow: operator.pow, ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+}  # fmt: skip
+
+
+def value_of(said: object, p: Mapping[str, Value], where: str) -> float:
+    """Return the value of a number, or of an expression of numbers and parameters.
+
+    Raises
+    ------
+    ParameterError : if it is neither, or not finite.
+    """
+    if isinstance(said, int | float) and not isinstance(said, bool):
+        if not isfinite(said):
+            raise ParameterError(f"{where} = {said}: must be finite")
+        return float(said)
+    if not isinstance(said, str):
+        raise ParameterError(f"{where} = {said!r}: must be a number or an expression")
+    text, names = numbered(said)
+    for name in names:
+        if name not in p or isinstance(p[name], str | bool):
+            raise ParameterError(f"{where} = {said!r}: no parameter {name!r}{nearest(name, p)}")
+    try:
+        found = _worked_out(ast.parse(text, mode="eval").body, [number(p, name) for name in names])
+    except (SyntaxError, ValueError, ArithmeticError, TypeError, RecursionError, KeyError) as error:
+        raise ParameterError(
+            f"{where} = {said!r}: not an expression of numbers and parameters ({error})"
+        ) from None
+    if isinstance(found, complex) or not abs(found) < inf:
+        raise ParameterError(f"{where} = {said!r}: is {found}; it must be finite")
+    return found
+
+
+def _worked_out(node: ast.expr, values: Sequence[float]) -> float:
+    """Return the value of an expression; its values may be floats or numbers that record operations."""
+    match node:
+        case ast.Constant(value=int() | float() as value):
+            return float(value)
+        case ast.Name(id=name):
+            return values[place_of(name)]
+        case ast.BinOp(left, operation, right):
+            found: tuple[float, ...] = (_worked_out(left, values), _worked_out(right, values))
+        case ast.UnaryOp(operation, operand):
+            found = (_worked_out(operand, values),)
+        case _:
+            raise ValueError(ast.unparse(node))
+    result: float = _OPERATIONS[type(operation)](*found)
+    return result
+
+
+def table_at(said: object, where: str) -> Mapping[str, Any]:
+    """Return a table, which a key must give."""
+    if not isinstance(said, dict):
+        raise ParameterError(f"{where} = {said!r}: must be a table")
+    return said
+
+
+def check_word(name: object, where: str) -> None:
+    """Refuse a name that is not a word in lower case."""
+    if not isinstance(name, str) or not _WORD.match(name):
+        raise ParameterError(
+            f"{where}: {name!r} must be a word in lower case, such as 'front_left'"
+        )
+
+
+def refuse_others(given: Any, allowed: tuple[str, ...], where: str) -> None:
+    """Refuse keys that are not allowed."""
+    for key in given:
+        if key not in allowed:
+            raise ParameterError(
+                f"{where}: unknown key {key!r}{nearest(key, allowed)}; allowed: {', '.join(allowed)}"
+            )
