@@ -218,7 +218,9 @@ class Integrator(TimeLoop):
                 # a damper at rest is at its corner: the road's new velocity decides on which side it acts
                 self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
                 self.stepper.refresh(self.state.time)
-                self.net.impulse(signal, jump, interval, self.rate_before, self.motion.v)
+                self.transitions.jumps.impulse(
+                    signal, jump, interval, self.rate_before, self.motion.v
+                )
             self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
         if jumps:  # at the start the road has always been there: no contact has begun or ended
             self.transitions.book_contacts()
@@ -243,7 +245,7 @@ class Integrator(TimeLoop):
             r = self.net.element_row[e]
             if self.net.row_signal[r] == signal:
                 w = 0.5 * (self.rate_before[r] + self.net.row_v[r])
-                lost = self.net.lost(e, jump, interval, w)
+                lost = self.transitions.jumps.lost(e, jump, interval, w)
                 self.ledger.lose(e, lost)
                 total += lost
         return total

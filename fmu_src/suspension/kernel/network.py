@@ -17,15 +17,9 @@ from .elements import element_numbers
 from .language import of_python, open_to_python
 from .laws import functions_of, pieces_of
 from .layout import (
-    BRANCHES,
-    C1,
-    CONTACT,
-    DAMPER,
     LAWS,
-    MODULATION,
     PIECE,
     SEGMENT,
-    SPRING,
     START,
     UNBOUNDED,
 )
@@ -86,7 +80,6 @@ class Network(Branches):
         self.multiplier, self.multiplier_rate = memory.zeros(elements), memory.zeros(elements)
         self.kick = memory.zeros(elements)
         self.rate, self.lack = memory.zeros(n), memory.zeros(n)
-        self.pushed = memory.zeros(elements)  # impulse of each element at the last jump of a sample
         self.spread, self.reaction = memory.zeros(elements * n), memory.zeros(elements)
         self.coupling = memory.zeros(elements * elements)
         self.zero, self.scratch = memory.zeros(n), memory.zeros(n)
@@ -249,101 +242,6 @@ class Network(Branches):
                     corner = start
             self.signal_now[s] = now
         return corner
-
-    def kerb(self, signal: int, jump: float, v: Doubles) -> None:
-        """Apply a kerb without a ramp, the limit of ever shorter ramps: v += M^-1 sum b c jump.
-
-        c is the outermost slope of the damper on that side; where the road falls away, an element that
-        cannot pull has no effect.
-        """
-        for i in range(self.n):
-            self.scratch[i] = 0.0
-        for e in range(self.elements):
-            r = self.element_row[e]
-            if self.row_signal[r] != signal or (jump < 0.0 and self.limit[e] < UNBOUNDED):
-                continue
-            law = LAWS * e + DAMPER
-            p = self.first[law] if jump > 0.0 else self.first[law] + self.count[law] - 1
-            self._push(e, self.piece[p * PIECE + C1] * self._way(e, self.row_d[r], jump))
-        self._give_way(v)
-
-    def impulse(
-        self, signal: int, jump: float, interval: float, rates: Doubles, v: Doubles
-    ) -> None:
-        """Apply a jump between samples of a road through its dampers: v += M^-1 sum b J, J = c jump.
-
-        The road has already jumped; c are the present slopes of the dampers. In fact the road has moved
-        during an interval h, in which the damper's force was larger by c jump / h. The contact force N
-        cannot be negative, so it transmits J = max(0, N h + c jump) - max(0, N h); in flight, N < 0 is
-        the pull of spring and damper if they could pull. N follows from the `rates` of all rows before
-        the jump.
-        """
-        for i in range(self.n):
-            self.scratch[i] = 0.0
-        for e in range(self.elements):
-            r = self.element_row[e]
-            self.pushed[e] = 0.0
-            if self.row_signal[r] != signal:
-                continue
-            d, w = self.row_d[r], self.row_v[r]
-            push = self.law_slope(self.piece_now(e, DAMPER), w) * self._way(e, d + jump, jump)
-            if self.limit[e] < UNBOUNDED:
-                held = 0.0  # N h
-                if d + jump <= self.opening[e]:
-                    middle = d + 0.5 * jump
-                    held = self.law(self.piece_now(e, SPRING), middle)
-                    held = interval * (
-                        self.limit[e] - held - self.damper_force_at(e, middle, rates[r])
-                    )
-                push = max(0.0, held + push) - max(0.0, held)
-            self.pushed[e] = push
-            self._push(e, push)
-        self._give_way(v)
-
-    def lost(self, e: int, jump: float, interval: float, w: float) -> float:
-        """Return the energy that the damper of element e dissipates as its road jumps, J, at mean rate w.
-
-        It is the change of D w h if D and w change by J / h and jump / h during an interval h, to first
-        order. If it is negative, it is at most the energy dissipated in that interval.
-        """
-        damping = 0.0
-        if not self.branch[BRANCHES * e + CONTACT]:
-            damping = self.damper_force_at(e, self.row_d[self.element_row[e]], w)
-        return max(-(damping * jump + self.pushed[e] * w), -fabs(damping * w) * interval)
-
-    def _way(self, e: int, d: float, jump: float) -> float:
-        """Return the part of a jump that acts on element e, at deflection d before it.
-
-        If a road rises under a gap, only the rest of the jump after the gap has closed acts. The
-        modulation of a damper enters with its mean over the jump.
-        """
-        way = jump
-        near = d
-        if jump > 0.0 and d > self.opening[e]:
-            near = self.opening[e]
-            way -= d - near
-            if way <= 0.0:
-                return 0.0
-        if self.modulated[e]:
-            return self._work_of_factor(e, near) - self._work_of_factor(e, d - jump)
-        return way
-
-    def _push(self, e: int, impulse: float) -> None:
-        """Add an impulse of element e to those in `scratch`."""
-        r = self.element_row[e]
-        for i in range(self.n):
-            self.scratch[i] += self.row_direction[r * self.n + i] * impulse
-
-    def _work_of_factor(self, e: int, d: float) -> float:
-        """Return the integral from 0 to d of the damper modulation of element e."""
-        law = LAWS * e + MODULATION
-        return self.potential(self.first[law] + self.piece_at(law, d), d)
-
-    def _give_way(self, v: Doubles) -> None:
-        """Add M^-1 times the impulses in `scratch` to v."""
-        solve(self.mass_factor, 0, self.n, self.scratch)
-        for i in range(self.n):
-            v[i] += self.scratch[i]
 
     # -- forces and tangents in the present branches -------------------------------------------------
 

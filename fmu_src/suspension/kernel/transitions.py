@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from .jumps import Jumps
 from .layout import BRANCHES, CONTACT
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ class Transitions:
         self.net, self.motion, self.ledger = network, motion, ledger
         self.limited, self.noted = limited, noted
         self.state = self.motion.state
+        self.jumps = Jumps(self.net)
         self.before = memory.marks(BRANCHES * self.net.elements)
 
     def energy(self) -> float:
@@ -95,7 +97,7 @@ class Transitions:
             jump = self.net.enter_segment(s, self.state.time)
             if jump != 0.0:
                 jumped = True
-                self.net.kerb(s, jump, self.motion.v)
+                self.jumps.kerb(s, jump, self.motion.v)
                 self.relocate(False)
                 self.book_contacts()
                 now = self.energy() - self.state.exchange

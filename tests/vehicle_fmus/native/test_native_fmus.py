@@ -338,4 +338,4 @@ def test_the_archive_has_all_that_it_is_made_of(native_fmu: Packer, tmp_path: Pa
     assert "Redistributions in binary form" in licence
     text = (tmp_path / "sources/model.c").read_text()
     assert "static int Integrator__step(Integrator *self, double latest) {" in text
-    assert "/* Add M^-1 times the impulses in `scratch` to v. */" in text
+    assert "/* Add M^-1 times the impulses to v. */" in text
