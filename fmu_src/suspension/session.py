@@ -21,6 +21,7 @@ from weakref import proxy
 from .engine import KINDS, Integrator, Lines, Run, laws_of
 from .equilibrium import start_state
 from .models import build, declared_parameters, inputs
+from .notices import Notices
 from .reading import Contacts, Energies, Readers, ReadMany, State
 from .reasons import why_stopped
 from .retuning import Retuning
@@ -92,9 +93,9 @@ class Session:
         self.ok = True
         self.messages: list[tuple[str, str]] = []
         self._tolerance = self._allowed(tolerance)
-        self._warned = self._passed_over = False
         self.events: deque[Event] = deque(maxlen=_MOST_EVENTS)
         self._parameters: Checked | None = checked_parameters(model, parameters)
+        self._notices = Notices(float(self._parameters["solver.step"]))
         self._now: dict[str, Value] = {**self._parameters}  # as they are now
         self._tuned: dict[str, Value] = {}  # as they are from the next step on
         self._retuning = Retuning(model)
@@ -281,9 +282,8 @@ class Session:
     def _step(self, until: float, stop: bool) -> None:
         status = self._integrator.advance(until, stop)
         self._note_switches()
-        self._note_stability()
-        self._note_overruns()
-        self._note_drift()
+        for text in self._notices.new(self._integrator, self._run):
+            self._report("info", text)
         if status not in (0, _HALTED):
             self.ok = False
             self._run.time = self._integrator.time
@@ -297,40 +297,6 @@ class Session:
         """Delete the events after the integrator's present time."""
         while self.events and self.events[-1].time > self._integrator.time:
             self.events.pop()
-
-    def _note_stability(self) -> None:
-        """Report once that the fixed step is too long."""
-        beyond = self._integrator.beyond_stable()
-        if beyond is not None and not self._warned:
-            self._warned = True
-            since, stable = beyond
-            self._report(
-                "info",
-                f"solver.step = {self.parameters['solver.step']:g} s is not stable from "
-                f"{since:.6g} s on: it is divided into parts of at most {stable:.3g} s",
-            )
-
-    def _note_drift(self) -> None:
-        """Report once that errors have accumulated, as they do in a long run without damping."""
-        part = self._run.account.find_drift(self._integrator)
-        if part > 0.0:
-            self._report(
-                "info",
-                f"errors accumulate: at {self._integrator.time:.6g} s the energy balance is off by "
-                f"{part:.2g} of all energy; reduce solver.tolerance, or a fixed solver.step, for a "
-                "long run",
-            )
-
-    def _note_overruns(self) -> None:
-        """Report once that switches had to be passed over."""
-        if self._integrator.overruns and not self._passed_over:
-            self._passed_over = True
-            self._report(
-                "info",
-                "switches follow one another without time between them, first before "
-                f"{self._integrator.time:.6g} s: they are passed over; results may be less accurate "
-                "there",
-            )
 
     def _take_parameters(self) -> None:
         """Continue from the present state with the parameters set.

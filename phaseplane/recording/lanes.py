@@ -74,8 +74,8 @@ def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) ->
             told = np.searchsorted(clock.times, clock.ticks + 1e-9, side="right") - 1
             last = np.maximum(np.searchsorted(steps, told, side="right") - 1, 0)
             # the band of the last tick is as wide as all others, so one more follows it
-            end = rr.TimeColumn("stage", sequence=clock.stride * np.arange(len(told) + 1))
-            recording.send_columns(path, [end], _changes(states[np.append(last, last[-1])]))
+            stages = rr.TimeColumn("stage", sequence=clock.stride * np.arange(len(told) + 1))
+            recording.send_columns(path, [stages], _changes(states[np.append(last, last[-1])]))
 
 
 def _steps_of(new: Integers, times: Reals, content: Content, clock: Clock) -> Integers:

@@ -85,8 +85,9 @@ def _time_panel(recorder: Recorder) -> rrb.TimePanel:
             state="collapsed", timeline="t", playback_speed=speed, fps=_STAGES_PER_SECOND / speed,
             play_state="following" if content.live else "playing",
         )  # fmt: skip
-    rate = _STAGES_PER_SECOND * recorder.clock.stride
-    if not recorder.ticks:
+    if recorder.ticks:
+        rate = _STAGES_PER_SECOND * recorder.clock.stride
+    else:
         rate = max(_STAGES_PER_SECOND, len(content.drawing.frames) / _LONGEST)
     # the speed makes the motion on `t` last as long; stages and steps pass at fps times the speed
     speed = float(np.ptp(recorder.clock.times)) / _LONGEST

@@ -1,0 +1,45 @@
+"""What a run reports once: unstable steps, switches that it passes over, and errors that accumulate."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from .engine import Integrator, Run
+
+
+class Notices:
+    """The notices of one run.
+
+    Parameters
+    ----------
+    step : the fixed step, s; 0 if there is none
+    """
+
+    def __init__(self, step: float) -> None:
+        self._step = step
+        self._unstable = self._passed_over = False  # whether these have been reported
+
+    def new(self, integrator: Integrator, run: Run) -> Iterator[str]:
+        """Yield what has become true since the last call."""
+        beyond = integrator.beyond_stable()
+        if beyond is not None and not self._unstable:
+            self._unstable = True
+            since, stable = beyond
+            yield (
+                f"solver.step = {self._step:g} s is not stable from {since:.6g} s on: it is divided into "
+                f"parts of at most {stable:.3g} s"
+            )
+        if integrator.overruns and not self._passed_over:
+            self._passed_over = True
+            yield (
+                "switches follow one another without time between them, first before "
+                f"{integrator.time:.6g} s: they are passed over; results may be less accurate there"
+            )
+        # as they do in a long run without damping
+        part = run.account.find_drift(integrator)
+        if part > 0.0:
+            yield (
+                f"errors accumulate: at {integrator.time:.6g} s the energy balance is off by "
+                f"{part:.2g} of all energy; reduce solver.tolerance, or a fixed solver.step, for a "
+                "long run"
+            )
