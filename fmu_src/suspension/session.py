@@ -95,7 +95,6 @@ class Session:
         self._tolerance = self._allowed(tolerance)
         self.events: deque[Event] = deque(maxlen=_MOST_EVENTS)
         self._parameters: Checked | None = checked_parameters(model, parameters)
-        self._notices = Notices(float(self._parameters["solver.step"]))
         self._now: dict[str, Value] = {**self._parameters}  # as they are now
         self._tuned: dict[str, Value] = {}  # as they are from the next step on
         self._retuning = Retuning(model)
@@ -104,6 +103,7 @@ class Session:
         system = build(model, self.parameters)
         self._signals = dict(system.signals)
         integrator = self._new_integrator(system, start_time)
+        self._notices = Notices(float(self._parameters["solver.step"]))
         self._tyres = [axle for axle in system.axles if axle.tyre]
         sampled = self.parameters.get("road.shape") == "input"
         self._run = Run(
