@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import zipfile
 from collections.abc import Mapping
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
-from tempfile import NamedTemporaryFile
+from secrets import token_hex
 
 _NO_TIME = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip archive can hold
 
@@ -53,12 +52,10 @@ def write_all(contents: Mapping[Path, bytes]) -> None:
     written: dict[Path, Path] = {}
     try:
         for target, content in contents.items():
-            with NamedTemporaryFile(dir=target.parent, suffix=".part", delete=False) as file:
-                written[target] = Path(file.name)
-                file.write(content)
-            written[target].chmod(0o644)
+            written[target] = target.with_name(f".{target.name}-{token_hex(4)}.part")
+            written[target].write_bytes(content)
         for target, part in written.items():
-            os.replace(part, target)
+            part.replace(target)
     finally:
         for part in written.values():
             part.unlink(missing_ok=True)

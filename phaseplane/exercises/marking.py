@@ -16,12 +16,12 @@ from math import inf
 from typing import NamedTuple, cast
 
 from phaseplane.constructions.construction import JOLT, Construction, Window
+from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.rules import RULES, Rule
 from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.switching import first_end
-from phaseplane.exercises.letters import lettered
 from phaseplane.exercises.readings import Reading
 
 RIGHT, READING, METHOD = "right", "reading error", "method error"
@@ -140,6 +140,8 @@ def mark(
             marks[-1] = _misread(marks[-1], before, planes, tolerance)
             found.reverse()
         marks.append(found[0])
+        if step.switches and memory:  # the spring has yielded up to the student's point
+            memory = construction.remembered((*after.states, *memory), None)[len(planes) :]
     last = readings[-1]
     faultless = tuple(frames[last.number].points[plane.state] for plane in planes)
     return Marks(tuple(marks), 1e3 * _apart(last.states, faultless))
@@ -219,7 +221,7 @@ def _judged(
             if verdict == READING
             else f"not explained by a known mistake; construct the step from point {before.number} again"
         )
-    return Mark(number, verdict, 1e3 * distance, lettered(said), expected)
+    return Mark(number, verdict, 1e3 * distance, typeset(said), expected)
 
 
 def _named(
@@ -284,7 +286,8 @@ def _mistakes(construction: Construction, rule: Rule, step: _Step) -> Iterator[t
 
 def _misreadings(planes: Sequence[Plane], states: States) -> Iterator[tuple[str, States]]:
     """Yield known mistakes in reading state points, with the resulting readings."""
-    for words, change in _MISREAD:
+    lengths = all(plane.displacement.unit == "m" for plane in planes)
+    for words, change in (*_MISREAD, *[_IN_MILLIMETRES] * lengths):
         yield (
             words,
             tuple(
@@ -298,8 +301,8 @@ _MISREAD: tuple[tuple[str, Callable[[complex], complex]], ...] = (
     ("the sign of the displacement is wrong", lambda z: complex(-z.real, z.imag)),
     ("the sign of the velocity is wrong", lambda z: z.conjugate()),
     ("displacement and velocity are interchanged", lambda z: complex(z.imag, z.real)),
-    ("the values are in millimetres, not in centimetres", lambda z: 10.0 * z),
 )
+_IN_MILLIMETRES = ("the values are in millimetres, not in centimetres", lambda z: 10.0 * z)
 
 
 _WRONG_FEET: tuple[tuple[str, Callable[[Points, Plane], complex]], ...] = (

@@ -10,10 +10,10 @@ from importlib.resources import files
 from math import ceil
 from typing import Any
 
+from phaseplane.constructions.letters import axis_letter, typeset
 from phaseplane.constructions.primitives import Axis, Drawing, Plane
 from phaseplane.constructions.sheet import arc_points, round_step, way_of, with_turn_angles_at
 from phaseplane.constructions.storage import Frame, StoredFrames
-from phaseplane.exercises.letters import lettered
 from phaseplane.exercises.protocol import display, protocol
 from phaseplane.exercises.readings import columns
 
@@ -34,11 +34,11 @@ def sheet_data(drawing: Drawing, steps: int | None = None) -> dict[str, Any]:
     frames = drawing.frames[:steps]
     entries = protocol(drawing, steps)
     return {
-        "title": lettered(drawing.title),
+        "title": typeset(drawing.title),
         "planes": [_plane(plane) for plane in drawing.planes],
         "axes": [_axes(plane, drawing, frames) for plane in drawing.planes],
         "curves": [
-            {"role": curve.role, "label": lettered(curve.label), "points": _points(curve.vertices)}
+            {"role": curve.role, "label": typeset(curve.label), "points": _points(curve.vertices)}
             for curve in drawing.curves
         ],
         "steps": [
@@ -113,7 +113,7 @@ def _page(title: str, data: dict[str, Any]) -> str:
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(lettered(title))}</title>\n<style>\n{asset('player.css')}</style>\n</head>\n"
+        f"<title>{escape(typeset(title))}</title>\n<style>\n{asset('player.css')}</style>\n</head>\n"
         '<body>\n<main id="player"></main>\n'
         f"<script>\n{asset('player.js')}</script>\n"
         f'<script>\nphaseplanePlayer(document.getElementById("player"), {text});\n</script>\n'
@@ -125,8 +125,8 @@ def _plane(plane: Plane) -> dict[str, Any]:
     factor, unit = display(plane.displacement)
     return {
         "number": plane.number,
-        "name": lettered(plane.displacement.label),
-        "velocity": lettered(plane.scaled_velocity.label),
+        "name": axis_letter(plane.displacement.label),
+        "velocity": axis_letter(plane.scaled_velocity.label),
         "unit": unit,
         "origin": _points([plane.displacement.origin])[0],
         "sense": plane.displacement.direction.real,
@@ -155,7 +155,7 @@ def _axis(axis: Axis, points: Sequence[complex]) -> dict[str, Any]:
     interval = round_step((high - low) or 1.0, 6)
     first, last = ceil((low - room) / interval), int((high + room) // interval)
     return {
-        "label": lettered(axis.label) + (f" in {unit}" if unit else ""),
+        "label": axis_letter(axis.label) + (f" in {unit}" if unit else ""),
         "ends": _points([axis.at((low - room) / factor), axis.at((high + room) / factor)]),
         "ticks": [
             [*_points([axis.at(i * interval / factor)])[0], f"{i * interval:.6g}"]
@@ -168,9 +168,9 @@ def _stages(drawing: Drawing, frame: Frame) -> Iterator[dict[str, Any]]:
     scheme = drawing.schemes[frame.scheme]
     for stage, words in enumerate(scheme.stages):
         yield {
-            "words": lettered(words),
+            "words": typeset(words),
             "marks": [
-                [m.role, lettered(m.label or m.point), *_points([frame.points[m.point]])[0]]
+                [m.role, typeset(m.label or m.point), *_points([frame.points[m.point]])[0]]
                 for m in scheme.marks
                 if m.stage == stage and m.point in frame.points
             ],

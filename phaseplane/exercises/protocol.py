@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from io import StringIO
 from math import hypot
 
+from phaseplane.constructions.letters import axis_letter, typeset
 from phaseplane.constructions.primitives import Axis, Drawing, Mark, Plane
 from phaseplane.constructions.storage import Frame
-from phaseplane.exercises.letters import lettered
 
 _COLUMNS = ("step", "time", "stage", "point", "found", "length_cm", "value")
 _ROUNDING = 1e-12  # m of paper
@@ -56,8 +56,8 @@ def _of_frame(drawing: Drawing, frame: Frame) -> Iterator[Entry]:
                     way = frame.points[lines[0].end] - frame.points[lines[0].start]
                     length = 100.0 * hypot(way.real, way.imag)
                 yield Entry(
-                    frame.step, frame.time, stage, lettered(mark.label or mark.point),
-                    lettered(words), length, place(plane_of(drawing.planes, mark), frame, mark),
+                    frame.step, frame.time, stage, typeset(mark.label or mark.point),
+                    typeset(words), length, place(plane_of(drawing.planes, mark), frame, mark),
                 )  # fmt: skip
 
 
@@ -100,7 +100,7 @@ def _read(axis: Axis, point: complex) -> str:
     factor, unit = display(axis)
     value = axis.read(point)
     value = 0.0 if abs(value) * axis.scale < _ROUNDING else factor * value
-    return f"{lettered(axis.label)} = {value:.4g} {unit}".rstrip()
+    return f"{axis_letter(axis.label)} = {value:.4g} {unit}".rstrip()
 
 
 def protocol_text(entries: Sequence[Entry]) -> str:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import draw_curves
@@ -22,7 +23,7 @@ from phaseplane.picture.files import replace_file
 from phaseplane.picture.story import Tick, arms_page, staged, story_of
 from phaseplane.picture.styles import MOVING_POINT
 from phaseplane.picture.subject import motions_of
-from phaseplane.picture.text import format_time, typeset
+from phaseplane.picture.text import format_time
 from phaseplane.picture.views import frame_at, view_of, views_of
 
 from .canvas import Sheet, new_page
@@ -169,12 +170,14 @@ def _write_gif(pictures: list[Pixels], path: Path, rate: float) -> None:
 
 def _write_mp4(program: str, pictures: list[Pixels], path: Path, rate: float) -> None:
     height, width, _ = pictures[0].shape
-    subprocess.run(
+    done = subprocess.run(
         [
             program, "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24",
             "-s", f"{width}x{height}", "-r", f"{rate:g}", "-i", "-", "-pix_fmt", "yuv420p",
             "-r", "12", os.fspath(path),
         ],
         input=b"".join(picture.tobytes() for picture in pictures),
-        check=True,
+        stderr=subprocess.PIPE, check=False,
     )  # fmt: skip
+    if done.returncode:
+        raise OSError(f"{path}: {program} failed: {done.stderr.decode(errors='replace').strip()}")

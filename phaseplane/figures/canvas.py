@@ -13,6 +13,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from phaseplane.constructions.letters import is_letter
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture.canvas import Canvas
 from phaseplane.picture.items import TYPE, Arrow, Dots, Item, Lines, Text
@@ -20,7 +21,6 @@ from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, vertices
 from phaseplane.picture.styles import style_of
 from phaseplane.picture.subject import Subject
-from phaseplane.picture.text import is_letter
 
 from .style import HEADING, PLAIN, Look, heading_lines, new_figure, printed
 

@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
+from phaseplane.constructions.letters import MINUS, typeset
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import CURVES, draw_curves, draw_trails
@@ -24,7 +25,6 @@ from phaseplane.picture.paper import Box, around, columns
 from phaseplane.picture.step import write_numbers
 from phaseplane.picture.styles import GREEN, RED
 from phaseplane.picture.subject import Subject, motions_of
-from phaseplane.picture.text import MINUS, typeset
 
 from .canvas import Sheet
 from .style import HEADING, PLAIN, new_figure

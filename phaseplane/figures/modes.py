@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from phaseplane.picture.text import typeset
+from phaseplane.constructions.letters import typeset
 
 from .style import PLAIN, Look, draw_zero, dress, new_figure
 

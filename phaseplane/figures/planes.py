@@ -7,6 +7,7 @@ from math import ceil
 
 import numpy as np
 
+from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.storage import Frame
 from phaseplane.picture.axes import draw_axes
@@ -15,7 +16,7 @@ from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
 from phaseplane.picture.step import draw_step, mark_events, write_letters, write_numbers
 from phaseplane.picture.subject import motions_of
-from phaseplane.picture.text import format_time, typeset
+from phaseplane.picture.text import format_time
 from phaseplane.picture.views import frame_at, gathered, view_of
 
 from .canvas import as_figure, new_page

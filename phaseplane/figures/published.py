@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from phaseplane.constructions.construction import CONTACT, FLIGHT, LIFT_OFF, TOUCHDOWN
+from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Curve, Drawing, Plane
 from phaseplane.constructions.storage import Frame
 from phaseplane.picture import dimensions
@@ -20,7 +21,6 @@ from phaseplane.picture.curves import draw_curves, draw_trails
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import around, read_over
 from phaseplane.picture.step import mark_events, write_letters
-from phaseplane.picture.text import typeset
 from phaseplane.picture.views import frame_at, motion_points, telling_frame
 
 from .canvas import as_figure, new_page
@@ -52,15 +52,14 @@ def figure7(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[
 def figure10(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw one step with the wheel off the road, with letters and dimensions (AP57 figure 10)."""
     needs(drawing, "figure 10 shows two planes with elastic coupling", "ap57", letter="B2")
-    if FLIGHT not in drawing.frames.schemes:
-        raise ValueError(
-            "figure 10 shows the wheel off the road; in this motion it never leaves the road"
-        )
+    if frame is None and FLIGHT not in drawing.frames.schemes:
+        flies = any(scheme.startswith(FLIGHT) for scheme in drawing.frames.schemes)
+        now = "its suspension sticks whenever it is" if flies else "it never leaves the road"
+        raise ValueError(f"figure 10 shows the wheel off the road; in this motion {now}")
     chosen = telling_frame(drawing, FLIGHT) if frame is None else frame_at(drawing, frame)
     if chosen.scheme != FLIGHT:
-        raise ValueError(
-            f"figure 10 shows the wheel off the road; in step {chosen.step} it is on the road"
-        )
+        now = "its suspension sticks" if chosen.scheme.startswith(FLIGHT) else "it is on the road"
+        raise ValueError(f"figure 10 shows the wheel off the road; in step {chosen.step} {now}")
     lengths = [("Q2", "B0", r"$b\,x_{2st}$"), ("A1*", "D1", r"$a\,Mg/c_1$")]
     page = _dimensioned(drawing, chosen, _ELASTIC, lengths, look)
     return page, f"The wheel off the road: {format_step(chosen).lower()}"

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture import dimensions
 from phaseplane.picture.items import Text
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
-from phaseplane.picture.text import typeset
 
 from .canvas import as_figure, new_page
 from .published import needs
@@ -22,7 +22,7 @@ _ROOM = 0.0085  # height of letters between the parts
 _COILS = 5
 _AXLE = 0.035  # half width of an axle
 _FORWARD = 0.45  # distance of the centre of gravity from the front axle over the wheelbase
-_STRUT, _TYRE, _ROAD = 0.075, 0.055, 0.0  # heights of strut and tyre, and level of the road
+_STRUT, _TYRE = 0.075, 0.055  # heights of strut and tyre above the road
 
 
 @as_figure

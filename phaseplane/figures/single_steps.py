@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from phaseplane.constructions.letters import axis_letter, typeset
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.storage import Frame
 from phaseplane.picture import dimensions
@@ -14,7 +15,7 @@ from phaseplane.picture.curves import draw_trails
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, arcs, around, bounds
 from phaseplane.picture.step import write_letters
-from phaseplane.picture.text import format_time, typeset
+from phaseplane.picture.text import format_time
 from phaseplane.picture.views import frame_at, motion_points, name_room
 
 from .canvas import as_figure, new_page
@@ -79,7 +80,9 @@ def figure8(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[
         dimensions.turn_angle(page, plane, one, typeset(f"dtau{plane.number}"))
         letters += _lettered(page, one, plane, _STEP)
     page.letter(letters)
-    return page, f"The normals turn in opposite senses: {_which(one)}"
+    alike = len({plane.displacement.direction for plane in drawing.planes}) == 1
+    senses = "the same sense" if alike else "opposite senses"
+    return page, f"The normals turn in {senses}: {_which(one)}"
 
 
 def _which(frame: Frame) -> str:
@@ -182,8 +185,8 @@ def figure3(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[
     page.lines("successor", [[p, p_new]])
     corner = complex(p_new.real, p.imag)
     page.lines("projection", [[p, corner, p_new]])
-    dy = f"d{typeset(f'y{plane.number}')}"
-    dy_bar = f"d{typeset(plane.scaled_velocity.label).split(' ')[0]}"
+    dy = f"d{axis_letter(plane.displacement.label)}"
+    dy_bar = f"d{axis_letter(plane.scaled_velocity.label)}"
     small = [
         ((p + corner) / 2, dy, "projection"), ((corner + p_new) / 2, dy_bar, "projection"),
         ((p + p_new) / 2, "ds", "successor"),

@@ -7,6 +7,7 @@ from math import ceil, floor
 
 import numpy as np
 
+from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Axis, Plane
 from phaseplane.constructions.sheet import round_step
 
@@ -16,7 +17,7 @@ from .page import Page
 from .paper import Boxes, Points, segments_of
 from .quantities import display_unit
 from .subject import reach_of
-from .text import bracketed, number, typeset
+from .text import bracketed, number
 
 _BESIDE = (0.0, 1.2, -1.2, 2.4, -2.4, 3.6, -3.6, 4.8, -4.8)  # places of the name of an axis, em
 _WIDEST = 0.27  # part of the width that the name of an axis may take up

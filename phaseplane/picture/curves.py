@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from phaseplane.constructions.letters import MINUS, typeset
 from phaseplane.constructions.primitives import Curve, Drawing, Plane
 
 from .items import VALUE, Arrow, Text, value_text
 from .page import Page
 from .paper import SEEN, Boxes, Strip, arcs, columns, telling_vertices
 from .subject import centre_of, joined
-from .text import MINUS, level_text, typeset
+from .text import level_text
 
 CURVES = ("auxiliary", "line", "shortcut", "trail")
 """The roles of the curves that belong to the planes, and not to the turn angles; a trail is one from

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from phaseplane.constructions.construction import FLIGHT
+from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing, Plane
 
 from .items import LETTER, Arrow, Dots, Item, Kindred, Lines, Text
@@ -20,7 +21,6 @@ from .paper import Box, Points, Strip, segments_of
 from .quantities import display_unit
 from .styles import style_of
 from .subject import Subject, reach_of
-from .text import typeset
 
 
 @dataclass

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Mark
 from phaseplane.constructions.sheet import events_of
 from phaseplane.constructions.storage import Frame
@@ -14,7 +15,7 @@ from .items import VALUE, Dots
 from .layers import TURN_POINTS, Layer, is_main
 from .page import Page
 from .paper import SEEN
-from .text import LETTER_OF_EVENT, number, typeset
+from .text import LETTER_OF_EVENT, number
 
 MOST_LETTERED = 24  # events that are lettered; more of them are small dots
 _RECEDING = 0.45  # opacity of what earlier stages drew

@@ -8,6 +8,7 @@ from math import ceil
 
 import numpy as np
 
+from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing, Mark, Scheme
 from phaseplane.constructions.sheet import events_of
 from phaseplane.constructions.storage import Frame
@@ -23,16 +24,7 @@ from .quantities import Quantity, rate_unit
 from .step import draw_step, mark_events, write_letters
 from .styles import MOVING_POINT, style_of
 from .subject import Subject
-from .text import (
-    event_text,
-    format_time,
-    markdown,
-    number,
-    protocol,
-    readings_table,
-    step_head,
-    typeset,
-)
+from .text import event_text, format_time, markdown, number, protocol, readings_table, step_head
 from .views import room_for_letters
 
 VERTICES = 16_000  # most vertices of a motion in a plane

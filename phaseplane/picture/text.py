@@ -1,8 +1,4 @@
-"""All text in a picture: typeset letters, events, readings, and the stages of a step.
-
-Texts are plain: they use Unicode's subscripts and primes, which every canvas draws faster than parsed
-mathematics.
-"""
+"""All text in a picture: events, readings, and the stages of a step."""
 
 from __future__ import annotations
 
@@ -11,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from functools import lru_cache
 from textwrap import wrap
-from unicodedata import normalize
 
+from phaseplane.constructions.letters import LEVEL, MINUS, rate_letter, typeset
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.sheet import Event, events_of
 from phaseplane.constructions.storage import Frame
@@ -20,18 +16,7 @@ from phaseplane.constructions.two_planes import STUCK
 
 from .quantities import Quantity, rate_of, rate_unit, unit_text
 
-MINUS = "\N{MINUS SIGN}"
-_BAR, _DOT, _DOTS = "\N{COMBINING MACRON}", "\N{COMBINING DOT ABOVE}", "\N{COMBINING DIAERESIS}"
-_INDICES = {ord(plain): index for plain, index in zip("0123456789m", "₀₁₂₃₄₅₆₇₈₉ₘ", strict=True)}
-_GREEK = {"dtau": "Δτ", "tau": "τ", "xi": "ξ", "Omega": "Ω", "kappa": "κ"}
-_LETTER = re.compile("(?!I+[₀-₉]*$)([A-Za-zξ]|Δτ)[₀-₉ₘ]*\N{PRIME}?\\*?")
 _EXPONENT = re.compile(r"\d[\d.]*e[+-]\d+")
-_LEVEL = re.compile(r"[a-z]\d* = (-?[\d.e+-]+)(?: (\w+))?")
-# A letter that stands alone, with its number and its rates: P1', xi''/Omega^2, x2st.
-_SYMBOL = re.compile(
-    r"(?<![A-Za-z])(dtau|tau|xi|Omega|kappa|I{2,3}(?=\d)|[A-Za-zΩξτδκΦ])"
-    r"(m?\d+|m(?=\b))?(st\b)?('{1,2})?(?:(?<=\d)|(?![A-Za-z']))(\^2)?"
-)
 _EVENTS = {
     "lift_off": "The {}wheel leaves the road (U).",
     "touchdown": "The {}wheel touches down (V).",
@@ -46,43 +31,6 @@ _NOTHING = 1e-12  # a smaller reading is one of rounding
 LETTER_OF_EVENT = {"lift_off": "U", "touchdown": "V", "jolt": "J", "sticking": "F"}
 
 
-@lru_cache(maxsize=4096)
-def typeset(text: str) -> str:
-    """Return a typeset letter or sentence: A1* becomes A₁*, xi''/Omega^2 becomes ξ̈/Ω².
-
-    The name of an axis, y1'/Ω1, becomes its definition, and the label of a level, y1 = 2 cm, its value.
-    """
-    speed = re.fullmatch(r"([a-z])(\d*)'/Ω(\d*)", text)
-    if speed:
-        bar, dot = (normalize("NFC", speed[1] + accent) + speed[2] for accent in (_BAR, _DOT))
-        return f"{bar} = {dot}/Ω{speed[3]}".translate(_INDICES)
-    level = _LEVEL.fullmatch(text)
-    if level:
-        return " ".join(filter(None, level.groups())).replace("-", MINUS)
-    return _SYMBOL.sub(_symbol, text.replace("y-bar", normalize("NFC", "y" + _BAR)))
-
-
-def _symbol(match: re.Match[str]) -> str:
-    name, index, state, primes, square = match.groups()
-    letter = _GREEK.get(name, name)
-    if not any((index, state, primes, square)) and letter == name:
-        return match[0]
-    if primes and (letter == "ξ" or (letter.islower() and (len(primes) == 2 or square))):
-        letter, primes = normalize("NFC", letter + (_DOT if len(primes) == 1 else _DOTS)), ""
-    return (
-        letter
-        + (index or "").translate(_INDICES)
-        + ("ₛₜ" if state else "")
-        + (primes or "").replace("'", "\N{PRIME}")
-        + ("²" if square else "")
-    )
-
-
-def is_letter(text: str) -> bool:
-    """Return whether a text is the letter of a point or an angle, which is set in italics."""
-    return _LETTER.fullmatch(text) is not None
-
-
 def level_text(label: str, unit: str, factor: float) -> str:
     """Return the value on the label of a curve of equal y, in a display unit with this factor.
 
@@ -90,7 +38,7 @@ def level_text(label: str, unit: str, factor: float) -> str:
     """
     values = []
     for part in label.split(" and "):
-        found = _LEVEL.fullmatch(part)
+        found = LEVEL.fullmatch(part)
         if found is None:
             return typeset(label)
         metres = float(found[1]) / (100.0 if found[2] == "cm" else 1.0)
@@ -174,7 +122,7 @@ def _table_form(
             of = [name, rate, re.sub("velocity$|rate$", "acceleration", rate), f"{name}_drift"]
             rows.append([other if other in units else "" for other in of])
     columns = [i for i in range(4) if any(row[i] for row in rows)]
-    heads = [next(units[row[i]] for row in rows if all(row[:i])) for i in columns]
+    heads = [next(units[row[i]] for row in rows if all(row[: i + 1])) for i in columns]
     if 3 in columns:
         heads[-1] = f"drift, {heads[0]}".rstrip(", ")
     lines = []
@@ -310,9 +258,8 @@ def _displacement(plane: Plane, z: complex, unit: tuple[str, float]) -> str:
 
 
 def _rate(plane: Plane, order: int, value: float) -> str:
-    letter = normalize("NFC", plane.displacement.label[0] + (_DOT if order == 1 else _DOTS))
     unit = rate_unit(plane.displacement.unit, order)
-    return f"{(letter + plane.number).translate(_INDICES)} = {_read(value)} {unit}"
+    return f"{rate_letter(plane.displacement.label, order)} = {_read(value)} {unit}"
 
 
 def _length(start: str, end: str, points: Mapping[str, complex]) -> str:

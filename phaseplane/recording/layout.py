@@ -9,9 +9,10 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
+from phaseplane.constructions.letters import typeset
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
-from phaseplane.picture.text import in_words, number, typeset
+from phaseplane.picture.text import in_words, number
 
 from .canvas import PARTS, RECENT
 from .columns import legible

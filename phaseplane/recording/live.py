@@ -141,7 +141,7 @@ class Live:
         own_path = os.pathsep.join(filter(None, sys.path))
         self._child = subprocess.Popen(
             [sys.executable, "-c", "from phaseplane.recording.drawer import main; main()"],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._noise, bufsize=0,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._noise,
             env={**os.environ, "PYTHONPATH": own_path, "NO_COLOR": "1"},
             start_new_session=True,  # an interrupt is for the run; the drawer ends with its input
         )  # fmt: skip

@@ -49,7 +49,7 @@ def serving(
     OSError : if the server cannot listen at the address, or a file is not a recording.
     """
     data, page = free_port(address, _PORTS[0]), free_port(address, _PORTS[1])
-    host = _host(address)
+    host = f"[{_host(address)}]" if ":" in _host(address) else _host(address)
     origin = f"http://{host}:{page}"
     process = subprocess.Popen(
         [
@@ -126,7 +126,7 @@ def is_loopback(address: str) -> bool:
         return False
 
 
-def listens(url: str, patience: float = 1.0) -> bool:
+def listens(url: str) -> bool:
     """Return whether a process listens at the address of a viewer.
 
     Raises
@@ -144,7 +144,7 @@ def listens(url: str, patience: float = 1.0) -> bool:
             f"{url} is not the address of a viewer; write it as rerun+http://127.0.0.1:9876/proxy"
         )
     try:
-        socket.create_connection((host, port), patience).close()
+        socket.create_connection((host, port), 1.0).close()
     except OSError:
         return False
     return True

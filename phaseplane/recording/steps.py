@@ -10,12 +10,12 @@ import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
+from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture.layers import Layer, is_main, layers_of
 from phaseplane.picture.letters import text_box
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Boxes, Points
-from phaseplane.picture.text import typeset
 
 from .columns import (
     LETTERS_FIRST,

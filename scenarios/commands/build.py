@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -13,6 +12,7 @@ import click
 from phaseplane.suspension.models import FILES
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import ParameterError, refuse_unknown, variables
+from phaseplane.vehicle_fmus.archives import write_into
 
 from phaseplane import vehicle_fmus
 
@@ -153,10 +153,10 @@ def _packed(
                 made = pack(
                     [model], Path(work), parameters={model: given}, own=own, references=True
                 )
-                folder.mkdir(parents=True, exist_ok=True)
-                for path in made:
-                    name = f"{scene.name}{path.name.removeprefix(model)}"
-                    files.append(Path(shutil.copy(path, folder / name)))
+                files += write_into(
+                    folder,
+                    {f"{scene.name}{p.name.removeprefix(model)}": p.read_bytes() for p in made},
+                )
         return files
     except OSError as error:
         raise InputError(f"cannot write {folder}: {error.strerror or error}") from error

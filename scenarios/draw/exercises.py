@@ -13,7 +13,7 @@ from phaseplane.suspension.units import counted
 
 from phaseplane import constructions, exercises, figures
 from phaseplane.constructions.construction import CONTACT
-from phaseplane.exercises.letters import lettered
+from phaseplane.constructions.letters import typeset
 from phaseplane.exercises.marking import RIGHT
 from phaseplane.exercises.protocol import display, displayed, point_of
 
@@ -284,7 +284,7 @@ def _sheet(made: Exercise, *, solved: bool, read: Sequence[tuple[list[complex], 
             for p in planes
         ]
         rows.append([str(frame.step), f"{frame.time:.4g}", *cells, *feet])
-    head = [lettered(name) for name in exercises.columns(planes)]
+    head = [typeset(name) for name in exercises.columns(planes)]
     head = [head[0], "t [s]", *head[1:]]
     scale = ", ".join(_format_scale(p) for p in planes)
     right = sum(is_right for _, is_right in read)
@@ -294,7 +294,7 @@ def _sheet(made: Exercise, *, solved: bool, read: Sequence[tuple[list[complex], 
         paper=made.paper,
         title=("Marking sheet: " if solved else "") + (made.scene.title or made.scene.name),
         lines=[
-            lettered(drawing.title),
+            typeset(drawing.title),
             f"{made.extent}; scale {scale}; " + ", ".join(
                 f"Δτ{p.number} = {p.angular_frequency * made.scene.construction.step:.4g}" for p in planes
             ),

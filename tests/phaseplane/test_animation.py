@@ -80,6 +80,16 @@ def test_mp4_without_ffmpeg_is_refused(drawing, tmp_path, monkeypatch) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+def test_what_ffmpeg_says_is_passed_on(drawing, tmp_path, monkeypatch) -> None:
+    program = tmp_path / "ffmpeg"
+    program.write_text("#!/bin/sh\ncat > /dev/null; echo 'no encoder' >&2; exit 1\n")
+    program.chmod(0o755)
+    monkeypatch.setattr("shutil.which", lambda name: str(program))
+    with pytest.raises(OSError, match=r"a\.mp4.*failed: no encoder"):
+        animation(drawing, tmp_path / "a.mp4")
+    assert list(tmp_path.iterdir()) == [program]
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="there is no ffmpeg")
 def test_mp4(drawing: Drawing, tmp_path: Path) -> None:

@@ -14,11 +14,19 @@ from zipfile import ZipFile
 import numpy as np
 import pytest
 from geogebra_reader import evaluated, read_geogebra
+from phaseplane.suspension.roads import table
 from worked_example import ap57
 
-from phaseplane.constructions import RULES, EquationPlane, construct_motion, rule_named
+from phaseplane.constructions import (
+    RULES,
+    ElastoplasticPlane,
+    EquationPlane,
+    construct_motion,
+    rule_named,
+)
 from phaseplane.constructions.construction import Window
 from phaseplane.constructions.geometry import turned
+from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing, Frame
 from phaseplane.constructions.stepping import Stepper
 from phaseplane.equations import Formula
@@ -36,7 +44,6 @@ from phaseplane.exercises import (
     sheet_data,
     write_geogebra,
 )
-from phaseplane.exercises.letters import lettered
 from phaseplane.exercises.marking import METHOD, READING, RIGHT
 from phaseplane.exercises.readings import Reading
 from phaseplane.figures.exercise import Filled, exercise_sheet
@@ -132,7 +139,7 @@ def test_two_planes_are_refused_in_words():
 def test_a_protocol_has_every_point_in_the_order_of_drawing():
     drawing = construct_motion(plane_of("(x^2 - 1)*v + x"), DELTA, step=STEP, steps=3)
     entries = protocol(drawing)
-    assert [e.point for e in entries if e.step == 0] == ["P", "Q", "A", "A*", "D", "M", "Dm", "P'"]
+    assert [e.point for e in entries if e.step == 0] == ["P", "Q", "A", "A*", "D", "M", "Dₘ", "P′"]
     assert [e.step for e in entries] == sorted(e.step for e in entries)
     frame, (plane,) = drawing.frames[1], drawing.planes
     way = next(e for e in entries if e.step == 1 and e.point == "A")
@@ -150,7 +157,7 @@ def test_protocols_of_two_planes_tell_each_point_in_its_plane():
     frame = drawing.frames[7]
     for number, plane in zip("12", drawing.planes, strict=True):
         y = 100.0 * plane.displacement.read(frame.points[f"P{number}"])
-        assert f"= {y:.4g} cm" in entries[lettered(f"P{number}")].value
+        assert f"= {y:.4g} cm" in entries[typeset(f"P{number}")].value
 
 
 def test_a_protocol_of_rest_turns_nothing():
@@ -158,11 +165,11 @@ def test_a_protocol_of_rest_turns_nothing():
     plane = EquationPlane(Formula("0.5*sign(v) - sin(t)").switching)
     entries = protocol(construct_motion(plane, DELTA, step=0.1, duration=1.0))
     resting = [e for e in entries if e.step == 0]
-    assert [e.point for e in resting] == ["P", "Q", "A", "A*", "D", "P'"]
-    assert "There is no normal, and P stays: P'." in resting[-1].found
+    assert [e.point for e in resting] == ["P", "Q", "A", "A*", "D", "P′"]
+    assert "There is no normal, and P stays: P′." in resting[-1].found
     assert all("normal of" not in e.found and "turned" not in e.found for e in resting)
     moving = [e for e in entries if e.step == entries[-1].step]
-    assert "P turned about Dm by the turn angle: the successor P'." in moving[-1].found
+    assert "P turned about Dₘ by the turn angle: the successor P′." in moving[-1].found
     assert any("change of f since the start" in e.found for e in moving)
 
 
@@ -432,3 +439,18 @@ def test_on_a_page_the_turn_angle_lies_just_below_the_planes():
     for step, frame in zip(told["steps"], drawing, strict=True):
         p = 100.0 * frame.points["P"]
         assert step["state"][0] == pytest.approx([p.real, p.imag], abs=1e-4)
+
+
+def test_faultless_readings_of_a_spring_that_yields_are_right() -> None:
+    """Its permanent set is that of the student's points, not the one at the start."""
+    frame = ElastoplasticPlane(
+        mass=100.0, damping=200.0, spring_rate=5000.0, yield_force=6.0,
+        load=table([(0.0, 0.0), (0.2, 8.0), (0.8, 0.0)]),
+    )  # fmt: skip
+    drawing = construct_motion(frame, DELTA, step=0.05, duration=0.9)
+    events = [f.event for f in drawing.frames]
+    assert "yielding" in events[: events.index("unloading")]
+    points = [frame.points["P"] for frame in drawing.instants]
+    marks = judged(frame, drawing, points)
+    assert marks.right == len(marks.marks) == len(points) - 1
+    assert max(m.distance for m in marks.marks) < 0.1

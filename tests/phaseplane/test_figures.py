@@ -24,11 +24,11 @@ from phaseplane.constructions import (
     family,
     tangent,
 )
+from phaseplane.constructions.letters import is_letter, typeset
 from phaseplane.figures import construction_sheet, phase_planes, save, time_histories
 from phaseplane.figures.histories import airborne_spans
 from phaseplane.figures.style import Look
 from phaseplane.picture.paper import Box, Boxes
-from phaseplane.picture.text import is_letter, typeset
 from phaseplane.picture.views import gathered, telling_frame
 
 DARK, LIGHT = Look(dark=True).palette, Look().palette
@@ -353,6 +353,8 @@ def test_pyplot_and_its_global_state_stay_out():
         ("y1'/Ω1", "ȳ₁ = ẏ₁/Ω₁"),
         ("y = -2 cm", "\N{MINUS SIGN}2 cm"),
         ("dtau", "Δτ"),
+        ("y12_bar [cm]", "ȳ₁₂ [cm]"),
+        ("40 cm", "40 cm"),
         ("II", "II"),
     ],
 )

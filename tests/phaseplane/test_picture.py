@@ -33,6 +33,7 @@ from phaseplane.constructions import (
     construct_motion,
     delta,
 )
+from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.sheet import Event
 from phaseplane.picture import subject
 from phaseplane.picture.axes import graduation_of
@@ -65,7 +66,6 @@ from phaseplane.picture.text import (
     number,
     protocol,
     readings_table,
-    typeset,
 )
 from phaseplane.recording import Content, record
 from phaseplane.recording.columns import legible, rgba
@@ -261,6 +261,7 @@ def test_arrows_at_the_rim_come_with_their_letters() -> None:
         ("D1P1 and D2P2", "D₁P₁ and D₂P₂"),
         ("b x2st", "b x₂ₛₜ"),
         ("II1", "II₁"),
+        ("B2C2 cuts line III in G11", "B₂C₂ cuts line III in G₁₁"),
         ("rule delta, step 2.5 ms", "rule delta, step 2.5 ms"),
     ],
 )

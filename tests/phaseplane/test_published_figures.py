@@ -269,3 +269,13 @@ def test_figure_7_shows_a_suspension_that_moves() -> None:
 def test_motions_of_a_wheel_are_not_read_off_other_planes(draw, half_car: Drawing) -> None:
     with pytest.raises(ValueError, match=r"of body, wheel.*try the scene ap57_figure13"):
         draw(half_car)
+
+
+def test_figure_10_knows_a_flight_in_which_the_suspension_sticks() -> None:
+    stuck = construct_motion(ap57(friction=4000.0), step=STEP, duration=0.15)
+    flight = next(i for i, f in enumerate(stuck.frames) if f.scheme.startswith("flight"))
+    assert "flight" not in stuck.frames.schemes
+    with pytest.raises(ValueError, match="in this motion its suspension sticks whenever it is"):
+        figures.figure10(stuck)
+    with pytest.raises(ValueError, match=f"in step {flight} its suspension sticks"):
+        figures.figure10(stuck, flight)

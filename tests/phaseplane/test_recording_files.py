@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import resource
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -212,3 +213,13 @@ def test_several_recordings_come_with_their_list(path: Path, tmp_path: Path) -> 
     assert panels[0] - panels[1] == {"/blueprint_panel"}
     assert panels[1]
     assert Recorded(path).rows.keys() == Recorded(tmp_path / "f.rrd").rows.keys()
+
+
+@pytest.mark.parametrize("mask", [0o022, 0o077])
+def test_files_may_be_read_by_whom_the_user_lets_read_them(mask: int, tmp_path: Path) -> None:
+    before = os.umask(mask)
+    try:
+        record(content(), tmp_path / "f.rrd")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "f.rrd").stat().st_mode & 0o777 == 0o666 & ~mask

@@ -19,9 +19,9 @@ from phaseplane.scenarios.results.folder import read_results
 from phaseplane.scenarios.scene.loading import load_scene
 
 from phaseplane import figures
+from phaseplane.constructions.letters import MINUS
 from phaseplane.constructions.sheet import state_point
 from phaseplane.picture.subject import motions_of, paths_of
-from phaseplane.picture.text import MINUS
 
 PENDULUM = """
 fmu = "Equation"

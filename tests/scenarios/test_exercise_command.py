@@ -45,7 +45,7 @@ def answers(folder: Path, change: int | None = None) -> Path:
     rows = list(csv.DictReader((folder / "protocol.csv").read_text().splitlines()))
     found = ["point,x,x_bar,D"]
     points = [row["value"] for row in rows if row["point"] == "P"]
-    points.append([row["value"] for row in rows if row["point"] == "P'"][-1])
+    points.append([row["value"] for row in rows if row["point"] == "P\N{PRIME}"][-1])
     for i, value in enumerate(points):
         numbers = [float(n) for n in re.findall(r"= (-?[\d.e-]+)", value)]
         x, bar = (*numbers, 0.0)[:2]

@@ -20,6 +20,7 @@ from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.names import case_names
 
 from phaseplane.constructions import RULES
+from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.figures.canvas import new_page
 from phaseplane.figures.planes import step_page
@@ -32,7 +33,7 @@ from phaseplane.picture.paper import Boxes, segments_of
 from phaseplane.picture.step import mark_events, write_letters
 from phaseplane.picture.story import MOST, arms_page, story_of, told_steps
 from phaseplane.picture.subject import motions_of
-from phaseplane.picture.text import step_head, step_text, typeset
+from phaseplane.picture.text import step_head, step_text
 from phaseplane.picture.views import frame_at, gathered, motion_points, view_of
 from phaseplane.recording import Content
 from phaseplane.recording.columns import legible
