@@ -17,12 +17,13 @@ from phaseplane import figures
 from phaseplane.picture.text import bracketed, in_words
 
 from ..errors import InputError, one_line
-from ..measures import catalogue
+from ..measures import catalogue, has_sign
 from ..progress import Progress, silent
 from ..results.folder import Place, replace_folder, write_summary
 from ..results.quantities import quantity, shown_in
 from ..results.report import UNCOMPILED, aligned
 from ..results.tables import write_table
+from ..scene.expectations import Bounds
 from ..scene.names import SCENE_FILES
 from .fit import Fit, fit, read_task
 from .optimum import Optimum, read_problem, solve
@@ -231,19 +232,25 @@ def _draw_optimum(found: Optimum, draft: Path) -> None:
         return
     pair = (problem.objective, others[0])
     shown = [shown_in(known[name].unit) for name in pair]
-    labels = [in_words(name) + bracketed(unit) for name, (unit, _) in zip(pair, shown, strict=True)]
-    places = [measures.index(name) for name in pair]
+    labels = [
+        "magnitude of " * has_sign(name) + in_words(name) + bracketed(unit)
+        for name, (unit, _) in zip(pair, shown, strict=True)
+    ]
+
+    def size(k: int, values: Any) -> Any:
+        """Return values of a measure of the pair as they are drawn and compared."""
+        sized = shown[k][1] * np.asarray(values, float)
+        return abs(sized) if has_sign(pair[k]) else sized
 
     def scaled(numbers: Any) -> Any:
         table = np.atleast_2d(numbers)
-        return tuple(factor * table[:, k] for k, (_, factor) in zip(places, shown, strict=True))
+        return tuple(size(k, table[:, measures.index(name)]) for k, name in enumerate(pair))
 
-    limits = tuple(
-        [factor * limit for limit in (bound.min, bound.max) if limit is not None] if bound else []
-        for bound, (_, factor) in zip(
-            (problem.bounds.get(name) for name in pair), shown, strict=True
-        )
-    )
+    bounds = [problem.bounds.get(name, Bounds()) for name in pair]
+    limits = [
+        sorted({float(size(k, limit)) for limit in (bound.min, bound.max) if limit is not None})
+        for k, bound in enumerate(bounds)
+    ]
     marked = {}
     for label, numbers in (("before", found.numbers_before), ("found", found.numbers)):
         x, y = scaled(numbers)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError, RunError
-from ..measures import catalogue
+from ..measures import catalogue, has_sign
 from ..progress import Progress, silent
 from ..scene.expectations import Bounds, bounds_from
 from ..sweeps.plan import Plan
@@ -52,9 +52,10 @@ class Problem:
 
     def cost(self, numbers: Points, measure: str = "") -> Points:
         """Return the value to minimise, for each run; large where a run failed."""
-        column = numbers[:, self.measures.index(measure or self.objective)]
-        signed = abs(column) if (measure or self.objective).startswith("peak.") else column
-        return np.nan_to_num(self.sign * signed if not measure else signed, nan=_WORST)
+        name = measure or self.objective
+        column = numbers[:, self.measures.index(name)]
+        size = abs(column) if has_sign(name) else column
+        return np.nan_to_num(size if measure else self.sign * size, nan=_WORST)
 
     def violations(self, numbers: Points, bounds: Mapping[str, Bounds] | None = None) -> Points:
         """Return the relative violation of each bound, (runs, bounds); below 0 if it holds."""
@@ -266,11 +267,10 @@ def _trade_off(problem: Problem, runs: Runs, best: Points) -> tuple[Points, Poin
         [_refined(problem, runs, _best(problem, runs, [best], measure=against), measure=against)],
         measure=against,
     )  # fmt: skip
-    place = problem.measures.index(against)
-    first, last = (float(abs(runs.at(x)[0, place])) for x in (best, end))
+    first, last = (float(problem.cost(runs.at(x), against)[0]) for x in (best, end))
     found, start = [best], best
     for limit in np.linspace(first, last, max(problem.search.trade_offs, 2))[1:-1]:
-        bounds = {**problem.bounds, against: Bounds(max=float(limit))}
+        bounds = {**problem.bounds, against: _within(problem.bounds.get(against), against, limit)}
         start = _best(problem, runs, [start], bounds=bounds)
         start = _best(problem, runs, [_refined(problem, runs, start, bounds=bounds)], bounds=bounds)
         found.append(start)
@@ -278,6 +278,16 @@ def _trade_off(problem: Problem, runs: Runs, best: Points) -> tuple[Points, Poin
     numbers = runs.at(points)
     kept = undominated(np.column_stack([problem.cost(numbers), problem.cost(numbers, against)]))
     return points[kept], numbers[kept]
+
+
+def _within(bounds: Bounds | None, measure: str, limit: float) -> Bounds:
+    """Return the bounds on a measure whose size is limited, too."""
+    bounds = bounds or Bounds()
+    least = [
+        bound for bound in (bounds.min, -limit if has_sign(measure) else None) if bound is not None
+    ]
+    most = limit if bounds.max is None else min(bounds.max, limit)
+    return Bounds(max(least, default=None), most)
 
 
 def undominated(costs: Points) -> Points:

@@ -2,6 +2,7 @@ from . import linearised as linearised
 from .catalogue import at_end as at_end
 from .catalogue import catalogue as catalogue
 from .catalogue import default_measures as default_measures
+from .catalogue import has_sign as has_sign
 from .catalogue import outputs_needed as outputs_needed
 from .catalogue import take as take
 from .reading import COUNT as COUNT

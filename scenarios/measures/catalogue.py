@@ -57,6 +57,11 @@ def default_measures(known: Mapping[str, Measure], shown: Iterable[str]) -> tupl
     return tuple(name for name in known if name in peaks or name.endswith(_DEFAULT))
 
 
+def has_sign(measure: str) -> bool:
+    """Whether a measure has a sign for its direction, and is compared by its magnitude."""
+    return measure.startswith("peak.")
+
+
 def outputs_needed(known: Mapping[str, Measure], names: Iterable[str]) -> set[str]:
     """Return the outputs that the named measures need."""
     return {output for name in names for output in known[name].needs}

@@ -12,12 +12,12 @@ from phaseplane.suspension.variables import Value
 from phaseplane import figures
 
 from ..errors import one_line
-from ..measures import catalogue
+from ..measures import catalogue, has_sign
 from ..progress import Progress, silent
 from ..results.folder import Place, replace_folder, write_summary
 from ..results.quantities import shown_in
 from .plan import Plan, load_plan
-from .report import check_table, has_sign, summary_of, unit_of, write_rows
+from .report import check_table, summary_of, unit_of, write_rows
 from .running import Row, journal_key, sweep
 
 _PICTURE = "sweep.png"

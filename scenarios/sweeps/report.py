@@ -9,7 +9,7 @@ from typing import Any
 from phaseplane.suspension.variables import Value
 
 from ..errors import InputError, shown
-from ..measures import COUNT, Measure, catalogue
+from ..measures import COUNT, Measure, catalogue, has_sign
 from ..results.quantities import quantity
 from ..results.report import UNCOMPILED, aligned
 from .plan import Plan
@@ -82,11 +82,6 @@ def summary_of(plan: Plan, rows: Sequence[Row], more: Mapping[str, Any]) -> dict
 def unit_of(measure: Measure, values: Iterable[object]) -> str:
     """Return the unit of a measure in a sweep, in which times are counted."""
     return COUNT if all(isinstance(x, int) for x in values) else measure.unit
-
-
-def has_sign(measure: str) -> bool:
-    """Whether a measure has a sign for its direction, and is compared by its magnitude."""
-    return measure.startswith("peak.")
 
 
 def _magnitude(found: tuple[float, int]) -> float:

@@ -76,6 +76,20 @@ def test_bounds_are_kept_and_the_trade_off_falls(folder):
     assert {"runs.csv", "scene.toml", "study.png", "summary.json"} == set(found.summary["files"])
 
 
+def test_a_trade_off_of_peaks_is_one_of_their_magnitudes(folder):
+    """Along this one, the largest acceleration changes its direction."""
+    found = phaseplane.optimise(study(
+        'minimise = "suspension_travel"\nagainst = "peak.body_acceleration"\n[vary]\n'
+        "damper = { rebound_rate = { from = 300, to = 6000 }, bump_rate = { from = 300, to = 6000 } }\n"
+        + SEARCH.replace("trade_offs = 4", "trade_offs = 7")
+    ))  # fmt: skip
+    peaks = [row["peak.body_acceleration"] for row in found.summary["trade_off"]]
+    assert min(peaks) < 0.0
+    sizes = np.abs(peaks)
+    assert (np.diff(sizes) < 0.0).all()
+    assert np.abs(np.diff(sizes)).max() < 0.4 * np.ptp(sizes)
+
+
 def test_no_run_lies_beyond_the_trade_off_that_is_drawn(folder, monkeypatch):
     drawn = {}
     plain = figures.pareto
