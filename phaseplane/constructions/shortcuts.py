@@ -69,10 +69,16 @@ def with_shortcuts(
 
     Raises
     ------
-    ValueError : if the construction is not a quarter car with a linear tyre.
+    ValueError : if the construction is not a quarter car with a linear tyre and without dry friction.
     """
-    if not (isinstance(construction, QuarterCarPlanes) and construction.tyre is None):
-        raise ValueError("AP57's shortcut for touchdown is for quarter cars with linear tyres")
+    if not (
+        isinstance(construction, QuarterCarPlanes)
+        and construction.tyre is None
+        and not construction.friction
+    ):
+        raise ValueError(
+            "AP57's shortcut for touchdown is for quarter cars with linear tyres and without dry friction"
+        )
     step = step or max(frame.duration for frame in drawing.frames)
     curves = tuple(
         Curve(

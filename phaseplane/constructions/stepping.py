@@ -71,7 +71,9 @@ class Stepper:
         for plane, successor in zip(self.planes, move.successors, strict=True):
             distance = abs((successor - plane.displacement.origin).real)
             if not isfinite(successor) or distance > _FARTHEST:
-                raise OverflowError
+                raise OverflowError(
+                    f"the state point leaves the paper in the step from {window.start:.4g} s; shorten it"
+                )
         return points, move.successors + memory
 
     def way(self, states: States, points: Points, duration: float) -> States:

@@ -238,7 +238,9 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
                 )
             if e.friction:
                 force = force + e.friction * np.sign(b * v)
-            total += share * (np.minimum(force, e.limit) if e.limit < inf else force)
+            if e.limit < inf:
+                force = np.where(b * x > e.opening, e.limit, np.minimum(force, e.limit))
+            total += share * force
         return total
 
     return PhaseSystem(

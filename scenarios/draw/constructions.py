@@ -150,7 +150,7 @@ def overlay_run(
         if distance and settings.get("plane_distance") is None:
             drawing = laid(planes_of(model, parameters, {**settings, "plane_distance": distance}))
         return drawing
-    except ValueError as error:
+    except (ArithmeticError, ValueError) as error:
         raise InputError(f"construction: {error}") from None
 
 
@@ -177,12 +177,13 @@ def _distance_needed(drawing: Drawing) -> float:
 def with_drift(drawing: Drawing, columns: Columns, read_at: ReadAt) -> Drawing:
     """Return a construction with its drift from a run, if the run has the columns and the time.
 
-    `read_at` returns outputs of the run at the times of the construction.
+    `read_at` returns outputs of the run at the times of the construction and at its end.
     """
     shown = [name for plane in drawing.planes for name in (plane.name, rate_of(plane.name))]
     if not set(shown) <= columns.keys() or columns["time"][-1] < drawing.frames[-1].time:
         return drawing
-    columns = read_at([frame.time for frame in drawing.frames], shown) or columns
+    end = drawing.frames[-1].time + drawing.frames[-1].duration
+    columns = read_at([*drawing.frames.times, end], shown) or columns
     motion = (columns[name].tolist() for name in shown)
     return constructions.compare_with_motion(drawing, columns["time"].tolist(), *motion)
 

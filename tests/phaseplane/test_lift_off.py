@@ -276,8 +276,9 @@ def test_the_shortcut_is_drawn_beside_the_march_and_changes_nothing():
     assert curves[1].vertices[-1].real == pytest.approx(
         car.planes[1].displacement.at(car.axle.static_tyre_deflection).real
     )
-    with pytest.raises(ValueError, match="for quarter cars with linear tyres"):
-        with_shortcuts(drawing, OneDofPlane(1.0, linear(1.0), linear(0.0)))
+    for other in (OneDofPlane(1.0, linear(1.0), linear(0.0)), ap57(friction=600.0)):
+        with pytest.raises(ValueError, match="linear tyres and without dry friction"):
+            with_shortcuts(drawing, other)
 
 
 # Kerbs.

@@ -201,6 +201,12 @@ def test_sections_of_the_models() -> None:
     assert of_coordinate(quarter).function(0.0, 0.01, 0.0) == pytest.approx(0.01 * c / m)
     with pytest.raises(ValueError, match=r"must be from 0 to 1 \(body, wheel\)"):
         of_coordinate(quarter, 2)
+    for contact in ("gap", "force"):  # across a gap a tyre does not push however fast it closes
+        parameters = {"contact": contact, "tyre.damping_rate": 100.0}
+        wheel = of_coordinate(build("QuarterCar", checked_parameters("QuarterCar", parameters)), 1)
+        grid = [(v, x) for v in (-10.0, 0.0, 10.0) for x in (-0.05, 0.0, 0.03, 0.05)]
+        one = [wheel.function(v, x, 0.0) for v, x in grid]
+        assert wheel.on_arrays(*np.array(grid).T, np.zeros(len(grid))) == pytest.approx(one)
     frame = build("Elastoplastic", checked_parameters("Elastoplastic", {}))
     with pytest.raises(ValueError, match="has a memory"):
         of_coordinate(frame)

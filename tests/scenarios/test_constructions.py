@@ -491,3 +491,23 @@ def test_while_the_strut_sticks_the_projection_backwards_is_that_forwards():
         y, _ = lienard.values(frame.points["P1"])
         eps = -lienard.displacement(frame.points["A1*"])
         assert abs(eps - planes.axle.epsilon_of(0)(0.0, y)) < 1.2 * planes.axle.reach
+
+
+@pytest.mark.parametrize("name", ["ap57", "van_der_pol"])
+def test_a_construction_of_a_single_step_is_compared_with_its_run(
+    name: str, tmp_path: Path
+) -> None:
+    settings = ["construction.step=1 ms", "construction.duration=1 ms", "show.figures=[]"]
+    summary, _ = run_scene(name, settings, tmp_path / "out")
+    assert summary["drawn"]["steps"] == 1
+    assert max(summary["drawn"]["drift"].values()) < 1e-6
+
+
+def test_a_tangent_that_leaves_the_paper_is_refused_in_words() -> None:
+    """Over a known motion, too: its steps cannot be drawn as tangents if they are so long."""
+    parameters = parameters_of("OneDof", {"road.shape": "flat", "initial.body_velocity": 1.0})
+    times = np.array([0.0, 1e4])
+    columns = {"time": times, **{n: np.ones(2) for n in MODELS["OneDof"]}, "airborne": np.zeros(2)}
+    columns |= {f"{n}_rate": np.ones(2) for n in MODELS["OneDof"]}
+    with pytest.raises(InputError, match=r"leaves the paper in the step from 0 s; shorten it"):
+        overlay_run(columns, "OneDof", parameters, {**SETTINGS, "rule": "tangent", "step": 1.0})
