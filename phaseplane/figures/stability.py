@@ -17,7 +17,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, VIOLET
 
-from .style import PLAIN, Look, Palette, dress
+from .style import PLAIN, Look, Palette, dress, printed
 
 Values = npt.NDArray[np.float64]
 
@@ -87,7 +87,7 @@ def stability_sheet(
         bar.set_ticks([-1, 0, 1, 2], labels=["0.1", "1", "10", "≥ 100"])
         bar.ax.tick_params(colors=palette.ink, labelsize=8)
         bar.set_label("growth", color=palette.ink, fontsize=8)
-    return figure
+    return printed(figure, look)
 
 
 def _style(axes: Axes, palette: Palette, title: str) -> None:

@@ -15,7 +15,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
 from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, VIOLET
 
-from .style import PLAIN, Look, Palette, dress, new_figure
+from .style import PLAIN, Look, Palette, dress, new_figure, printed
 
 _LARGEST, _FAILED, _SMALLEST = 1.0, 10.0, 1e-13  # error: axis end, failed runs, axis start
 _COLOURS = (TEAL, ORANGE, RED, GREEN, PINK, OCHRE, VIOLET)
@@ -97,8 +97,8 @@ def work_precision(
             axes.set_xlabel("largest error, relative to the peak", fontsize=8)
     _legends(figure, groups, lines, palette, (legend - 0.05) / height)
     if title:
-        figure.suptitle(title, fontsize=11, color=palette.ink, y=1.0 - 0.12 / height, va="top")
-    return figure
+        look.head(figure, title, y=1.0 - 0.12 / height, va="top")
+    return printed(figure, look)
 
 
 def _legends(
