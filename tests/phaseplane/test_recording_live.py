@@ -113,6 +113,17 @@ def test_a_fast_run_is_thinned(tmp_path: Path) -> None:
     assert 0 < live.rows_drawn <= 250
 
 
+@pytest.mark.slow
+def test_a_page_can_be_served_at_an_address_of_ipv6() -> None:
+    try:
+        socket.create_server(("::1", 0), family=socket.AF_INET6).close()
+    except OSError:
+        pytest.skip("this machine has no IPv6")
+    with serving(address="::1") as server, urlopen(server.page) as page:
+        assert b"Rerun Viewer" in page.read()
+        assert listens(server.url)
+
+
 def test_a_viewer_that_is_not_there() -> None:
     with socket.socket() as held:
         held.bind(("127.0.0.1", 0))
