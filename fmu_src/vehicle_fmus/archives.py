@@ -52,7 +52,7 @@ def write_all(contents: Mapping[Path, bytes]) -> None:
     written: dict[Path, Path] = {}
     try:
         for target, content in contents.items():
-            written[target] = target.with_name(f".{target.name}-{token_hex(4)}.part")
+            written[target] = target.with_name(f".{token_hex(8)}.part")
             written[target].write_bytes(content)
         for target, part in written.items():
             part.replace(target)

@@ -18,7 +18,7 @@ def replace_file(target: Path) -> Iterator[Path]:
     """
     if not target.parent.is_dir():
         raise FileNotFoundError(f"{target}: the folder {target.parent} does not exist")
-    temporary = target.with_name(f".{target.stem}-{token_hex(4)}{target.suffix}")
+    temporary = target.with_name(f".{token_hex(8)}{target.suffix}")
     try:
         temporary.touch(exist_ok=False)
         yield temporary

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .paper import Box, Boxes, Lengths, Points
+from .paper import Box, Boxes, Points
 
 NEAR = 2.0  # farthest distance of a letter from its point without a leader, in em
 
@@ -18,7 +18,6 @@ _WIDTH, _HEIGHT = 0.58, 1.15  # of one character, in em
 _RINGS = np.array([0.8, 1.1, 1.5, NEAR - 0.1, 2.8, 3.8, 5.0, 7.0, 10.0])  # gaps to the point, in em
 _ANGLES = 16
 _MOST_CLOSE = 300  # lines about a letter that are looked at
-_AT_ONCE = 16  # places compared with these lines at once
 _GAPS = np.repeat(_RINGS, _ANGLES)
 _DIRECTIONS = np.tile(np.exp(1j * (np.arange(_ANGLES) + 0.5) * 2 * pi / _ANGLES), len(_RINGS))
 
@@ -94,26 +93,12 @@ def place(
         if len(segments):
             close = segments[_about(at, _RINGS[-1] * em * (1 + 1j) + 2.0 * size, segments)]
             close = close[:: max(1, len(close) // _MOST_CLOSE)]
-            best = _least_crossed(cost, mine, close, em)
+            crossed = mine.inside(close[:, 0], close[:, 1]).sum(
+                axis=1
+            )  # the length of lines in each
+            best = int((cost + 1.5 * crossed / em).argmin())
         boxes[i], led[i], free[i] = centres[best], _GAPS[best] > NEAR, over[best] == 0.0
     return Placed(boxes, led, free)
-
-
-def _least_crossed(cost: Lengths, boxes: Boxes, segments: Points, em: float) -> int:
-    """Return the index of the cheapest box, where a line costs 1.5 for each em of it in the box.
-
-    Lines can only increase the cost of a box, so few boxes are compared with them: those that cost less
-    without lines than the best does with them.
-    """
-    order = np.argsort(cost, kind="stable")
-    total = np.full(len(cost), np.inf)
-    done = 0
-    while done < len(order) and cost[order[done]] <= total.min():
-        chosen = order[done : done + _AT_ONCE]
-        inside = Boxes(boxes.centres[chosen], boxes.halves).inside(segments[:, 0], segments[:, 1])
-        total[chosen] = cost[chosen] + 1.5 * inside.sum(axis=1) / em
-        done += _AT_ONCE
-    return int(total.argmin())
 
 
 def _about(point: complex, half: complex, segments: Points) -> npt.NDArray[np.bool_]:

@@ -1,48 +1,44 @@
 """One table of styles: the hue, width and words of every role, and the hue of every part of a car.
 
-Every hue comes in two shades: one for light paper, one for dark. A canvas whose ground is not known, such
-as the viewer's, takes the shade between them that is legible on both.
+Every hue comes in three shades: one for light paper, one for dark, and one between them for a canvas
+whose ground is not known, such as the viewer's. Its relative luminance is 0.198, so that its contrast to
+white and to the dark paper is the same.
 """
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Literal
 
 Shade = Literal["light", "dark", "either"]
 
-_EITHER = 0.198  # relative luminance whose contrast to white and to the dark paper is the same
-
 
 @dataclass(frozen=True, slots=True)
 class Hue:
-    """A colour in its shades for light and for dark paper, as #rrggbb."""
+    """A colour in its shades for light and for dark paper, and that legible on either, as #rrggbb."""
 
     light: str
     dark: str
+    either: str
 
     def on(self, shade: Shade) -> str:
         """Return the shade for light paper, for dark paper, or the one that is legible on either."""
-        if shade == "either":
-            return _between(self.light, self.dark)
-        return self.light if shade == "light" else self.dark
+        return str(getattr(self, shade))
 
 
-BLUE = Hue("#1f6fb2", "#5fa8e8")
-ORANGE = Hue("#b8500f", "#f08a3c")
-GREEN = Hue("#14774f", "#3cc48d")
-RED = Hue("#c22f2f", "#f27070")
-TEAL = Hue("#0f7480", "#35bccb")
-PINK = Hue("#ad3f7d", "#e583b8")
-OCHRE = Hue("#7d6210", "#cfae3f")
-VIOLET = Hue("#7450b8", "#ab8fe6")
-GREY = Hue("#666b73", "#a0a6af")
-INK = Hue("#222222", "#e8e8e8")
-PAPER = Hue("#ffffff", "#15181c")
-GRID = Hue("#e4e4e4", "#2c3138")
-SHADE = Hue("#e9eef5", "#243040")
+BLUE = Hue("#1f6fb2", "#5fa8e8", "#317fc1")
+ORANGE = Hue("#b8500f", "#f08a3c", "#c55d19")
+GREEN = Hue("#14774f", "#3cc48d", "#1f8c60")
+RED = Hue("#c22f2f", "#f27070", "#d64b4b")
+TEAL = Hue("#0f7480", "#35bccb", "#198794")
+PINK = Hue("#ad3f7d", "#e583b8", "#c05691")
+OCHRE = Hue("#7d6210", "#cfae3f", "#94781d")
+VIOLET = Hue("#7450b8", "#ab8fe6", "#8a69ca")
+GREY = Hue("#666b73", "#a0a6af", "#767b84")
+INK = Hue("#222222", "#e8e8e8", "#7b7b7b")
+PAPER = Hue("#ffffff", "#15181c", "#7a7b7e")
+GRID = Hue("#e4e4e4", "#2c3138", "#787b7f")
+SHADE = Hue("#e9eef5", "#243040", "#737c88")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +56,8 @@ ROLES = {
     "trail": Style(BLUE, 1.8, words="integral curve"),
     "run": Style(VIOLET, 1.5, words="motion of the run"),
     "state": Style(BLUE, 1.5, size=5.0),
-    "halo": Style(Hue("#ffffff", "#ffffff"), size=13.0),
-    "here": Style(Hue("#15181c", "#15181c"), size=10.0),
+    "halo": Style(Hue("#ffffff", "#ffffff", "#ffffff"), size=13.0),
+    "here": Style(Hue("#15181c", "#15181c", "#15181c"), size=10.0),
     "axis": Style(INK, 0.9),
     "value": Style(),
     "auxiliary": Style(OCHRE, 1.0, words="auxiliary curve"),
@@ -119,31 +115,3 @@ def strength_of(variable: str) -> float:
     """Return the opacity of a variable: a rear axle is fainter than a front one, right than left."""
     words = variable.split("_")
     return (0.5 if "rear" in words else 1.0) * (0.7 if "right" in words else 1.0)
-
-
-def luminance(colour: str) -> float:
-    """Return the relative luminance of a colour #rrggbb, from 0 (black) to 1 (white)."""
-    red, green, blue = (
-        c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in _channels(colour)
-    )
-    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
-
-
-def _channels(colour: str) -> list[float]:
-    return [int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
-
-
-@lru_cache
-def _between(light: str, dark: str) -> str:
-    """Return the mixture of two shades with the luminance that is legible on any ground."""
-    deep, pale = sorted((light, dark), key=luminance)
-    pairs = list(zip(_channels(deep), _channels(pale), strict=True))
-
-    def mixture(part: int) -> str:
-        return "#" + "".join(f"{round(255 * (a + part / 200 * (b - a))):02x}" for a, b in pairs)
-
-    brighter = bisect_left(range(200), _EITHER, key=lambda part: luminance(mixture(part)))
-    return min(
-        (mixture(max(0, brighter - 1)), mixture(brighter)),
-        key=lambda shade: abs(luminance(shade) - _EITHER),
-    )

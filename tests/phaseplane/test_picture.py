@@ -53,7 +53,6 @@ from phaseplane.picture.styles import (
     ROLES,
     Hue,
     hue_of,
-    luminance,
     part_of,
     strength_of,
     style_of,
@@ -562,6 +561,15 @@ def test_what_the_viewer_can_show_is_kept() -> None:
     kept = "x\N{SUBSCRIPT TWO} \N{GREEK CAPITAL LETTER OMEGA} \N{MINUS SIGN}1 A1*'\n"
     assert legible(kept) == kept
     assert legible("y\N{COMBINING MACRON}") == "\N{LATIN SMALL LETTER Y WITH MACRON}"
+
+
+def luminance(colour: str) -> float:
+    """The relative luminance of a colour #rrggbb, from 0 (black) to 1 (white)."""
+    red, green, blue = (
+        c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4
+        for c in (int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
+    )
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
 
 def contrast(one: str, other: str) -> float:
