@@ -131,7 +131,8 @@ def function(
     """Return a law given by user-defined functions.
 
     The integrator calls them in every step, which takes about ten times as long as with the other laws.
-    An exception in them ends the run and is raised there.
+    Where they raise an exception the integrator tries a shorter step; if that fails, too, or steps are
+    fixed, the run ends with the exception.
 
     Parameters
     ----------

@@ -281,7 +281,7 @@ class Session:
 
     def _step(self, until: float, stop: bool) -> None:
         status = self._integrator.advance(until, stop)
-        self._note_switches()
+        self._note_switches(until if until > self.time else -inf)
         for text in self._notices.new(self._integrator, self._run):
             self._report("info", text)
         if status not in (0, _HALTED):
@@ -388,13 +388,16 @@ class Session:
                 (Segment(-inf, origin, (value, slope, 0.0, 0.0)),)
             )
 
-    def _note_switches(self) -> None:
+    def _note_switches(self, until: float = -inf) -> None:
+        """Note the switches of the last steps; those of contact up to `until` are counted at once."""
         log = self._integrator.take_log()
         for time, element, kind, before, after in log:
             name = self._system.elements[element].name
             self.events.append(Event(time, name, KINDS[kind], before, after))
             if element in self._tyre_elements and KINDS[kind] == "contact":
                 self._run.contacts.note(time, element, after != 0)
+                if time <= until:
+                    self._count_contacts(time)
             elif name.endswith("stop"):
                 met = (after < before) == name.endswith("bump_stop")
                 self._report("event", f"{name} {'met' if met else 'left'} at {time:.9g} s")
@@ -426,13 +429,17 @@ class Session:
         """Interpolate the state at the present time."""
         self._energies = None
         now = self._run.time
-        while (c := self._run.contacts.next(now)) >= 0:
+        self._count_contacts(now)
+        self._integrator.sample(now)
+        self.state.at(now, self._signals)
+
+    def _count_contacts(self, until: float) -> None:
+        """Count the contact switches up to a time, and report them."""
+        while (c := self._run.contacts.next(until)) >= 0:
             airborne = self.contacts.airborne[c]
             instants = self.contacts.last_lift_off if airborne else self.contacts.last_touchdown
             what = f"{_wheel(self._tyres[c])}{'lift-off' if airborne else 'touchdown'}"
             self._report("event", f"{what} at {instants[c]:.9g} s")
-        self._integrator.sample(now)
-        self.state.at(now, self._signals)
 
     def value(self, name: str) -> Value:
         """Return an output, input or parameter at the present time; NaN once the run has failed.

@@ -216,8 +216,7 @@ def _element(
 ) -> Element:
     where = f"system.elements.{name}"
     direction = _direction(said.get("direction", {}), names, p, f"{where}.direction")
-    spring = table_at(said.get("spring", {}), f"{where}.spring")
-    damper = table_at(said.get("damper", {}), f"{where}.damper")
+    spring, damper = said.get("spring", {}), said.get("damper", {})
     refuse_others(
         spring, ("rate", "cubic", "table", "yield_force", "hardening", *_POWER), f"{where}.spring"
     )
@@ -225,17 +224,20 @@ def _element(
         damper, ("rate", "rebound_rate", "bump_rate", "table", "series", *_POWER), f"{where}.damper"
     )
 
-    def at(table: Mapping[str, Any], key: str, default: float = 0.0) -> float:
-        return value_of(table[key], p, f"{where}.{key}") if key in table else default
+    def at(key: str, default: float = 0.0) -> float:
+        """Return the value of a key such as `spring.rate`."""
+        part, _, last = key.rpartition(".")
+        table = said.get(part, {}) if part else said
+        return value_of(table[last], p, f"{where}.{key}") if last in table else default
 
-    def with_power(law: Characteristic, table: Mapping[str, Any]) -> Characteristic:
-        if not any(key in table for key in _POWER):
+    def with_power(law: Characteristic, part: str) -> Characteristic:
+        if not any(key in said.get(part, {}) for key in _POWER):
             return law
         return law + characteristics.power(
-            at(table, "power"), at(table, "exponent", 1.0), at(table, "linear_below")
+            at(f"{part}.power"), at(f"{part}.exponent", 1.0), at(f"{part}.linear_below")
         )
 
-    rate = at(damper, "rate")
+    rate = at("damper.rate")
     try:
         return Element(
             name,
@@ -243,23 +245,23 @@ def _element(
             with_power(
                 characteristics.table(points(f"{where}.spring.table", str(spring["table"])))
                 if "table" in spring
-                else characteristics.cubic(at(spring, "rate"), at(spring, "cubic")),
-                spring,
+                else characteristics.cubic(at("spring.rate"), at("spring.cubic")),
+                "spring",
             ),
             with_power(
                 characteristics.table(points(f"{where}.damper.table", str(damper["table"])))
                 if "table" in damper
                 else characteristics.damper(
-                    at(damper, "rebound_rate", rate), at(damper, "bump_rate", rate)
+                    at("damper.rebound_rate", rate), at("damper.bump_rate", rate)
                 ),
-                damper,
+                "damper",
             ),
             road=_road_name(said, where),
-            yield_force=at(spring, "yield_force", inf) if "yield_force" in spring else inf,
-            hardening=at(spring, "hardening"),
-            friction=at(said, "friction"),
-            breakaway=at(said, "breakaway"),
-            series=at(damper, "series") if "series" in damper else inf,
+            yield_force=at("spring.yield_force", inf),
+            hardening=at("spring.hardening"),
+            friction=at("friction"),
+            breakaway=at("breakaway"),
+            series=at("damper.series", inf),
         )
     except ParameterError:
         raise
@@ -282,7 +284,7 @@ def _courses(
     course = force_course(p, f"{name}.table")
     if course is not None:
         yield f"{name}_table", course
-    sine = table_at(said.get("sine", {}), f"system.loads.{name}.sine")
+    sine = said.get("sine", {})
     refuse_others(sine, ("amplitude", "frequency"), f"system.loads.{name}.sine")
     if sine:
         where = f"system.loads.{name}.sine"

@@ -154,6 +154,8 @@ def _read(content: Mapping[str, Any]) -> Definition:
         for part, said in tables[key].items():
             check_word(part, f"system.{key}")
             refuse_others(table_at(said, f"system.{key}.{part}"), allowed, f"system.{key}.{part}")
+            for inner in {"direction", "spring", "damper", "sine"} & said.keys():
+                table_at(said[inner], f"system.{key}.{part}.{inner}")
     for part, said in wheels.items():
         check_word(said.get("axle"), f"system.wheels.{part}.axle")
     coordinates = dict(_coordinates(tables["coordinates"]))

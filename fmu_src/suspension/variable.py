@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from math import isfinite, ulp
+from math import inf, isfinite, ulp
 from sys import float_info
 from typing import Any, NoReturn
 
@@ -74,13 +74,19 @@ class Variable:
                 raise ParameterError(f"{self.name} = {value!r}: {error}") from None
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise ParameterError(f"{self.name} = {value!r}: must be a number{self._in_unit()}")
+        try:
+            number = float(value) + 0.0  # never -0.0
+        except OverflowError:
+            number = inf if value > 0 else -inf
         if isinstance(self.start, int):
-            if value != int(value):
+            if isfinite(number) and not number.is_integer():
                 raise ParameterError(f"{self.name} = {value!r}: must be a whole number")
-            if not abs(value) <= _LARGEST_INTEGER:
-                raise ParameterError(f"{self.name} = {value:g}: must be at most {_LARGEST_INTEGER}")
-            return int(self._checked_range(value))
-        return self._checked_range(float(value) + 0.0)  # never -0.0
+            if not abs(number) <= _LARGEST_INTEGER:
+                raise ParameterError(
+                    f"{self.name} = {number:g}: must be at most {_LARGEST_INTEGER}"
+                )
+            return int(self._checked_range(number))
+        return self._checked_range(number)
 
     def _checked_text(self, value: object) -> str:
         if not isinstance(value, str):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from make_drawn import SYSTEMS, instants, public, stored
 from phaseplane.suspension import roads
-from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.engine import KINDS, Integrator
 from phaseplane.suspension.models import System, build
 
 AXLES = {"OneDof": [""], "QuarterCar": [""]}
@@ -95,13 +95,23 @@ def test_between_steps_the_entries_are_those_of_a_run_that_ends_there(model: str
         between += integrator.time > t
         other = Integrator(system, tolerance=1e-8)
         assert other.advance(t, stop=True) == 0
-        kinetic, kept, lost, brought_in = integrator.energies_at(t)
+        kinetic, kept, lost, brought_in = integrator.energies(t)
         found = np.array([kinetic, sum(kept), *lost, *brought_in])
         kinetic, kept, lost, brought_in = other.energies()
         there = np.array([kinetic, sum(kept), *lost, *brought_in])
         size = np.abs(whole.energies()[3]).sum() + np.abs(there).max()
         assert np.abs(found - there).max() < 1e-5 * size
     assert between > 20
+
+
+def test_a_contact_switch_at_the_end_of_a_step_is_booked_if_steps_do_not_land_on_it() -> None:
+    """The tyre's damper still carries a force when the wheel leaves the road."""
+    parameters = {"tyre.damping": 500.0, "road.height": 0.08, "speed": 10.0}
+    system = build("QuarterCar", parameters)
+    integrator = Integrator(system, step=1e-4, landing=False)
+    assert integrator.advance(0.3, stop=True) == 0
+    assert len([kind for _, _, kind, *_ in integrator.log if KINDS[kind] == "contact"]) > 1
+    assert abs(integrator.residual_at(0.3)) < 1e-2
 
 
 def test_a_jump_of_a_road_is_work_of_that_road() -> None:

@@ -122,6 +122,25 @@ def test_what_it_raises_ends_the_run(integrator: Any) -> None:
         integrator(SPRING, "none", step=0.01).advance(0.1)
 
 
+@pytest.mark.parametrize("spoilt", [0, 1])
+def test_what_is_not_a_number_ends_the_run(integrator: Any, spoilt: int) -> None:
+    """In any coordinate, also before one that is finite."""
+    module = KERNELS["uncompiled" if integrator is _KERNELS[0] else "as installed"][1]
+
+    class Spoilt(module.Method):  # type: ignore[misc, name-defined]
+        def step(self, t: float, h: float, q: Any, v: Any) -> Any:
+            moved = [a + h * b for a, b in zip(q, v, strict=True)]
+            moved[spoilt] = float("nan")
+            return moved, list(v)
+
+    module.METHODS["spoilt"] = Spoilt  # type: ignore[attr-defined]
+    try:
+        one = integrator(build("QuarterCar", {}), "spoilt", step=1e-3, energy=False)
+        assert one.advance(0.1) == 2
+    finally:
+        del module.METHODS["spoilt"]  # type: ignore[attr-defined]
+
+
 def test_the_methods_of_the_package_are_those_of_the_registry() -> None:
     assert tuple(engine.METHODS) == METHODS
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from array import array
+from contextlib import suppress
 from math import cos, cosh, exp, inf, pi, sin, sqrt, tanh
 
 import kernels
@@ -103,6 +104,56 @@ def test_what_a_function_raises_is_raised_by_the_run() -> None:
     times, out = array("d", [0.0, 3.0]), array("d", [0.0, 0.0])
     with pytest.raises(ValueError, match="no force is known"):
         Filling(started(spring(function(broken, lambda x: 1.0)), 1.0, 0.0), times, out).fill()
+
+
+@pytest.mark.parametrize("options", [{}, {"step": 0.01}, {"method": "mean", "step": 0.01}])
+def test_no_run_ends_well_on_what_a_function_could_not_tell(options: dict[str, object]) -> None:
+    """Wherever it is called: within a step, for its error, in the search for switches, in the ledger."""
+    whole = started(spring(function(sin, cos)), 1.0, 0.0, **options)
+    assert whole.advance(2.0) == 0
+    whole.sample(2.0)
+    for broken in range(1, 200, 3):
+        calls = []
+
+        def force(x: float, broken: int = broken, calls: list[float] = calls) -> float:
+            calls.append(x)
+            if len(calls) == broken:
+                raise ValueError(f"call {broken}")
+            return sin(x)
+
+        law = function(force, cos, potential=lambda x: 1.0 - cos(x))
+        with suppress(ValueError):
+            integrator = started(spring(law), 1.0, 0.0, **options)
+            assert integrator.advance(2.0) == 0
+            integrator.sample(2.0)
+            assert integrator.sample_q[0] == pytest.approx(whole.sample_q[0], abs=1e-5)
+            assert integrator.residual_at(2.0) == pytest.approx(0.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("options", [{}, {"step": 0.01}])
+def test_a_potential_that_is_not_known_ends_the_run(options: dict[str, object]) -> None:
+    def potential(x: float) -> float:
+        if abs(x) > 0.1:
+            raise ValueError(f"no energy is known at {x:g}")
+        return 0.5 * x * x
+
+    law = function(lambda x: x, lambda _x: 1.0, potential=potential)
+    with pytest.raises(ValueError, match="no energy is known"):
+        started(spring(law), 1.0, 0.0, **options).advance(2.0)
+
+
+def test_a_shorter_step_may_avoid_an_exception() -> None:
+    """A function with an end that the motion itself does not pass."""
+
+    def force(x: float) -> float:
+        return x * sqrt(1.0 - 0.99 * x * x)
+
+    def tangent(x: float) -> float:
+        return (1.0 - 1.98 * x * x) / sqrt(1.0 - 0.99 * x * x)
+
+    integrator = started(spring(function(force, tangent)), 1.0, 0.0, tolerance=1e-2)
+    assert integrator.advance(20.0) == 0
+    assert abs(integrator.residual_at(integrator.time)) < 1e-2
 
 
 def test_a_derivative_that_is_wrong_is_found() -> None:

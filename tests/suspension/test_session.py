@@ -59,6 +59,19 @@ def test_forces_and_accelerations_obey_the_equations_of_motion() -> None:
         assert session.value("contact_force") == pytest.approx(load - tyre, abs=1e-9)
 
 
+def test_a_long_step_counts_every_lift_off() -> None:
+    """There are more of them than an interval is expected to have."""
+    road = {"road.shape": "sine", "road.height": 0.06, "road.length": 2.0}
+    whole, parts = (Session("QuarterCar", road) for _ in range(2))
+    whole.advance(60.0)
+    for second in range(1, 61):
+        parts.advance(float(second))
+    assert whole.value("lift_off_count") == parts.value("lift_off_count") == 600
+    assert whole.value("last_lift_off") == parts.value("last_lift_off")
+    assert whole.value("airborne") == parts.value("airborne")
+    assert whole.messages == parts.messages
+
+
 def test_contact_is_counted_by_located_instants() -> None:
     session = Session("QuarterCar", {})
     session.advance(0.05)

@@ -12,7 +12,7 @@ from math import acos, atan2, cos, exp, hypot, inf, nextafter, pi, sin, sqrt
 
 import numpy as np
 import pytest
-from kernels import motion
+from kernels import UNCOMPILED, motion
 from phaseplane.suspension import characteristics as law
 from phaseplane.suspension import roads
 from phaseplane.suspension.engine import Integrator, Network
@@ -403,3 +403,16 @@ def test_corners_of_a_road_are_told_in_advance() -> None:
     road = Signal((flat, ramp, smooth, top))
     network = Network(replace(system, signals={**system.signals, "road": road}))
     assert [network.next_corner(t) for t in (0.0, 1.0, 1.7, 2.0)] == [1.0, 2.0, 2.0, 1e300]
+
+
+def test_to_ask_for_corners_changes_nothing() -> None:
+    """The ledger, too, goes on with the road at its own time, not with that of a corner to come."""
+    parameters = {"road.shape": "step", "road.start": 1.0}
+    system = build("QuarterCar", checked_parameters("QuarterCar", parameters))
+    one, asked = (UNCOMPILED(system) for _ in range(2))
+    for integrator in (one, asked):
+        integrator.set_state([0.02, 0.0], [0.0, 0.0])
+    for k in range(1, 40):
+        assert one.advance(0.01 * k) == asked.advance(0.01 * k) == 0
+        assert asked.net.next_corner(asked.state.time) > asked.state.time
+    assert asked.snapshot() == one.snapshot()

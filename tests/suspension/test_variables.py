@@ -159,3 +159,9 @@ def test_a_whole_number_must_be_one_that_fmi_can_pass() -> None:
     assert seed.checked(2**31 - 1) == 2**31 - 1
     with pytest.raises(ParameterError, match="must be at most 2147483647"):
         seed.checked(10**60)
+    for value, words in ((10**400, "= inf: must be at most"), (float("nan"), "= nan: must be at most"),
+                         (0.5, "must be a whole number")):  # fmt: skip
+        with pytest.raises(ParameterError, match=words):
+            seed.checked(value)
+    with pytest.raises(ParameterError, match="sprung_mass = inf: must be finite"):
+        build("OneDof", {"sprung_mass": 10**400})

@@ -47,7 +47,6 @@ class Balance:
         memory = self.net.memory
         self.instants = len(fractions)
         self.fraction = memory.doubles(fractions)
-        self.last = n * (self.instants - 1)
         self.half: int = fractions.index(0.5) if 0.5 in fractions else self.instants
         # of all elements, at the state last evaluated
         self.tangent_k, self.tangent_c = memory.zeros(n * n), memory.zeros(n * n)
@@ -110,11 +109,11 @@ class Balance:
         """Find the loads at instant k, and their rates if `rates`, with the signals in `road`."""
         for i in range(self.n):
             self.loads[self.n * k + i] = self.constant[i]
-        self._add_loads(self.loads, self.n * k, 0)
+        self.net.add_loads(self.net.branch_k, self.net.branch_c, self.loads, self.n * k, 0)
         if rates:
             for i in range(self.n):
                 self.load_rate[i] = 0.0
-            self._add_loads(self.load_rate, 0, 1)
+            self.net.add_loads(self.net.branch_k, self.net.branch_c, self.load_rate, 0, 1)
         at = 2 * self.net.rows * k
         for p in range(self.bends.count):
             s = self.net.row_signal[self.bends.row[p]]
@@ -126,25 +125,6 @@ class Balance:
         for p in range(self.net.stuck):
             s = self.net.row_signal[self.net.element_row[self.net.stuck_element[p]]]
             self.carrier[self.net.rows * k + p] = self.net.road[4 * s + 2] if s >= 0 else 0.0
-
-    def _add_loads(self, out: Doubles, at: int, order: int) -> None:
-        """Add the forces of loads and roads, or their rates, with the signals in `road`."""
-        n = self.n
-        for m in range(self.net.loads):
-            p = self.net.road[4 * self.net.load_signal[m] + order]
-            if p != 0.0:
-                for i in range(n):
-                    out[at + i] += self.net.load_direction[m * n + i] * p
-        for r in range(self.net.rows):
-            s = self.net.row_signal[r]
-            if s >= 0:
-                f = (
-                    self.net.branch_k[r] * self.net.road[4 * s + order]
-                    + self.net.branch_c[r] * self.net.road[4 * s + order + 1]
-                )
-                if f != 0.0:
-                    for i in range(n):
-                        out[at + i] += self.net.row_direction[r * n + i] * f
 
     # -- accelerations -----------------------------------------------------------------------------
 

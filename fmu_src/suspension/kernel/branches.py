@@ -58,17 +58,12 @@ class Branches(Elements):
         self.breakaway = memory.zeros(elements)  # largest force of friction while it sticks
         self.initial_set = memory.zeros(elements)
         self.departing = kept.marks(kinds)
-        self.creep = 0.0  # m/s; a slip rate up to this counts as rest
         self.stuck = 0
         self.stuck_element, self.row_stuck = memory.marks(elements), memory.marks(self.rows)
         self.kept_branch = kept.marks(kinds)
         self.kept_set = kept.zeros(elements)
         self.kept_signal = kept.marks(max(self.signals, 1))
         self.switch_element, self.switch_kind = memory.marks(kinds), memory.marks(kinds)
-
-    def set_creep(self, reach: float) -> None:
-        """Set the slip rate that counts as rest from the scale of the motion, `reach` in m."""
-        self.creep = _CREEP * reach
 
     def forget_branches(self) -> None:
         """Reset all branches to the state before any motion."""
@@ -162,7 +157,7 @@ class Branches(Elements):
             # slipped back a little in a long step
             self.all_signals(t)
             self.row_states(q, v)
-            back = self.row_v[self.element_row[e]] * side > self.creep
+            back = self.row_v[self.element_row[e]] * side > _CREEP * self.state.scale
             self.branch[at] = side if self.branch[at] == 0 or back else 0
             self.list_stuck()
             self.departing[at] = -side if self.branch[at] != 0 and not back else 0
@@ -278,7 +273,7 @@ class Branches(Elements):
 
     def _follow_slip(self, e: int, w: float) -> None:
         at = BRANCHES * e + FRICTION
-        if self.branch[at] != 0 or fabs(w) > self.creep:
+        if self.branch[at] != 0 or fabs(w) > _CREEP * self.state.scale:
             self.branch[at] = 1 if w > 0.0 else (-1 if w < 0.0 else 0)
 
     # -- yield ----------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from .motion import Motion
 
 if not cython.compiled:
-    from math import fabs, pow
+    from math import fabs, isfinite, pow
 
     from .linear import decompose, solve
 
@@ -82,7 +82,7 @@ class Errors:
     @inline
     def note(self, size: float) -> None:
         """Update the largest error, m."""
-        if not size <= self.error:
+        if size > self.error or not isfinite(size):  # if it is not a number, it stays so
             self.error = size
 
     def factor(self) -> float:

@@ -144,7 +144,7 @@ class Propagator:
             for s in range(self.net.signals):
                 for order in range(3):
                     self.net.road[4 * s + order] = self._derivative(s, t, k + order)
-            self._add_excitation()
+            self.net.add_loads(self.net.branch_k, self.net.branch_c, self.column, 0, 0)
             factor *= self.part
             self._enter_column(2 * n + k, factor)
             self.state[2 * n + k] = 0.0
@@ -185,7 +185,7 @@ class Propagator:
                 self.net.road[4 * s + 2] = -amplitude * speed * speed
             else:
                 self.net.road[4 * s + 1] = -amplitude * speed
-            self._add_excitation()
+            self.net.add_loads(self.net.branch_k, self.net.branch_c, self.column, 0, 0)
             self._enter_column(at + side, self.part * self.part)
 
     def _clear(self) -> None:
@@ -204,23 +204,6 @@ class Propagator:
         if order == 2:
             return 2.0 * c2 + 6.0 * c3 * x
         return 6.0 * c3 if order == 3 else 0.0
-
-    def _add_excitation(self) -> None:
-        """Add the forces of loads and of the roads under the rows, with the signals in `road`."""
-        n = self.n
-        for m in range(self.net.loads):
-            p = self.net.road[4 * self.net.load_signal[m]]
-            for i in range(n):
-                self.column[i] += self.net.load_direction[m * n + i] * p
-        for r in range(self.net.rows):
-            s = self.net.row_signal[r]
-            if s >= 0:
-                p = (
-                    self.net.branch_k[r] * self.net.road[4 * s]
-                    + self.net.branch_c[r] * self.net.road[4 * s + 1]
-                )
-                for i in range(n):
-                    self.column[i] += self.net.row_direction[r * n + i] * p
 
     def _enter_column(self, j: int, factor: float) -> None:
         """Enter the acceleration due to the force in `column`; sticking rows follow their roads."""

@@ -43,8 +43,6 @@ class Increments:
         self.once = False  # whether to use the tangents at the start only
         memory, n, size = self.net.memory, self.n, self.n * self.n
         self.stiffness, self.damping = memory.zeros(size), memory.zeros(size)
-        self.stiffness2, self.damping2 = memory.zeros(size), memory.zeros(size)
-        self.stiffness_end, self.damping_end = memory.zeros(size), memory.zeros(size)
         self.factor = memory.zeros(size)
         self.pq, self.pv, self.sa = memory.zeros(n), memory.zeros(n), memory.zeros(n)
         self.rhs, self.correction = memory.zeros(n), memory.zeros(n)
@@ -55,11 +53,11 @@ class Increments:
         self.mean_k, self.mean_c = memory.zeros(rows), memory.zeros(rows)
 
     def _solve_step_matrix(self, h: float) -> int:
-        """Solve (M + h/2 B + h^2/6 K) x = rhs with the matrices `stiffness2`, `damping2`."""
+        """Solve (M + h/2 B + h^2/6 K) x = rhs with the matrices `stiffness`, `damping`."""
         size = self.n * self.n
         for i in range(size):
             self.factor[i] = (
-                self.net.mass[i] + h / 2.0 * self.damping2[i] + h * h / 6.0 * self.stiffness2[i]
+                self.net.mass[i] + h / 2.0 * self.damping[i] + h * h / 6.0 * self.stiffness[i]
             )
         if decompose(self.factor, 0, self.n) != 0:
             return 1
@@ -104,21 +102,18 @@ class Increments:
         self.net.all_signals(t)
         self.net.row_states(self.pq, self.pv)
         self.net.row_forces()
-        self.net.assemble(self.net.row_k, self.net.row_c, self.stiffness, self.damping)
-        for i in range(n * n):
-            self.stiffness2[i] = self.stiffness[i]
-            self.damping2[i] = self.damping[i]
         for r in range(self.net.rows):
             self.start_k[r] = self.mean_k[r] = self.net.row_k[r]
             self.start_c[r] = self.mean_c[r] = self.net.row_c[r]
+        self.net.assemble(self.mean_k, self.mean_c, self.stiffness, self.damping)
 
     def _add_resistance(self, h: float) -> None:
         """Subtract from `rhs` the change of the forces due to the motion at the start (15.14)."""
         n = self.n
         for i in range(n):
             for k in range(n):
-                self.rhs[i] -= h * self.damping2[k * n + i] * self.sa[k]
-                self.rhs[i] -= self.stiffness2[k * n + i] * (
+                self.rhs[i] -= h * self.damping[k * n + i] * self.sa[k]
+                self.rhs[i] -= self.stiffness[k * n + i] * (
                     h * self.pv[k] + h * h / 2.0 * self.sa[k]
                 )
 
@@ -153,39 +148,23 @@ class Increments:
         self.net.all_signals(t)
         self.net.row_states(q, v)
         self.net.row_forces()
-        self.net.assemble(self.net.row_k, self.net.row_c, self.stiffness_end, self.damping_end)
-        for i in range(self.n * self.n):
-            mean = 0.5 * (self.stiffness[i] + self.stiffness_end[i])
-            self.stiffness2[i] += share * (mean - self.stiffness2[i])
-            mean = 0.5 * (self.damping[i] + self.damping_end[i])
-            self.damping2[i] += share * (mean - self.damping2[i])
         for r in range(self.net.rows):
             mean = 0.5 * (self.start_k[r] + self.net.row_k[r])
             self.mean_k[r] += share * (mean - self.mean_k[r])
             mean = 0.5 * (self.start_c[r] + self.net.row_c[r])
             self.mean_c[r] += share * (mean - self.mean_c[r])
+        self.net.assemble(self.mean_k, self.mean_c, self.stiffness, self.damping)
 
     def _excitation_increment(self, t: float, h: float) -> None:
         """Set `rhs` to Delta f of (15.6): loads, and roads through the same tangents as the motion."""
-        n = self.n
-        for i in range(n):
+        for i in range(self.n):
             self.rhs[i] = 0.0
-        for sign in range(2):
-            factor = 1.0 if sign == 0 else -1.0
-            self.net.all_signals(t + h if sign == 0 else t)
-            for m in range(self.net.loads):
-                p = factor * self.net.road[4 * self.net.load_signal[m]]
-                for i in range(n):
-                    self.rhs[i] += self.net.load_direction[m * n + i] * p
-            for r in range(self.net.rows):
-                s = self.net.row_signal[r]
-                if s >= 0:
-                    f = factor * (
-                        self.mean_k[r] * self.net.road[4 * s]
-                        + self.mean_c[r] * self.net.road[4 * s + 1]
-                    )
-                    for i in range(n):
-                        self.rhs[i] += self.net.row_direction[r * n + i] * f
+        self.net.all_signals(t)
+        self.net.add_loads(self.mean_k, self.mean_c, self.rhs, 0, 0)
+        for i in range(self.n):
+            self.rhs[i] = -self.rhs[i]
+        self.net.all_signals(t + h)
+        self.net.add_loads(self.mean_k, self.mean_c, self.rhs, 0, 0)
 
 
 class Mean(Extrapolated):

@@ -11,7 +11,6 @@ from .arrays import Memory
 from .contacts import Contacts
 from .elements import KINDS
 from .filling import Filling
-from .handover import Handover
 from .language import (
     Doubles,
     Integers,
@@ -26,7 +25,7 @@ from .lines import Lines
 from .method import Method
 from .methods import METHODS
 from .network import Network, laws_of
-from .outcomes import FAILURES, INTERRUPTED, PAUSED, TOO_MANY
+from .outcomes import DIVERGED, FAILURES, INTERRUPTED, PAUSED, TOO_MANY
 from .rest import Rest
 from .run import Run
 from .run_queue import RunQueue
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
     from .language import Numbers, Switch
 
 if not cython.compiled:
-    from math import sqrt
+    from math import fabs, sqrt
 
 __all__ = [
     "FAILURES",
@@ -111,10 +110,10 @@ class Integrator(TimeLoop):
         """Allocate the arrays for changes of signals and parameters, and find the size of the state."""
         self.given = self.net.memory.zeros(4)
         self.rate_before = self.net.memory.zeros(max(self.net.rows, 1))
-        self.handover = Handover(self.net)
         # called with the present time at each pause of a long run; returns whether to continue
         self.going_on = None
         self.state_size: Size = len(self.state.content())
+        self.raise_failure(DIVERGED)  # at the start
 
     @of_python
     def set_state(self, displacements: Numbers, velocities: Numbers) -> None:
@@ -129,6 +128,7 @@ class Integrator(TimeLoop):
             raise ValueError(f"{n} displacements and {n} velocities are required")
         memory = Memory()
         self._enter_state(memory.doubles([*displacements, *velocities]), 0)
+        self.raise_failure(DIVERGED)
 
     def take_over(self, earlier: Integrator, counterpart: Integers) -> None:
         """Continue from the state of the integrator of a system with the same coordinates and signals.
@@ -142,9 +142,17 @@ class Integrator(TimeLoop):
         counterpart : for each element of this integrator the number of the same element in the earlier
             one, or -1
         """
-        self.handover.take_run(earlier.motion, earlier.net)
+        # springs in series are relaxed if there were others before
+        same = self.n if earlier.n == self.n else self.net.series.outer
+        self.net.set_datum(earlier.state.datum)
+        for i in range(same):
+            self.motion.q[i], self.motion.v[i] = earlier.motion.q[i], earlier.motion.v[i]
+            self.motion.origin[i] = earlier.motion.origin[i]
         for e in range(self.net.elements):
-            self.handover.take_element(e, counterpart[e], earlier.ledger.work, earlier.limited.time)
+            if counterpart[e] >= 0:
+                self.ledger.work[e] = earlier.ledger.work[counterpart[e]]
+                self.limited.time[e] = earlier.limited.time[counterpart[e]]
+        self.state.take_over(earlier.state)
         self._go_on()
 
     def take_laws(self, x: Doubles, at: int) -> None:
@@ -152,35 +160,21 @@ class Integrator(TimeLoop):
 
         The state is then that after `take_over` by a new integrator, but only the laws are read again.
         """
-        self.handover.take_run(self.motion, self.net)
-        for e in range(self.net.elements):
-            self.handover.take_element(e, e, self.ledger.work, self.limited.time)
         self.net.enter_elements(x, at)
         self._go_on()
 
     def _go_on(self) -> None:
-        """Begin at the present time with the data handed over."""
-        self._stand_still(self.state.time, self.handover.scale)  # discards all other earlier data
-        self.net.set_datum(self.handover.datum)
-        for i in range(self.n):
-            self.motion.q[i] = self.handover.q[i]
-            self.motion.v[i] = self.handover.v[i]
-        self.motion.count_from_here()
-        self.state.in_step = True
+        """Begin at the present time with the present motion, works and counts."""
+        supplied = self.state.supplied + fabs(self.state.initial_energy)
+        steps, exchange = self.state.step_count, self.state.exchange
+        residual = self.state.residual_end
+        self._restart(self.state.time, self.state.scale)
         self._begin()
-        self.state.reach, self.state.speed = self.handover.reach, self.handover.speed
-        self.state.scale = self.handover.scale
-        for i in range(self.n):
-            self.motion.origin[i] = self.handover.origin[i]
-        self.state.step_count = self.handover.steps
-        self.state.exchange = self.handover.exchange
-        for e in range(self.net.elements):
-            self.ledger.work[e] = self.handover.work[e]
-            self.limited.time[e] = self.handover.limited_time[e]
-        self.state.supplied = self.handover.supplied
+        self.state.step_count, self.state.exchange = steps, exchange
+        self.state.supplied = supplied
         self.net.all_signals(self.state.time)
         self.ledger.strike_balance(self.motion.q, self.motion.v)
-        self.ledger.carry_on(self.handover.residual)
+        self.ledger.carry_on(residual)
 
     @of_python
     def set_signal(self, signal: int, coefficients: Numbers, jumps: bool = True) -> None:
@@ -388,19 +382,14 @@ class Integrator(TimeLoop):
         return self.state.residual_start + x * (self.state.residual_end - self.state.residual_start)
 
     @of_python
-    def energies(self) -> tuple[float, list[float], list[float], list[float]]:
-        """Return the stored energies at the end of the last step and the works until then, J.
+    def energies(self, t: float = UNBOUNDED) -> tuple[float, list[float], list[float], list[float]]:
+        """Return the energies stored at t in the last step, or at its end, and the works until then, J.
 
         Returns
         -------
         The kinetic energy, the energy stored in each element, the energy dissipated by each element, and
         the work done by each signal as a road or a load.
         """
-        return self.energies_at(self.dense.end)
-
-    @of_python
-    def energies_at(self, t: float) -> tuple[float, list[float], list[float], list[float]]:
-        """Return the same as `energies` at a time t within the last step, by its interpolant."""
         self.find_energies(t)
         ledger, elements = self.ledger, self.net.elements
         works = [ledger.until[k] for k in range(ledger.works)]
@@ -448,19 +437,6 @@ class Integrator(TimeLoop):
         """Return whether element e, which can yield, did so in the last step."""
         at = BRANCHES * e + SPRING
         return (self.net.branch[at] if self.state.in_step else self.net.kept_branch[at]) != 1
-
-    @of_python
-    def permanent_set(self, e: int) -> float:
-        """Return the deflection at which element e, which can yield, has no force, m."""
-        d = sum(
-            self.net.row_direction[self.net.element_row[e] * self.n + i] * self.motion.q[i]
-            for i in range(self.n)
-        )
-        s = self.net.row_signal[self.net.element_row[e]]
-        if s >= 0:
-            self.net.signal(s, self.state.time)
-            d -= self.net.road[4 * s]
-        return self.net.permanent_set(e, d)
 
     @open_to_python
     def stable_step(self) -> float:

@@ -70,6 +70,7 @@ class Laws(Signals):
         self.cubic = memory.integers([1] * sum(count))
         self.functions = [own for element in system.elements for own in functions_of(element)]
         self.failure = None  # the first exception raised by a function
+        self.failed = False  # whether one was raised since the last attempt began
         # beyond its ends a cubic is continued by its tangent
         self.low, self.high = memory.zeros(sum(count)), memory.zeros(sum(count))
         # by how much the second derivative jumps where each piece begins
@@ -83,32 +84,26 @@ class Laws(Signals):
         last = self.first[LAWS * (e + 1)]
         for i in range(PIECE * (last - first)):
             self.piece[PIECE * first + i] = x[at + i]
-        for p in range(first, last):
-            k = p * PIECE
-            curved = (
-                self.piece[k + C2] != 0.0
-                or self.piece[k + C3] != 0.0
-                or self.piece[k + POWER] != 0.0
-            )
-            self.cubic[p] = (
-                self.piece[k + SATURATION] == 0.0
-                and self.piece[k + POWER] == 0.0
-                and self.piece[k + OWN] == 0.0
-            )
-            self.straight[p] = self.cubic[p] and not curved
-            self.low[p], self.high[p] = -UNBOUNDED, UNBOUNDED
         for law in range(LAWS * e, LAWS * (e + 1)):
-            for p in range(self.first[law], self.first[law] + self.count[law]):
+            end = self.first[law] + self.count[law]
+            for p in range(self.first[law], end):
                 k = p * PIECE
-                if (
+                curved = (
                     self.piece[k + C2] != 0.0
                     or self.piece[k + C3] != 0.0
                     or self.piece[k + POWER] != 0.0
-                ):
-                    if p > self.first[law]:
-                        self.low[p] = self.piece[k + START]
-                    if p + 1 < self.first[law] + self.count[law]:
-                        self.high[p] = self.piece[k + PIECE + START]
+                )
+                self.cubic[p] = (
+                    self.piece[k + SATURATION] == 0.0
+                    and self.piece[k + POWER] == 0.0
+                    and self.piece[k + OWN] == 0.0
+                )
+                self.straight[p] = self.cubic[p] and not curved
+                self.low[p], self.high[p] = -UNBOUNDED, UNBOUNDED
+                if curved and p > self.first[law]:
+                    self.low[p] = self.piece[k + START]
+                if curved and p + 1 < end:
+                    self.high[p] = self.piece[k + PIECE + START]
             self._join(law)
         return at + PIECE * (last - first)
 
@@ -185,8 +180,13 @@ class Laws(Signals):
         try:
             return float(self.functions[p][what](s))
         except Exception as error:
-            self.failure = self.failure or error
+            self.note_failure(error)
             return float("nan")
+
+    @of_python
+    def note_failure(self, error: Exception) -> None:
+        """Keep the first exception; the present attempt is spoilt."""
+        self.failure, self.failed = self.failure or error, True
 
     def law_and_slope(self, p: int, x: float) -> None:
         """Set `value`, `slope`, `curvature` to those of piece p, or of those it is joined with, at x."""

@@ -68,11 +68,11 @@ class Ledger:
         self.start()
 
     def start(self) -> None:
-        """Reset all works to zero."""
+        """Reset the works of signals, and all balances."""
         # energy that roads and loads have moved in or out, all counted as positive
         self.state.supplied = self.state.most_stored = 0.0
         self.state.residual_start = self.state.residual_end = 0.0
-        for i in range(self.works):
+        for i in range(self.net.elements, self.works):
             self.work[i] = self.brought[i] = 0.0
 
     def enter(self) -> None:
@@ -265,7 +265,7 @@ class Ledger:
     def is_out_of_balance(self) -> bool:
         """Return whether the residual exceeds all energy ever stored or supplied: the run is wrong."""
         most = max(self.state.most_stored, self.state.supplied) + fabs(self.state.initial_energy)
-        return fabs(self.state.residual_end) > most + _LEAST
+        return not fabs(self.state.residual_end) <= most + _LEAST
 
     def strike_balance(self, q: Doubles, v: Doubles) -> None:
         """Find T + U + dissipated - supplied - exchanged at contact switches - initial: 0 if exact.

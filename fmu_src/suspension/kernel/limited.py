@@ -29,10 +29,9 @@ class Limited:
         self.now, self.time = kept.marks(self.net.elements), kept.zeros(self.net.elements)
 
     def start(self) -> None:
-        """Reset all times."""
+        """No element is at its limit before the first step."""
         for e in range(self.net.elements):
             self.now[e] = 0
-            self.time[e] = 0.0
 
     def add_step(self, h: float) -> None:
         """Add a step, in the present branches."""

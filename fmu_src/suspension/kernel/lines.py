@@ -9,11 +9,8 @@ from __future__ import annotations
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
-import cython
-
 from .arrays import Memory
 from .language import inline, open_to_python, uses_python
-from .layout import AMPLITUDE, ANGLE, C1, C2, C3, CHIRP, ORIGIN, SEGMENT, SPEED, START
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -21,9 +18,6 @@ if TYPE_CHECKING:
     from .run import Run
 
     Terms = Sequence[tuple[int, float]]
-
-if not cython.compiled:
-    from math import cos, sin
 
 _Q, _V, _A = 0, 1, 2  # the quantity summed, as in outputs; any other number: forces
 
@@ -60,6 +54,7 @@ class Lines:
         signals = [signals for _, _, signals, _ in lines]
         self.signal_first = memory.integers(accumulate(map(len, signals), initial=0))
         self.signal = memory.integers([s for one in signals for s, _ in one])
+        self.read_signal = memory.zeros(4)
         self.signal_factor = memory.doubles([c for one in signals for _, c in one])
 
     @open_to_python
@@ -90,7 +85,8 @@ class Lines:
             x = self.term_factor[m] * self._state(quantity, self.term_index[m])
             total = x if m == first else total + x
         for m in range(self.signal_first[k], self.signal_first[k + 1]):
-            total += self.signal_factor[m] * self._signal(self.signal[m], quantity == _V)
+            self.net.from_zero(self.signal[m], self.run.time, True, self.read_signal, 0)
+            total += self.signal_factor[m] * self.read_signal[1 if quantity == _V else 0]
         return total + self.offset[k] if self.offset[k] != 0.0 else total
 
     @uses_python
@@ -101,34 +97,3 @@ class Lines:
         if quantity == _V:
             return self.integrator.reading.v[i]
         return self.integrator.reading.a[i] if quantity == _A else self.integrator.reading.f[i]
-
-    @uses_python
-    def _signal(self, s: int, rate: bool) -> float:
-        """Return the value of a signal, measured from zero, or its rate; at a joint, that after it.
-
-        The integrator may already be in a later segment.
-        """
-        net, t = self.net, self.run.time
-        k = net.signal_first[s]
-        last = k + net.signal_count[s] - 1
-        while k < last:
-            middle = (k + last + 1) // 2
-            if net.segment[middle * SEGMENT + START] <= t:
-                k = middle
-            else:
-                last = middle - 1
-        at = k * SEGMENT
-        c1, c2, c3 = net.segment[at + C1], net.segment[at + C2], net.segment[at + C3]
-        p1, p2 = net.segment[at + SPEED], net.segment[at + CHIRP]
-        amplitude = net.segment[at + AMPLITUDE]
-        x = t - net.segment[at + ORIGIN]
-        if rate:
-            value = c1 + x * (2.0 * c2 + x * 3.0 * c3)
-        else:
-            value = net.height[k] + x * (c1 + x * (c2 + x * c3))
-        if amplitude == 0.0:
-            return value
-        angle = net.segment[at + ANGLE] + x * (p1 + x * p2)
-        if rate:
-            return value - amplitude * sin(angle) * (p1 + 2.0 * p2 * x)
-        return value + amplitude * cos(angle)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import cython
 
 from .language import inline
+from .layout import UNBOUNDED
 
 if TYPE_CHECKING:
     from .language import Doubles
@@ -47,8 +48,13 @@ class Motion:
     def start(self) -> None:
         """Reset to rest in the equilibrium of the system that the network has read."""
         for i in range(self.n):
-            self.q[i] = self.v[i] = self.drift[i] = self.drift_end[i] = 0.0
+            self.q[i] = self.v[i] = 0.0
         self.count_from_here()
+
+    def forget(self) -> None:
+        """Discard what the last step has left besides the motion."""
+        for i in range(self.n):
+            self.drift[i] = self.drift_end[i] = 0.0
         for e in range(self.elements):
             self.multiplier[e] = self.multiplier_rate[e] = 0.0
 
@@ -69,11 +75,12 @@ class Motion:
     def reach_at(self, q: Doubles) -> float:
         """Return the largest motion so far, including that at displacements q, m."""
         reach = self.state.reach
+        total = 0.0  # not a number if one of them is none
         for i in range(self.outer):
             x = fabs(q[i] - self.origin[i])
-            if not x <= reach:
-                reach = x
-        return reach
+            total += x
+            reach = max(reach, x)
+        return reach if total < UNBOUNDED else total
 
     def speed_in(self, h: float) -> float:
         """Return the largest velocity so far, including those of the attempt of length h, m/s.
@@ -81,12 +88,13 @@ class Motion:
         These are the one at its end and the mean velocity, as a step may go from rest to rest.
         """
         speed = self.state.speed
+        total = 0.0
         for i in range(self.outer):
             rounding = 1e-15 * (fabs(self.q[i]) + fabs(self.qb[i]))
             x = max(fabs(self.vb[i]), (fabs(self.qb[i] - self.q[i]) - rounding) / h)
-            if not x <= speed:
-                speed = x
-        return speed
+            total += x
+            speed = max(speed, x)
+        return speed if total < UNBOUNDED else total
 
     def foresee(self, h: float) -> None:
         """Set the end of an attempt to that of the Taylor series, with constant jerks."""

@@ -77,6 +77,7 @@ class Network(Branches):
             [names.index(load.signal) for load in system.loads] or [0]
         )
         self._find_roads()
+        self.joint = memory.zeros(8)  # two segments where they meet
         self.multiplier, self.multiplier_rate = memory.zeros(elements), memory.zeros(elements)
         self.kick = memory.zeros(elements)
         self.rate, self.lack = memory.zeros(n), memory.zeros(n)
@@ -220,27 +221,19 @@ class Network(Branches):
 
     @open_to_python
     def next_corner(self, t: float) -> float:
-        """Return the next time after t at which the value or the rate of a signal jumps, or UNBOUNDED.
-
-        The present segments may be later than t.
-        """
+        """Return the next time after t at which the value or the rate of a signal jumps, or UNBOUNDED."""
         corner = UNBOUNDED
         for s in range(self.signals):
-            now = self.signal_now[s]
-            for k in range(1, self.signal_count[s]):
-                start = self.segment[(self.signal_first[s] + k) * SEGMENT + START]
+            first = self.signal_first[s]
+            for k in range(first + 1, first + self.signal_count[s]):
+                start = self.segment[k * SEGMENT + START]
                 if start <= t or start >= corner:
                     continue
-                self.signal_now[s] = k - 1
-                self.signal(s, start)
-                value, rate = self.road[4 * s], self.road[4 * s + 1]
-                self.signal_now[s] = k
-                self.signal(s, start)
-                value -= self.road[4 * s]
-                rate -= self.road[4 * s + 1]
+                self.read_segment(k - 1, start, self.height[k - 1], self.joint, 0)
+                self.read_segment(k, start, self.height[k], self.joint, 4)
+                value, rate = self.joint[4] - self.joint[0], self.joint[5] - self.joint[1]
                 if fabs(value) > _CORNER or fabs(rate) > _CORNER:
                     corner = start
-            self.signal_now[s] = now
         return corner
 
     # -- forces and tangents in the present branches -------------------------------------------------
@@ -277,6 +270,22 @@ class Network(Branches):
             for i in range(n):
                 out[i] -= self.row_direction[r * n + i] * self.row_f[r]
         self.series.add_forces(out)
+
+    def add_loads(self, k: Doubles, c: Doubles, out: Doubles, at: int, order: int) -> None:
+        """Add the forces of loads and roads, or their rates, with `road` and k, c of each row."""
+        n = self.n
+        for m in range(self.loads):
+            p = self.road[4 * self.load_signal[m] + order]
+            if p != 0.0:
+                for i in range(n):
+                    out[at + i] += self.load_direction[m * n + i] * p
+        for r in range(self.rows):
+            s = self.row_signal[r]
+            if s >= 0:
+                f = k[r] * self.road[4 * s + order] + c[r] * self.road[4 * s + order + 1]
+                if f != 0.0:
+                    for i in range(n):
+                        out[at + i] += self.row_direction[r * n + i] * f
 
     def constant_force(self, out: Doubles) -> None:
         """Set `out` to -sum b f(0, 0), with the present pieces extended to zero."""

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 if not cython.compiled:
     from math import fabs, isfinite
 
+    from .linear import decompose, solve
+
 _MOST_TRIALS = 400
 
 
@@ -38,8 +40,7 @@ class Rest:
         self.level = memory.zeros(max(self.net.signals, 1))  # of roads and loads, m and N
         self.q, self.trial, self.change = memory.zeros(n), memory.zeros(n), memory.zeros(n)
         self.now, self.slope, self.size = memory.zeros(n), memory.zeros(n), memory.zeros(n)
-        self.tangent = memory.zeros(n * n)
-        self.rows = memory.zeros(n * (n + 1))
+        self.tangent, self.factor = memory.zeros(n * n), memory.zeros(n * n)
 
     @of_python
     def displacements(self, levels: Numbers) -> tuple[float, ...] | None:
@@ -201,26 +202,16 @@ class Rest:
         return largest < largest_now
 
     def _solve(self, shift: float) -> bool:
-        """Solve (tangent + shift mass) change = slope; return 0 if that is not positive definite."""
+        """Solve (tangent + shift mass) change = slope; return whether that is positive definite."""
         n = self.n
-        w = n + 1
+        for i in range(n * n):
+            self.factor[i] = self.tangent[i] + shift * self.net.mass[i]
+        if decompose(self.factor, 0, n) != 0:
+            return False
         for i in range(n):
-            for j in range(n):
-                self.rows[i * w + j] = self.tangent[i * n + j] + shift * self.net.mass[i * n + j]
-            self.rows[i * w + n] = self.slope[i]
-            self.change[i] = 0.0
-        for k in range(n):
-            pivot = self.rows[k * w + k]
-            own = fabs(self.tangent[k * n + k] + shift * self.net.mass[k * n + k])
-            if not pivot > 1e-14 * own:
+            k = i * n + i
+            if not self.factor[k] > 1e-14 * fabs(self.tangent[k] + shift * self.net.mass[k]):
                 return False
-            for i in range(k + 1, n):
-                ratio = self.rows[i * w + k] / pivot
-                for j in range(k, w):
-                    self.rows[i * w + j] -= ratio * self.rows[k * w + j]
-        for k in range(n - 1, -1, -1):
-            x = self.rows[k * w + n]
-            for j in range(k + 1, n):
-                x -= self.rows[k * w + j] * self.change[j]
-            self.change[k] = x / self.rows[k * w + k]
+            self.change[i] = self.slope[i]
+        solve(self.factor, 0, n, self.change)
         return True

@@ -79,7 +79,7 @@ class Run:
         self.line_time, self.line_value = memory.zeros(self.lines), memory.zeros(self.lines)
         self.line_slope = memory.zeros(self.lines)
         self.course_time = self.course_value = self.course_slope = 0.0
-        self.coefficients = memory.zeros(4)
+        self.coefficients, self.road = memory.zeros(4), memory.zeros(4)
         self.begin(start)
 
     def begin(self, start: float) -> None:
@@ -201,7 +201,8 @@ class Run:
         for r in range(self.integrator.net.rows):
             s = self.integrator.net.row_signal[r]
             if s >= 0:
-                self.rest.level[s] = self.integrator.net.value_before(s, self.time)
+                self.integrator.net.from_zero(s, self.time, False, self.road, 0)
+                self.rest.level[s] = self.road[0]
                 if self.rest.level[s] != 0.0:
                     found = 1
         for i in range(self.integrator.n):

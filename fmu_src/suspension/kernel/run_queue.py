@@ -8,7 +8,7 @@ import cython
 
 from .arrays import Lent, Memory
 from .language import Size, of_python, open_to_python, uses_python
-from .outcomes import NO_MASS, PAUSED
+from .outcomes import DIVERGED, NO_MASS, PAUSED
 from .switch_log import CAPACITY
 
 if TYPE_CHECKING:
@@ -147,7 +147,9 @@ class RunQueue:
         if self.every > 0:
             self.filling.next_mark = 0
         self.underway = True
-        return NO_MASS if status != 0 else 0
+        if status != 0:
+            return NO_MASS
+        return DIVERGED if self.integrator.net.failed else 0
 
     def _end(self, status: int) -> None:
         """Store how the present run has ended."""

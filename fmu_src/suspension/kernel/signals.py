@@ -137,17 +137,17 @@ class Signals:
     def signal(self, s: int, t: float) -> None:
         """Set `road` to value and three derivatives of signal s in its present segment."""
         k = self.signal_first[s] + self.signal_now[s]
-        at = k * SEGMENT
-        if self.level[k]:
-            self.road[4 * s] = self.segment[at + C0]
-            self.road[4 * s + 1] = self.road[4 * s + 2] = self.road[4 * s + 3] = 0.0
-        else:
-            self._moving_signal(s, t, at)
+        self.read_segment(k, t, self.segment[k * SEGMENT + C0], self.road, 4 * s)
 
-    def _moving_signal(self, s: int, t: float, at: int) -> None:
-        """Do the same in a segment at `at` that is not constant."""
+    def read_segment(self, k: int, t: float, c0: float, out: Doubles, to: int) -> None:
+        """Set out[to:] to value and three derivatives of segment k, with c0 as its first coefficient."""
+        if self.level[k]:
+            out[to] = c0
+            out[to + 1] = out[to + 2] = out[to + 3] = 0.0
+            return
+        at = k * SEGMENT
         x = t - self.segment[at + ORIGIN]
-        value = self.segment[at + C0] + x * (
+        value = c0 + x * (
             self.segment[at + C1] + x * (self.segment[at + C2] + x * self.segment[at + C3])
         )
         rate = self.segment[at + C1] + x * (
@@ -167,35 +167,26 @@ class Signals:
             rate -= d * speed
             acceleration -= c * speed * speed + 2.0 * self.segment[at + CHIRP] * d
             jerk += d * speed * speed * speed - 6.0 * self.segment[at + CHIRP] * speed * c
-        self.road[4 * s] = value
-        self.road[4 * s + 1] = rate
-        self.road[4 * s + 2] = acceleration
-        self.road[4 * s + 3] = jerk
+        out[to] = value
+        out[to + 1] = rate
+        out[to + 2] = acceleration
+        out[to + 3] = jerk
 
-    def signal_at(self, s: int, t: float, after: bool) -> None:
-        """Set `road` as `signal` does, in the segment at t: at a joint the later one if `after`.
+    def from_zero(self, s: int, t: float, after: bool, out: Doubles, to: int) -> None:
+        """Set out[to:] to value and derivatives of signal s at any t, a road measured from zero.
 
-        The present segment may be later than t.
+        At a joint they are those after it if `after`.
         """
-        now = self.signal_now[s]
-        k = now
-        while k > 0 and not self._has_begun(s, k, t, after):
-            k -= 1
-        while k + 1 < self.signal_count[s] and self._has_begun(s, k + 1, t, after):
-            k += 1
-        self.signal_now[s] = k
-        self.signal(s, t)
-        self.signal_now[s] = now
-
-    def _has_begun(self, s: int, k: int, t: float, after: bool) -> bool:
-        """Return whether segment k of signal s has begun before t, or also at t if `after`."""
-        start = self.segment[(self.signal_first[s] + k) * SEGMENT + START]
-        return start < t or (start == t and after)
-
-    def value_before(self, s: int, t: float) -> float:
-        """Return the value of signal s just before t; of a road, measured from zero."""
-        self.signal_at(s, t, False)
-        return self.road[4 * s] + self.state.datum if self.is_road[s] else self.road[4 * s]
+        k = self.signal_first[s]
+        last = k + self.signal_count[s] - 1
+        while k < last:
+            middle = (k + last + 1) // 2
+            start = self.segment[middle * SEGMENT + START]
+            if start < t or (start == t and after):
+                k = middle
+            else:
+                last = middle - 1
+        self.read_segment(k, t, self.height[k], out, to)
 
     def all_signals(self, t: float) -> None:
         for s in range(self.signals):

@@ -19,16 +19,18 @@ if TYPE_CHECKING:
     from .modes import Modes
 
 if not cython.compiled:
-    from math import fabs, floor, sqrt
+    from math import floor, sqrt
+
+    from .linear import decompose
 
 POLICIES = {"substep": 0, "refuse": 1, "allow": 2}
 _REFUSE, _ALLOW = 1, 2
 _BELOW = 0.9999  # of the limit: at the limit itself the amplitude grows in proportion to time
-_SWEEPS = 30
+_HALVINGS = 64  # of an interval that is at most n times as long as the eigenvalue
 
 
 class StabilityMonitor:
-    """StabilityMonitor the fixed steps of one integrator.
+    """Watches the fixed steps of one integrator.
 
     Parameters
     ----------
@@ -73,64 +75,19 @@ class StabilityMonitor:
         """Return omega_max of the present tangent, rad/s; 0 without a restoring force."""
         if self.stamp != self.modes.stamp:
             self.stamp = self.modes.stamp
-            largest = self._largest_eigenvalue()
-            self.omega = sqrt(largest) if largest > 0.0 else 0.0
+            self.omega = sqrt(self._largest_eigenvalue())
         return self.omega
 
     def _largest_eigenvalue(self) -> float:
-        """Return the largest eigenvalue of M^-1 K, by cyclic Jacobi rotations."""
-        self._reduce()
-        n = self.n
-        m = self.matrix
-        for _sweep in range(_SWEEPS):
-            off = 0.0
-            largest = 0.0
-            for i in range(n):
-                largest = max(largest, fabs(m[i * n + i]))
-                for j in range(i):
-                    off = max(off, fabs(m[i * n + j]))
-            if off <= 1e-15 * largest:
-                break
-            for i in range(n):
-                for j in range(i):
-                    if m[i * n + j] != 0.0:
-                        self._rotate(i, j)
-        largest = m[0]
-        for i in range(n):
-            largest = max(largest, m[i * n + i])
-        return largest
-
-    def _reduce(self) -> None:
-        """Set `matrix` to the symmetric L^-1 K L^-T with the same eigenvalues, M = L L^T."""
-        n = self.n
-        m, low = self.matrix, self.net.mass_factor
-        for i in range(n * n):
-            m[i] = self.modes.stiffness[i] + self.net.series.stiffness[i]
-        for i in range(n):
-            for p in range(i):
-                for j in range(n):
-                    m[i * n + j] -= low[i * n + p] * m[p * n + j]
-        for j in range(n):
-            for p in range(j):
-                for i in range(n):
-                    m[i * n + j] -= low[j * n + p] * m[i * n + p]
-        for i in range(n):
-            for j in range(n):
-                m[i * n + j] /= sqrt(low[i * n + i] * low[j * n + j])
-
-    def _rotate(self, i: int, j: int) -> None:
-        n = self.n
-        m = self.matrix
-        theta = (m[j * n + j] - m[i * n + i]) / (2.0 * m[i * n + j])
-        t = 1.0 / (fabs(theta) + sqrt(theta * theta + 1.0))
-        t = t if theta >= 0.0 else -t
-        c = 1.0 / sqrt(t * t + 1.0)
-        s = t * c
-        for k in range(n):
-            x, y = m[k * n + i], m[k * n + j]
-            m[k * n + i] = c * x - s * y
-            m[k * n + j] = s * x + c * y
-        for k in range(n):
-            x, y = m[i * n + k], m[j * n + k]
-            m[i * n + k] = c * x - s * y
-            m[j * n + k] = s * x + c * y
+        """Return the largest eigenvalue of M^-1 K, or 0: beyond it x M - K is positive definite."""
+        low, high = 0.0, self.modes.omega_squared * (1.0 + 1e-9)
+        for _halving in range(_HALVINGS):
+            x = 0.5 * (low + high)
+            for i in range(self.n * self.n):
+                stiffness = self.modes.stiffness[i] + self.net.series.stiffness[i]
+                self.matrix[i] = x * self.net.mass[i] - stiffness
+            if decompose(self.matrix, 0, self.n) == 0:
+                high = x
+            else:
+                low = x
+        return low

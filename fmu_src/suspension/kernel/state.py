@@ -55,6 +55,13 @@ class KernelState:
         self.in_step = True
         self.stalled = self.overruns = 0
 
+    def take_over(self, earlier: KernelState) -> None:
+        """Take the extent of a motion, and its sums and counts, from an earlier state."""
+        self.scale, self.reach, self.speed = earlier.scale, earlier.reach, earlier.speed
+        self.exchange, self.supplied = earlier.exchange, earlier.supplied
+        self.initial_energy, self.residual_end = earlier.initial_energy, earlier.residual_end
+        self.step_count = earlier.step_count
+
     def content(self) -> bytes:
         """Return all numbers as bytes."""
         if cython.compiled:

@@ -51,11 +51,6 @@ class Stepper:
             self.motion, self.balance, self.modes, self.errors, order, theta
         )
 
-    def start(self) -> None:
-        """Reset to rest in the equilibrium of the system that the network has read."""
-        self.motion.start()
-        self.modes.start()
-
     def refresh(self, t: float) -> None:
         """Update tangents, acceleration, jerk and fastest mode after a change of branch or state."""
         self.balance.enter()
@@ -67,7 +62,7 @@ class Stepper:
 
     def attempt(self, t: float, h: float) -> int:
         """Step from t to t + h with all branches fixed; write the end to qb, vb, ab, jb."""
-        self.rows.end_known = False
+        self.rows.end_known = self.net.failed = False
         self.errors.time, self.errors.step = t, h
         self.errors.order = self.method.order - 1
         return self.method.attempt(t, h)

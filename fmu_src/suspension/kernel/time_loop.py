@@ -224,14 +224,21 @@ class TimeLoop:
 
     def _stand_still(self, time: float, reach: float) -> None:
         """Reset to rest in equilibrium."""
+        self.motion.start()
+        self.net.set_datum(0.0)
+        for e in range(self.net.elements):
+            self.ledger.work[e] = self.limited.time[e] = 0.0
+        self._restart(time, reach)
+
+    def _restart(self, time: float, reach: float) -> None:
+        """Discard all earlier branches and steps, but not the motion and the works of elements."""
         self.since_pause = 0
         self.state.stand_still(time, reach)
         self.limited.start()
+        self.motion.forget()
         self.net.forget()
-        self.net.set_datum(0.0)
-        self.net.set_creep(reach)
         self.net.enter_segments(time)
-        self.stepper.start()
+        self.stepper.modes.start()
         self.monitor.start()
         self.ledger.start()
 
@@ -524,11 +531,12 @@ class TimeLoop:
             self.transitions.pass_joint()
         if not self.ends_on_switches:
             self.transitions.relocate(True)
+            self.transitions.book_contacts()
         if self.trial.lands or self.trial.to_end or not self.ends_on_switches:
             self._enter_branches()
         elif self.stepper.balance.bends.count:
             self.stepper.modes.follow()
-        if self._has_diverged():
+        if self._has_diverged() or self.net.failed:
             return DIVERGED
         if self.energy and self.ledger.grows():
             return ENERGY_GROWS

@@ -42,7 +42,7 @@ _ROOTS = [
     )),
     *(("Contacts", name) for name in ("begin", "note", "next", "forget_waiting")),
     *(("Account", name) for name in ("begin", "find", "find_drift")),
-    *(("Network", name) for name in ("signal_at", "next_corner", "set_datum", "take_moving")),
+    *(("Network", name) for name in ("from_zero", "next_corner", "take_moving")),
 ]  # fmt: skip
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _HOST = "".join(

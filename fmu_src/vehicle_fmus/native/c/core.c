@@ -575,13 +575,7 @@ static void find_roads(Instance *one) {
     if (!one->roads_known) {
         Run *run = &one->now.conduct.run;
         Network *net = run->integrator->net;
-        const double datum = net->state->datum;
-        Network_set_datum(net, 0.0); /* what the host sees counts from zero */
-        for (int s = 0; s < SIGNALS; s++) {
-            Network_signal_at(net, s, run->time, 1);
-            for (int k = 0; k < 4; k++) one->roads[s][k] = net->road[4 * s + k];
-        }
-        Network_set_datum(net, datum);
+        for (int s = 0; s < SIGNALS; s++) Network_from_zero(net, s, run->time, 1, one->roads[s], 0);
         one->roads_known = 1;
     }
 }
