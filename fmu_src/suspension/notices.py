@@ -40,6 +40,6 @@ class Notices:
         if part > 0.0:
             yield (
                 f"errors accumulate: at {integrator.time:.6g} s the energy balance is off by "
-                f"{part:.2g} of all energy; reduce solver.tolerance, or a fixed solver.step, for a "
+                f"{part:.2g} of the total energy; reduce solver.tolerance, or a fixed solver.step, for a "
                 "long run"
             )

@@ -16,7 +16,7 @@ from .variables import ParameterError, Value, checked_parameters, refuse_unknown
 class RoadSource:
     """Elevation and velocity of a road under two axles; its only state is the present time.
 
-    It has the methods of `Session`.
+    An FMU steps and reads it like a `Session`.
 
     Parameters
     ----------

@@ -190,7 +190,7 @@ class Session:
         self._tyre_elements = {system.element(axle.tyre) for axle in self._tyres}
         self.contacts = Contacts(*self._run.contacts.seen())
         self.state = State(system, integrator)
-        # of use while `ok`; they do not hold the session, which so goes with its last owner
+        # of use while `ok`; they do not hold the session, so that it is freed with its last owner
         self.readers = Readers(outputs(self.model), system, integrator, proxy(self))
 
     # -- inputs and stepping -------------------------------------------------------------------------

@@ -39,11 +39,8 @@ from .system_values import refuse_others, table_at, value_of
 from .systems import Axle, Element, Load, System
 from .variable import ParameterError, Value, Variable, number, parameter
 
-_POWER = (
-    "power",
-    "exponent",
-    "linear_below",
-)  # added to a spring or damper; see `characteristics.power`
+# added to a spring or damper; see `characteristics.power`
+_POWER = ("power", "exponent", "linear_below")
 _SMALL = 1e-3  # m, scale of errors if the road gives none
 
 

@@ -186,7 +186,11 @@ class Formula:
 
         Returns
         -------
-        The term, or an empty text if a function has no equivalent.
+        The term.
+
+        Raises
+        ------
+        ValueError : if a function has no equivalent.
         """
         pieces = _Pieces()
         tree = pieces.visit(_copied(self._tree))

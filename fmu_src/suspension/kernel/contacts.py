@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .arrays import Memory
     from .integrator import Integrator
 
-_WAITING = 1024  # switches that can wait; at most half as many are added between two readings
+_WAITING = 1024  # switches later than the present time, up to the end of the last step
 _NONE = -1
 
 

@@ -68,7 +68,7 @@ class Propagator:
         self.size = most
 
     def attempt(self, t: float, h: float) -> int:
-        """Step from `start` at t over h, in two halves; return 0 or a key of `outcomes.FAILURES`."""
+        """Step from now, t, over h, in two halves; return 0 or a key of `outcomes.FAILURES`."""
         n = self.n
         doublings = 0
         self.part = 0.5 * h

@@ -23,7 +23,7 @@ class Jumps:
 
     Parameters
     ----------
-    network : the system, whose rows have been found for the road after the jump
+    network : the system
     """
 
     def __init__(self, network: Network) -> None:

@@ -132,9 +132,7 @@ class Modes:
         """
         for k in range(self.n):
             at = k * self.n + k
-            if (
-                k >= self.net.series.outer
-            ):  # extension of a spring in series: already a displacement
+            if k >= self.net.series.outer:  # the extension of a spring in series
                 self.velocity_scale[k] = 1.0
                 self.quickest += self.damping[at] / self.net.mass[at]
                 continue

@@ -23,9 +23,8 @@ class SwitchLog:
     def __init__(self, memory: Memory) -> None:
         self.memory = memory
         self.time, self.what = self.memory.zeros(CAPACITY), self.memory.marks(4 * CAPACITY)
-        self.listed: list[
-            tuple[float, int, int, int, int]
-        ] = []  # without those that are still in the arrays
+        # without those that are still in the arrays
+        self.listed: list[tuple[float, int, int, int, int]] = []
         self.start()
 
     def start(self) -> None:

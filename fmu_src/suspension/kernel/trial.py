@@ -16,13 +16,11 @@ class Trial:
         self.end = 0.0  # its latest end, s
         self.to_end = False  # whether it ends there
         self.on_knot = False  # whether it is shortened to a point of a smooth table
-        self.cuts = self.flips = (
-            0  # how often to such a point; elements that left their branch at once
-        )
+        self.cuts = 0  # how often to such a point
+        self.flips = 0  # elements that left their branch at once
         self.lands = False  # whether it ends on a switch
-        self.longer = (
-            0.0  # the next step, by the error of the last attempt; 0 if that is no measure
-        )
+        # the next step, by the error of the last attempt; 0 if that is no measure
+        self.longer = 0.0
 
     def stop_at(self, latest: float, time: float) -> None:
         """End at the next joint, or at a latest time before it, unless the step ends before that."""

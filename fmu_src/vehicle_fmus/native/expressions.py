@@ -80,9 +80,8 @@ class Expressions:
     def __init__(self, kernel: Sources, definition: Definition) -> None:
         self.kernel, self.definition = kernel, definition
         types = definition.types
-        self.kinds = dict(
-            types.parameters
-        )  # of all local names; others follow from their first value
+        # of all local names; others follow from their first value
+        self.kinds = dict(types.parameters)
         self.calls: set[tuple[str, str]] = set()
         self.changed: set[tuple[str, str]] = set()  # fields, by class and name
         self._loops: list[str] = []  # names of the loops around

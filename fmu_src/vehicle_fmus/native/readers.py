@@ -128,7 +128,7 @@ def finders(
           for name, which in _needs(read, known).items()),
         "/* Return an output at the present time. */",
         _finder("find_output", read, known, references),
-        "/* Which outputs have derivatives that other motions are, and these derivatives. */",
+        "/* Outputs whose derivative is itself an output of the motion, and that derivative. */",
         choice("has_own_rate", [references[k] for k in rates]),
         _finder("find_own_rate", rates, known, references),
     ])  # fmt: skip

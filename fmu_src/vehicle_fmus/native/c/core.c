@@ -179,7 +179,7 @@ static int use_changes(Instance *one) {
     return laws;
 }
 
-/* Make a machine of the numbers found, at a time; on failure it is as good as none. */
+/* Make a machine of the numbers found, at a time; on failure it must not be used. */
 static int make_machine(Instance *one, Machine *machine, double time) {
     State *now = &one->now;
     machine_make(machine);
@@ -282,7 +282,7 @@ static int step(Instance *one, double until, int stop) {
     }
     drift = Account_find_drift(now->conduct.run.account, now->conduct.run.integrator);
     if (drift > 0.0) {
-        say(one, WARNING, "errors accumulate: at %.6g s the energy balance is off by %.2g of all energy; "
+        say(one, WARNING, "errors accumulate: at %.6g s the energy balance is off by %.2g of the total energy; "
             "reduce solver.tolerance, or a fixed solver.step, for a long run", integrator->state->time, drift);
     }
     if (status == 0) return 0;
@@ -341,7 +341,7 @@ static int replace_machine(Instance *one) {
 
 /* Continue from the present state with the parameters set.
  *
- * Laws of elements are replaced where they are. What changes more needs another machine.
+ * Laws of elements are replaced where they are. Changes of anything else need another machine.
  */
 static int take_parameters(Instance *one) {
     State *now = &one->now;
