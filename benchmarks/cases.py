@@ -54,7 +54,7 @@ def uncompiled_integrator() -> Any:
     package = ModuleType(name)
     package.__path__ = [str(engine.KERNEL)]
     sys.modules.setdefault(name, package)
-    with engine._cython_directives():
+    with engine.cython_directives():
         return import_module(f"{name}.integrator").Integrator
 
 

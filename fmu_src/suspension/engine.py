@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def _cython_directives() -> Iterator[None]:
+def cython_directives() -> Iterator[None]:
     """Provide a stand-in for `import cython` to sources that run uncompiled."""
     standin = ModuleType("cython")
     standin.compiled = False  # type: ignore[attr-defined]
@@ -48,7 +48,7 @@ def _import_kernel(folders: list[Path]) -> ModuleType:
         package.__path__ = [str(folder) for folder in folders]
         sys.modules[name] = package
     try:
-        with _cython_directives():
+        with cython_directives():
             return import_module(f"{name}.integrator")
     except ImportError:
         for module in [m for m in sys.modules if m == name or m.startswith(f"{name}.")]:

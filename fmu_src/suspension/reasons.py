@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from .elimination import solve
 from .engine import FAILURES, KINDS
+from .kernel import outcomes
 
 if TYPE_CHECKING:
     from .engine import Integrator
@@ -89,15 +90,15 @@ def _out_of_balance(one: Integrator, system: System) -> str:
 
 
 _DETAILS: dict[int, Callable[[Integrator, System], str]] = {
-    2: _diverged,
-    3: _short_steps,
-    4: _no_equilibrium,
-    5: _not_positive,
-    6: _unstable,
-    7: _energy_grows,
-    8: _no_time,
-    9: _short_steps,
-    11: _out_of_balance,
+    outcomes.DIVERGED: _diverged,
+    outcomes.STEP_TOO_SMALL: _short_steps,
+    outcomes.NOT_CONVERGED: _no_equilibrium,
+    outcomes.NOT_POSITIVE: _not_positive,
+    outcomes.UNSTABLE: _unstable,
+    outcomes.ENERGY_GROWS: _energy_grows,
+    outcomes.NO_TIME_PASSES: _no_time,
+    outcomes.TOO_MANY: _short_steps,
+    outcomes.OUT_OF_BALANCE: _out_of_balance,
 }
 
 

@@ -20,6 +20,7 @@ from weakref import proxy
 
 from .engine import KINDS, Integrator, Lines, Run, laws_of
 from .equilibrium import start_state
+from .kernel.outcomes import AT_SWITCHES, HALTED
 from .models import build, declared_parameters, inputs
 from .notices import Notices
 from .reading import Contacts, Energies, Readers, ReadMany, State
@@ -37,7 +38,6 @@ from .variables import (
     refuse_unknown,
 )
 
-_HALTED, _AT_SWITCHES = -1, 1  # as in kernel.time_loop
 _AT_REST = 1e-12  # s by which a communication point may precede the present, from rounding
 _TOLERANCE = next(v for v in SOLVER_PARAMETERS if v.name == "solver.tolerance")
 _MOST_EVENTS = 100_000  # stored per run
@@ -259,7 +259,7 @@ class Session:
             for axle, airborne in zip(self._tyres, self.contacts.airborne, strict=True):
                 if airborne:
                     self._report("event", f"{_wheel(axle)}wheel in the air at the start")
-        self._integrator.halts = _AT_SWITCHES if to_switch else 0
+        self._integrator.halts = AT_SWITCHES if to_switch else 0
         switch = self._next_switch() if to_switch else inf
         while switch > until and self._integrator.time < until:
             if not run.sampled:
@@ -284,7 +284,7 @@ class Session:
         self._note_switches(until if until > self.time else -inf)
         for text in self._notices.new(self._integrator, self._run):
             self._report("info", text)
-        if status not in (0, _HALTED):
+        if status not in (0, HALTED):
             self.ok = False
             self._run.time = self._integrator.time
             step = self._integrator.step_count

@@ -21,7 +21,7 @@ def _uncompiled() -> Any:
     package = ModuleType(_NAME)
     package.__path__ = [str(engine.KERNEL)]
     sys.modules[_NAME] = package
-    with engine._cython_directives():
+    with engine.cython_directives():
         return import_module(f"{_NAME}.integrator").Integrator
 
 

@@ -5,6 +5,7 @@ NOT_CONVERGED, NOT_POSITIVE, UNSTABLE, ENERGY_GROWS = 4, 5, 6, 7
 NO_TIME_PASSES, TOO_MANY, NO_MASS, OUT_OF_BALANCE = 8, 9, 10, 11
 INTERRUPTED = 12
 HALTED = -1  # at a switch or step that the host wants to see, before the time requested
+AT_SWITCHES, AT_STEPS = 1, 2  # where a run halts for the host; 0: nowhere
 
 # Why a run of steps ended early, and after the semicolon what to try.
 FAILURES = {

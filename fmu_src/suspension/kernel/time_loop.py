@@ -20,6 +20,8 @@ from .limited import Limited
 from .methods import METHODS
 from .network import Network, add_numbers
 from .outcomes import (
+    AT_STEPS,
+    AT_SWITCHES,
     DIVERGED,
     ENERGY_GROWS,
     HALTED,
@@ -47,8 +49,6 @@ if TYPE_CHECKING:
 
 if not cython.compiled:
     from math import fabs, sqrt
-
-_AT_SWITCHES, _AT_STEPS = 1, 2  # where a run halts; 0: nowhere
 
 _AGAIN, _STALLS = -2, -3  # of attempts, see `_try`
 _FLIPS = 24  # changes of branch at one instant, when several elements are at their corners
@@ -307,9 +307,7 @@ class TimeLoop:
                     status = self._overrun(until if stop else UNBOUNDED)
                     if status != 0:
                         return status
-            if self.halts == _AT_STEPS or (
-                self.halts == _AT_SWITCHES and self.noted.count > events
-            ):
+            if self.halts == AT_STEPS or (self.halts == AT_SWITCHES and self.noted.count > events):
                 return HALTED
         return REACHED
 

@@ -181,7 +181,7 @@ def plain_module(name: str) -> ModuleType:
         package = ModuleType(_PLAIN)
         package.__path__ = [str(KERNEL)]
         sys.modules[_PLAIN] = package
-    with engine._cython_directives():
+    with engine.cython_directives():
         return import_module(f"{_PLAIN}.{name}")
 
 
