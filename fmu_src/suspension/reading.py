@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from .outputs import (
@@ -214,52 +215,24 @@ def _reader(reading: Reading, integrator: Integrator, run: Run) -> Read:
     return lambda: run.ok
 
 
+_SUMMED: Mapping[int, Callable[[State], Sequence[float]]] = {
+    DISPLACEMENT: attrgetter("q"), VELOCITY: attrgetter("v"), ACCELERATION: attrgetter("a"),
+    FORCE: attrgetter("forces"),
+}  # fmt: skip
+
+
 def _of_line(line: Line, state: State) -> Read:
-    """Return the reader of sum b x + sum c u + offset; as short as it can be."""
-    moved, signals, offset = _of_terms(line, state), line.signals, line.offset
+    """Return the reader of sum b x + sum c u + offset."""
+    x = _SUMMED[line.quantity]
     order = VELOCITY if line.quantity == VELOCITY else DISPLACEMENT
-    if not signals:
-        return (lambda: moved() + offset) if offset else moved
-    if len(signals) == 1 and not offset:
-        (name, factor), *_ = signals
-        return lambda: moved() + factor * state.signals[name][order]
 
     def read() -> float:
-        value = moved()
-        for name, factor in signals:
+        value = _sum(line.terms, x(state)) if line.terms else 0.0
+        for name, factor in line.signals:
             value += factor * state.signals[name][order]
-        return value + offset if offset else value
+        return value + line.offset if line.offset else value
 
     return read
-
-
-def _of_terms(line: Line, state: State) -> Callable[[], float]:
-    """Return the reader of sum b x."""
-    terms = line.terms
-    if not terms:
-        return lambda: 0.0
-    if line.quantity == ACCELERATION:
-        return _computed(terms, lambda: state.a)
-    if line.quantity == FORCE:
-        return _computed(terms, lambda: state.forces)
-    x = state.q if line.quantity == DISPLACEMENT else state.v  # which change in place
-    (i, b), *more = terms
-    if not more:
-        return (lambda: x[i]) if b == 1.0 else (lambda: b * x[i])
-    if len(more) == 1:
-        ((j, c),) = more
-        return lambda: b * x[i] + c * x[j]
-    return lambda: _sum(terms, x)
-
-
-def _computed(
-    terms: Sequence[tuple[int, float]], x: Callable[[], Sequence[float]]
-) -> Callable[[], float]:
-    """Return the reader of sum b x for what is computed on request."""
-    (i, b), *more = terms
-    if more:
-        return lambda: _sum(terms, x())
-    return (lambda: x()[i]) if b == 1.0 else (lambda: b * x()[i])
 
 
 def _total(values: Sequence[float]) -> float:
