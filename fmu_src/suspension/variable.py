@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from math import inf, isfinite, ulp
+from math import isfinite, ulp
 from sys import float_info
 from typing import Any, NoReturn
 
@@ -77,7 +77,7 @@ class Variable:
         try:
             number = float(value) + 0.0  # never -0.0
         except OverflowError:
-            number = inf if value > 0 else -inf
+            raise ParameterError(f"{self.name}: the number is too large") from None
         if isinstance(self.start, int):
             if isfinite(number) and not number.is_integer():
                 raise ParameterError(f"{self.name} = {value!r}: must be a whole number")

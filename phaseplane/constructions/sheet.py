@@ -48,6 +48,12 @@ def state_point(plane: Plane, displacement: float, velocity: float) -> complex:
     return foot + axis.direction * axis.scale * velocity / plane.angular_frequency
 
 
+def plane_of(planes: Sequence[Plane], point: str) -> Plane:
+    """Return the plane in which a point is drawn, by the number in its name."""
+    numbered = [plane for plane in planes if plane.number and plane.number in point]
+    return max(numbered, key=lambda plane: len(plane.number), default=planes[0])
+
+
 def trail(plane: Plane, frames: StoredFrames) -> list[complex]:
     """Return the state points of a plane, including the end of the motion."""
     return [

@@ -10,6 +10,7 @@ from math import hypot
 
 from phaseplane.constructions.letters import axis_letter, typeset
 from phaseplane.constructions.primitives import Axis, Drawing, Mark, Plane
+from phaseplane.constructions.sheet import plane_of
 from phaseplane.constructions.storage import Frame
 
 _COLUMNS = ("step", "time", "stage", "point", "found", "length_cm", "value")
@@ -57,14 +58,8 @@ def _of_frame(drawing: Drawing, frame: Frame) -> Iterator[Entry]:
                     length = 100.0 * hypot(way.real, way.imag)
                 yield Entry(
                     frame.step, frame.time, stage, typeset(mark.label or mark.point),
-                    typeset(words), length, place(plane_of(drawing.planes, mark), frame, mark),
+                    typeset(words), length, place(plane_of(drawing.planes, mark.point), frame, mark),
                 )  # fmt: skip
-
-
-def plane_of(planes: Sequence[Plane], mark: Mark) -> Plane:
-    """Return the plane in which a point is drawn, by its number."""
-    numbered = [plane for plane in planes if plane.number and plane.number in mark.point]
-    return max(numbered, key=lambda plane: len(plane.number), default=planes[0])
 
 
 def place(plane: Plane, frame: Frame, mark: Mark) -> str:

@@ -59,7 +59,7 @@ def step_page(drawing: Drawing, frame: Frame, look: Look, beside: float = 0.0) -
     page = new_page(drawing, Box(view.centre + room, view.half + room), look)
     draw_axes(page)
     draw_curves(page)
-    draw_trails(page)
+    draw_trails(page, recent=0)  # the lettered step is rarely one of the last
     draw_missed(page)
     draw_step(page, frame)
     return page

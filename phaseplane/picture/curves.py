@@ -124,19 +124,24 @@ def _plane_of(page: Page, curve: Curve) -> Plane:
 
 
 def draw_trails(
-    page: Page, steps: int | None = None, strength: float = 1.0, most: int | None = None
-) -> None:
-    """Draw the motion in all planes, up to a number of steps, in curves of at most so many vertices."""
+    page: Page, steps: int | None = None, strength: float = 1.0, most: int | None = None,
+    recent: int = _RECENT,
+) -> None:  # fmt: skip
+    """Draw the motion in all planes, up to a number of steps, in curves of at most so many vertices.
+
+    Of a long one only the recent steps are drawn in full.
+    """
     known = min(map(len, page.subject.ways), default=0)
     last = known if steps is None else min(steps, known)
-    since = last - _RECENT if last > 2 * _RECENT else 0
+    since = last - recent if last > 2 * _RECENT else 0
     if since:  # a long motion would be a blot
         past = page.subject.past(since, _STRAIGHT * page.em, most)
         page.lines("trail", past, 0.4, 0.5 * strength)
-    recent = [joined(way[since:last]) for way in page.subject.ways if last]
-    if most:
-        recent = [z[telling_vertices(z, _STRAIGHT * page.em, len(z))] for z in recent]
-    page.lines("trail", recent, 1.0, strength)
+    if since < last:
+        lately = [joined(way[since:last]) for way in page.subject.ways]
+        if most:
+            lately = [z[telling_vertices(z, _STRAIGHT * page.em, len(z))] for z in lately]
+        page.lines("trail", lately, 1.0, strength)
 
 
 def draw_missed(page: Page) -> None:

@@ -9,7 +9,7 @@ from math import ceil
 import numpy as np
 
 from phaseplane.constructions.letters import typeset
-from phaseplane.constructions.primitives import Drawing, Mark, Scheme
+from phaseplane.constructions.primitives import Drawing, Mark, Plane, Scheme
 from phaseplane.constructions.sheet import events_of
 from phaseplane.constructions.storage import Frame
 from phaseplane.suspension.units import counted
@@ -31,12 +31,14 @@ VERTICES = 16_000  # most vertices of a motion in a plane
 MOST = 60  # ticks of a story, where the schemes allow it
 # least distance of a state point from its origin in a step that is told, of the largest in its plane
 _AWAY = 0.25
+_MOVES = 0.03  # least way of it in such a step, of the largest in its plane
+_ROUNDED = 1e-6  # of the state: a drift below it is one of rounding
 _SHORT = 0.1  # least duration of a step that is told, of the longest, where there are others
 _TELLING = 6  # fewest steps from which those are chosen
 _CANDIDATES = 1000  # most of them
 _ARMS = 13.5 + 5.7j  # width and height of the pane of the turn angles, em
 _RING = 0.8  # size of the ring of a state point, relative to that of a moving one
-_TOLD = ("lift_off", "touchdown", "yielding", "unloading", "sticking")
+_TOLD = ("lift_off", "touchdown", "yielding", "unloading", "sticking", "jolt")
 _EMPTY = "The empty sheet: axes and auxiliary curves"
 _MOST_DRIFT = 0.5  # root mean square over the motion, in parts of that of the state
 _LEFT = "**The construction has left the run.** Choose a shorter step."
@@ -105,10 +107,12 @@ def story_of(
     mark_events(page)
     for role in MOVING_POINT:
         page.dots(role, [motion[-1] for motion in stays.subject.motions], 1.2)
-    read = readings_table((drawing.end or last).readings, quantities)
+    read = (drawing.end or last).readings
+    # what checks a motion would not have room here
+    told_here = {name: value for name, value in read.items() if not name.startswith("control_")}
     count = len(drawing.frames)
-    told = [f"**The whole motion**: {counted(count, 'step')}. {_FURTHER}", *_drift(stays), read]
-    said = "\n\n".join(filter(None, told))
+    told = [f"**The whole motion**: {counted(count, 'step')}. {_FURTHER}", *_drift(stays)]
+    said = "\n\n".join(filter(None, [*told, readings_table(told_here, quantities)]))
     caption = f"The whole motion: {counted(count, 'step')}"
     yield Tick(page, arms.following(), said, caption, count, last.time + last.duration)
 
@@ -135,7 +139,8 @@ def _drift(stays: Page) -> list[str]:
         drift = readings(frames, [name])[:, 0]
         state = abs(table(frames, [plane.state])[:, 0] - axis.origin) / axis.scale
         unit, factor = stays.units[plane.name]
-        found.append(f"{typeset(axis.label)} {number(factor * drift.max(), 3)} {unit}".rstrip())
+        largest = drift.max() if drift.max() > _ROUNDED * state.max() else 0.0
+        found.append(f"{typeset(axis.label)} {number(factor * largest, 3)} {unit}".rstrip())
         follows = follows and bool((drift**2).mean() < _MOST_DRIFT**2 * (state**2).mean())
     words = [f"Largest drift from the run: {', '.join(found)}."]
     return words if follows else [*words, _LEFT]
@@ -188,8 +193,11 @@ def _long(drawing: Drawing, steps: list[int]) -> list[int]:
 
 
 def _moving(drawing: Drawing, steps: list[int]) -> list[int]:
-    """Return the steps in which some state point is well away from its origin; all if few are."""
-    moving = _away(drawing, steps)
+    """Return the steps in which some state point moves, well away from its origin; all if few are."""
+    names = [plane.state for plane in drawing.planes]
+    arcs = abs(table(drawing.frames, [f"{n}'" for n in names]) - table(drawing.frames, names))
+    seen = (arcs >= _MOVES * np.nanmax(arcs, axis=0, initial=1e-9)).any(axis=1)
+    moving = [i for i in _away(drawing, steps) if seen[i]]
     return moving if len(moving) >= _TELLING else steps
 
 
@@ -225,11 +233,22 @@ def _introduction(drawing: Drawing) -> str:
             "Motions from other starts are there, too, each with the displacement and the velocity, not "
             f"divided by Ω, at which it begins{units}."
         )
-    scales = ", ".join(
-        f"{typeset(p.displacement.label)} {p.displacement.scale:.4g} : 1" for p in drawing.planes
-    )
-    words.append(f"Scales: {scales}." if drawing.planes[0].displacement.unit == "m" else "")
+    scales = ", ".join(map(_scale, drawing.planes))
+    rates = ", ".join(f"Ω{p.number} = {p.angular_frequency:.4g} rad/s" for p in drawing.planes)
+    words.append(f"Scales: {scales}. Velocities are drawn divided by {typeset(rates)}.")
+    said = " ".join(stage for scheme in drawing.schemes.values() for stage in scheme.stages)
+    if "by b " in said:
+        words.append("In the instructions, a and b are the scales of both planes.")
     return "\n\n".join([*filter(None, words), _HELP])
+
+
+def _scale(plane: Plane) -> str:
+    """Return the scale of a plane: lengths over lengths, or the length of a unit."""
+    axis = plane.displacement
+    letter = typeset(axis.label)
+    if axis.unit == "m":
+        return f"{letter} {axis.scale:.4g} : 1"
+    return f"{letter} {100.0 * axis.scale:.4g} cm for 1 {axis.unit}".rstrip()
 
 
 def _page(stays: Page, index: int) -> Page:

@@ -8,9 +8,9 @@ from decimal import Decimal
 from functools import lru_cache
 from textwrap import wrap
 
-from phaseplane.constructions.letters import LEVEL, MINUS, rate_letter, typeset
+from phaseplane.constructions.letters import LEVEL, MINUS, axis_letter, rate_letter, typeset
 from phaseplane.constructions.primitives import Drawing, Plane
-from phaseplane.constructions.sheet import Event, events_of
+from phaseplane.constructions.sheet import Event, events_of, plane_of
 from phaseplane.constructions.storage import Frame
 from phaseplane.constructions.two_planes import STUCK
 
@@ -27,6 +27,7 @@ _EVENTS = {
 }
 # characters of a row and rows of a protocol in the pane of the text in a window of 1366x768
 _ROW, _MOST_ROWS = 68, 20
+_SUCCESSOR = "'"
 _NOTHING = 1e-12  # a smaller reading is one of rounding
 LETTER_OF_EVENT = {"lift_off": "U", "touchdown": "V", "jolt": "J", "sticking": "F"}
 
@@ -210,16 +211,18 @@ def measured(
     strokes = [stroke for stroke in scheme.strokes if stroke.stage == stage]
     normals = {stroke.start for stroke in strokes if stroke.role == "normal"}
     swept = {arc.start for arc in scheme.arcs if arc.stage == stage}
+    excited = any(stroke.role == "excitation" for stroke in scheme.strokes)
     found: list[str] = []
     for plane in planes:
         if plane.state in marked:
             found += _state(plane, points[plane.state], units[plane.name])
     for stroke in strokes:
         if stroke.role == "excitation":
-            found.append(_length(stroke.start, stroke.end, points))
+            plane = plane_of(planes, stroke.end)
+            found.append(_laid_off(stroke.start, stroke.end, points, plane))
     for plane in planes:
         if plane.foot in marked or (plane.foot in normals and plane.foot not in shown):
-            found.append(_acceleration(plane, points))
+            found.append(_acceleration(plane, points, excited))
         if plane.foot in normals:
             found.append(_length(plane.foot, plane.state, points))
     for plane in planes:
@@ -230,7 +233,7 @@ def measured(
     for plane in planes:
         if f"{plane.state}'" in marked:
             value = _displacement(plane, points[f"{plane.state}'"], units[plane.name])
-            found.append(f"{typeset(plane.state)}': {value}")
+            found.append(f"{typeset(plane.state + _SUCCESSOR)}: {value}")
     return found
 
 
@@ -245,11 +248,13 @@ def _state(plane: Plane, z: complex, unit: tuple[str, float]) -> Iterator[str]:
     yield f"{_pair(foot, plane.state)} = {_centimetres(y_bar.real)}: {_rate(plane, 1, speed)}"
 
 
-def _acceleration(plane: Plane, points: Mapping[str, complex]) -> str:
+def _acceleration(plane: Plane, points: Mapping[str, complex], mean: bool) -> str:
+    """Return what D gives; it is constructed with the mean excitation over the step, if there is one."""
     axis = plane.displacement
     value = axis.read(points[plane.foot]) - axis.read(points[plane.state])
     rate = _rate(plane, 2, plane.angular_frequency**2 * value)
-    return f"{_pair('Q' + plane.number, plane.foot)} = {_centimetres(axis.scale * value)}: {rate}"
+    length = f"{_pair('Q' + plane.number, plane.foot)} = {_centimetres(axis.scale * value)}"
+    return f"{length}: {'mean ' * mean}{rate}"
 
 
 def _displacement(plane: Plane, z: complex, unit: tuple[str, float]) -> str:
@@ -264,6 +269,14 @@ def _rate(plane: Plane, order: int, value: float) -> str:
 
 def _length(start: str, end: str, points: Mapping[str, complex]) -> str:
     return f"{_pair(start, end)} = {_centimetres(abs(points[end] - points[start]))}"
+
+
+def _laid_off(start: str, end: str, points: Mapping[str, complex], plane: Plane) -> str:
+    """Return a length that is laid off along the axis of the displacement, or against it."""
+    axis = plane.displacement
+    along = ((points[end] - points[start]) * axis.direction.conjugate()).real >= 0.0
+    way = "along" if along else "against"
+    return f"{_length(start, end, points)} {way} {axis_letter(axis.label)}"
 
 
 def _pair(start: str, end: str) -> str:

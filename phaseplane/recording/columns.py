@@ -224,9 +224,14 @@ _LEGIBLE = frozenset(
     + "\u2190\u2191\u2192\u2193\u2202\u2206\u2212\u221a\u221e\u2248\u2260\u2264\u2265"
 ) - {"\u03a2"}  # fmt: skip
 
+# dots over this letter are not shown
+_DOTS_OF_XI = (("\u03be\u0308", "\u03be\u2033"), ("\u03be\u0307", "\u03be\u2032"))
 _ILLEGIBLE = re.compile(f"[^{re.escape(''.join(sorted(_LEGIBLE)))}]")
 
 
 def legible(text: str) -> str:
     """Return the text with a question mark for every character that the viewer cannot show."""
-    return _ILLEGIBLE.sub("?", unicodedata.normalize("NFC", text.translate(_INSTEAD)))
+    text = unicodedata.normalize("NFC", text.translate(_INSTEAD))
+    for dots, primes in _DOTS_OF_XI:
+        text = text.replace(dots, primes)
+    return _ILLEGIBLE.sub("?", text)

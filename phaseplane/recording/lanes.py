@@ -2,34 +2,68 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
+from phaseplane.picture.paper import read_over
 from phaseplane.picture.styles import GREEN, ORANGE, RED, Hue
+from phaseplane.picture.switches import switches_of
 from phaseplane.picture.text import in_words
 
 from .columns import Clock, Integers, Reals, colours, rgba, seconds, send
 from .content import Content
 
+Bools = npt.NDArray[np.bool_]
 LANES = "/lanes"
 SHEET_SHARE = 8.0  # the height of the sheet, relative to that of the lanes below it
 _CALM, _LOUD = "calm", "loud"
+# by the ending of a column: the words for its two states, and the hue of the second
+_SWITCHES = {
+    "airborne": ("on the road", "off the road", RED),
+    "yielding": ("elastic", "yielding", ORANGE),
+    "sticking": ("slips", "sticks", ORANGE),
+}
+_NAMES = {"airborne": "wheel", "yielding": "spring", "sticking": "dry friction"}
 
 
-def lanes_of(content: Content) -> dict[str, tuple[str, str, Hue, npt.NDArray[np.bool_]]]:
-    """Return the lanes: by name, the words for its two states, the hue of the second, and its times."""
+@dataclass(frozen=True, slots=True)
+class Lane:
+    """A state over time that something is in, or is not.
+
+    Parameters
+    ----------
+    calm, loud : words for it not being so, and being so
+    hue : of the latter
+    times, active : when it is so, of a run, or of the construction if the run does not tell, shape (n,)
+    drawn : the same at all points of the construction, if that tells
+    """
+
+    calm: str
+    loud: str
+    hue: Hue
+    times: Reals
+    active: Bools
+    drawn: Bools | None = None
+
+
+def lanes_of(content: Content) -> dict[str, Lane]:
+    """Return the lanes by name."""
     found = {}
-    for name in content.histories:
-        if name.endswith("airborne"):
-            wheel = f"{in_words(name.removesuffix('airborne'))}wheel"
-            found[wheel] = ("on the road", "off the road", RED, content.column(name) > 0.5)
-        elif name.endswith("yielding"):
-            found["spring"] = ("elastic", "yielding", ORANGE, content.column(name) > 0.5)
-        elif name.endswith("sticking"):
-            found["dry friction"] = ("slips", "sticks", ORANGE, content.column(name) > 0.5)
+    known = {name: (content.times, content.column(name) > 0.5) for name in content.histories}
+    drawn: dict[str, Bools] = {}
+    if content.constructed is not None and not content.live:
+        drawn = switches_of(content.constructed)
+        times, _ = read_over(content.constructed, [])
+        known |= {name: (times, states) for name, states in drawn.items() if name not in known}
+    for name, (times, active) in known.items():
+        for ending, (calm, loud, hue) in _SWITCHES.items():
+            if name.endswith(ending):
+                lane = f"{in_words(name.removesuffix(ending))}{_NAMES[ending]}"
+                found[lane] = Lane(calm, loud, hue, times, active, drawn.get(name))
     axles = content.vehicle.axles if content.vehicle else ()
     for axle in axles:
         if not {axle.body, axle.wheel} <= content.histories.keys():
@@ -40,10 +74,11 @@ def lanes_of(content: Content) -> dict[str, tuple[str, str, Hue, npt.NDArray[np.
         ):  # fmt: skip
             if gap is not None:
                 name = words if len(axles) == 1 else f"{axle.name} {words}"
-                found[name] = ("free", "touches", ORANGE, side * travel > gap)
+                met = side * travel > gap
+                found[name] = Lane("free", "touches", ORANGE, content.times, met)
     if content.live:  # which of them will matter is not known yet
         return found
-    return {name: lane for name, lane in found.items() if lane[3].any()}
+    return {name: lane for name, lane in found.items() if lane.active.any()}
 
 
 def lanes_share(content: Content) -> float:
@@ -54,28 +89,38 @@ def lanes_share(content: Content) -> float:
 
 def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
     """Log the changes of state in every lane."""
-    times = content.times
-    if not len(times):
-        return
-    for name, (calm, loud, hue, active) in lanes_of(content).items():
+    for name, lane in lanes_of(content).items():
+        if not len(lane.times):
+            continue
         path = f"{LANES}/{name.replace(' ', '_')}"
-        hues = colours([rgba(GREEN, 0.35), rgba(hue)])
-        look = rr.StateConfiguration(values=[_CALM, _LOUD], labels=[calm, loud], colors=hues)
-        new = np.flatnonzero(np.append([True], active[1:] != active[:-1]))
-        states = active[new]
-        send(recording, path, look, [seconds(times[new])], _changes(states))
+        hues = colours([rgba(GREEN, 0.35), rgba(lane.hue)])
+        look = rr.StateConfiguration(
+            values=[_CALM, _LOUD], labels=[lane.calm, lane.loud], colors=hues
+        )
+        new = _new(lane.active)
+        states = lane.active[new]
+        send(recording, path, look, [seconds(lane.times[new])], _changes(states))
         if not len(clock.times):
             continue
-        steps = _steps_of(new, times, content, clock)
-        inside = times[new] <= clock.times[-1] * (1.0 + 1e-9)
-        numbers = rr.TimeColumn("step", sequence=clock.steps[steps[inside]])
-        recording.send_columns(path, [numbers], _changes(states[inside]))
+        if lane.drawn is None:
+            inside = lane.times[new] <= clock.times[-1] * (1.0 + 1e-9)
+            steps, states = _steps_of(new, lane.times, content, clock)[inside], states[inside]
+        else:  # below the steps stands what they show, even where the run does not follow them
+            steps = _new(lane.drawn)
+            states = lane.drawn[steps]
+        numbers = rr.TimeColumn("step", sequence=clock.steps[steps])
+        recording.send_columns(path, [numbers], _changes(states))
         if len(clock.ticks) and not content.live:
             told = np.searchsorted(clock.times, clock.ticks + 1e-9, side="right") - 1
             last = np.maximum(np.searchsorted(steps, told, side="right") - 1, 0)
             # the band of the last tick is as wide as all others, so one more follows it
             stages = rr.TimeColumn("stage", sequence=clock.stride * np.arange(len(told) + 1))
             recording.send_columns(path, [stages], _changes(states[np.append(last, last[-1])]))
+
+
+def _new(states: Bools) -> Integers:
+    """Return where a state begins."""
+    return np.flatnonzero(np.append([True], states[1:] != states[:-1]))
 
 
 def _steps_of(new: Integers, times: Reals, content: Content, clock: Clock) -> Integers:
@@ -90,5 +135,5 @@ def _steps_of(new: Integers, times: Reals, content: Content, clock: Clock) -> In
     return np.maximum(np.searchsorted(clock.times, when + 1e-9, side="right") - 1, 0)
 
 
-def _changes(states: npt.NDArray[np.bool_]) -> Any:
+def _changes(states: Bools) -> Any:
     return rr.StateChange.columns(state=np.where(states, _LOUD, _CALM).tolist())

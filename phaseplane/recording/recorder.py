@@ -88,13 +88,14 @@ class Recorder:
         content = self.content
         if content.constructed is None or content.live or not content.shows("histories"):
             return None
-        first = content.constructed.planes[0].name
+        planes = [plane.name for plane in content.constructed.planes]
         drawn = [panel for panel in panels(content) if panel.drawn]
-        wanted = [p for p in drawn if p.quantity.si == "m" or first in p.drawn] or drawn
+        wanted = [p for p in drawn if p.quantity.si == "m" or planes[0] in p.drawn] or drawn
         if not wanted:
             return None
         shown = wanted[0]
-        return Chart(content.constructed, content.histories, shown.drawn, shown.quantity)
+        names = tuple(sorted(shown.drawn, key=lambda name: name not in planes))
+        return Chart(content.constructed, content.histories, names, shown.quantity)
 
     def _story(self) -> list[Tick]:
         if self.content.detail != "stages" or self.arms_page is None:

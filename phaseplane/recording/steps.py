@@ -50,7 +50,7 @@ def send_steps(
 ) -> None:
     """Log the construction of a range of steps, whose letters keep clear of the texts on a page.
 
-    An empty row clears a scheme where a step of another one begins.
+    An empty row clears a scheme where a step of another one begins, and at the end of the motion.
 
     Raises
     ------
@@ -60,6 +60,8 @@ def send_steps(
     for key in drawing.schemes:
         drawn = np.array([i for i in range(last - first) if schemes[i] == key], np.int64)
         left = [i + 1 for i in drawn if i + 1 < len(schemes) and schemes[i + 1] != key]
+        if last == len(drawing.frames) and schemes[-1] == key:
+            left.append(last - first)
         if not drawn.size:
             continue
         rows = first + np.concatenate([left, drawn]).astype(np.int64)

@@ -11,10 +11,9 @@ from phaseplane.suspension.models import build
 from phaseplane.suspension.variables import MODELS, Value
 
 from phaseplane import recording
-from phaseplane.constructions.two_planes import STUCK
-from phaseplane.constructions.yielding import FLOWS
 from phaseplane.picture.paper import read_over
 from phaseplane.picture.quantities import rate_of
+from phaseplane.picture.switches import switches_of
 
 from .. import draw
 
@@ -99,23 +98,8 @@ def readings(drawing: Drawing) -> dict[str, npt.NDArray[np.float64]]:
         n for n in drawing.frames[0].readings if not n.startswith("control_") and n not in rates
     ]
     times, read = read_over(drawing, names)
-    return {"time": times, **dict(zip(names, read.T, strict=True)), **_switches(drawing)}
-
-
-def _switches(drawing: Drawing) -> dict[str, npt.NDArray[np.float64]]:
-    """Return where each wheel is off the road, the spring yields or dry friction sticks.
-
-    The columns are named like those of a run, if it has them.
-    """
-    schemes = [frame.scheme for frame in drawing.instants]
-    forces = [n for n in drawing.frames[0].readings if n.endswith("contact_force")]
-    _, read = read_over(drawing, forces)
-    found = {
-        **{n.replace("contact_force", "airborne"): read[:, k] == 0.0 for k, n in enumerate(forces)},
-        "yielding": np.array([scheme in FLOWS for scheme in schemes]),
-        "sticking": np.array([scheme.endswith(STUCK) for scheme in schemes]),
-    }
-    return {name: states.astype(float) for name, states in found.items() if states.any()}
+    switches = {name: states.astype(float) for name, states in switches_of(drawing).items()}
+    return {"time": times, **dict(zip(names, read.T, strict=True)), **switches}
 
 
 def default_pairs(units: Mapping[str, str]) -> list[tuple[str, str]]:

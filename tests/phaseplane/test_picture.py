@@ -154,7 +154,7 @@ def test_letters_of_a_stage_are_nearer_to_their_points_than_to_others() -> None:
         for one, other in permutations(several, 2)
         if one.point is not None and other.point is not None
     ]
-    assert nearer.count(False) < 0.01 * len(nearer)
+    assert nearer.count(False) < 0.012 * len(nearer)
 
 
 class Echo(Canvas):
@@ -238,7 +238,7 @@ def test_a_story_tells_at_its_end_whether_the_construction_follows_the_run(
 
 
 def test_arrows_at_the_rim_come_with_their_letters() -> None:
-    made = construct_motion(ap57(), delta, step=0.0025, steps=30)
+    made = construct_motion(ap57(), delta, step=0.0025, steps=20)
     stays = pages_of(Content("quarter car", made))[0]
     step = next(f.step for f in made.frames if not stays.view.holds(f.points["D1"]))
     ticks = [t for t in story_of(stays, arms_page(made), {}, (step,)) if t.step == step]

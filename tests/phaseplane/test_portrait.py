@@ -202,7 +202,7 @@ def test_sections_of_the_models() -> None:
     with pytest.raises(ValueError, match=r"must be from 0 to 1 \(body, wheel\)"):
         of_coordinate(quarter, 2)
     for contact in ("gap", "force"):  # across a gap a tyre does not push however fast it closes
-        parameters = {"contact": contact, "tyre.damping_rate": 100.0}
+        parameters = {"contact": contact, "tyre.damping": 100.0}
         wheel = of_coordinate(build("QuarterCar", checked_parameters("QuarterCar", parameters)), 1)
         grid = [(v, x) for v in (-10.0, 0.0, 10.0) for x in (-0.05, 0.0, 0.03, 0.05)]
         one = [wheel.function(v, x, 0.0) for v, x in grid]

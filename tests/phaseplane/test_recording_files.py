@@ -134,7 +134,7 @@ def test_steps_are_written_slice_by_slice(tmp_path: Path, monkeypatch: pytest.Mo
     sizes = []
 
     def send_readings(*_: object) -> None:
-        (draft,) = tmp_path.glob(".f-*.rrd")
+        (draft,) = tmp_path.glob(".*.rrd")
         sizes.append(draft.stat().st_size)
 
     monkeypatch.setattr(recorder, "SLICE", 20)

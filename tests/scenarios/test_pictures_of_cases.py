@@ -193,7 +193,7 @@ def test_a_replay_has_lanes_that_change_with_its_events(
     drawing = drawing_of(name)
     shown = Content(name, drawing, readings(drawing))
     times = np.asarray(shown.histories["time"])
-    found = {lane: {*times[1:][np.diff(active)]} for lane, (*_, active) in lanes_of(shown).items()}
+    found = {name: {*times[1:][np.diff(lane.active)]} for name, lane in lanes_of(shown).items()}
     assert found.keys() == lanes.keys()
     for lane, events in lanes.items():
         assert {frame.time for frame in drawing.frames if frame.event in events} <= found[lane]

@@ -75,7 +75,8 @@ class StabilityMonitor:
         """Return omega_max of the present tangent, rad/s; 0 without a restoring force."""
         if self.stamp != self.modes.stamp:
             self.stamp = self.modes.stamp
-            self.omega = sqrt(self._largest_eigenvalue())
+            largest = self._largest_eigenvalue()
+            self.omega = sqrt(largest)
         return self.omega
 
     def _largest_eigenvalue(self) -> float:

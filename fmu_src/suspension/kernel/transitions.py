@@ -91,7 +91,8 @@ class Transitions:
     def pass_joint(self) -> None:
         """Enter the next segments of signals; the effect of a jump of a road is work of that road."""
         self._leave_step()
-        before = self.energy() - self.state.exchange
+        before = self.energy()
+        before -= self.state.exchange
         jumped = False
         for s in range(self.net.signals):
             jump = self.net.enter_segment(s, self.state.time)
@@ -100,7 +101,8 @@ class Transitions:
                 self.jumps.kerb(s, jump, self.motion.v)
                 self.relocate(False)
                 self.book_contacts()
-                now = self.energy() - self.state.exchange
+                now = self.energy()
+                now -= self.state.exchange
                 self.ledger.bring_in(s, now - before)
                 before = now
         if not jumped:
