@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import repeat
 from math import ceil
+from operator import add
 
 import numpy as np
 
@@ -233,12 +235,11 @@ def _introduction(drawing: Drawing) -> str:
             "Motions from other starts are there, too, each with the displacement and the velocity, not "
             f"divided by Ω, at which it begins{units}."
         )
-    scales = ", ".join(map(_scale, drawing.planes))
-    rates = ", ".join(f"Ω{p.number} = {p.angular_frequency:.4g} rad/s" for p in drawing.planes)
-    words.append(f"Scales: {scales}. Velocities are drawn divided by {typeset(rates)}.")
     said = " ".join(stage for scheme in drawing.schemes.values() for stage in scheme.stages)
-    if "by b " in said:
-        words.append("In the instructions, a and b are the scales of both planes.")
+    letters = (" (a)", " (b)") if "by b " in said else repeat("")  # as the instructions call them
+    scales = ", ".join(map(add, map(_scale, drawing.planes), letters))
+    rates = ", ".join(f"Ω{p.number} = {p.angular_frequency:.4g} rad/s" for p in drawing.planes)
+    words.append(f"Scales: {scales}; {typeset(rates)}.")
     return "\n\n".join([*filter(None, words), _HELP])
 
 
