@@ -58,6 +58,8 @@ def read_columns(
     OSError : the file cannot be read.
     """
     name = Path(path).name
+    if len(delimiter) != 1:
+        raise ValueError(f"delimiter = {delimiter!r}: must be one character; a tab is \\t")
     if decimal not in (".", ",") or decimal == delimiter:
         raise ValueError(
             f"decimal = {decimal!r}: must be '.' or ',', and not the delimiter {delimiter!r}"

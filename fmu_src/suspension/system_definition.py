@@ -221,6 +221,14 @@ def _element(
         damper, ("rate", "rebound_rate", "bump_rate", "table", "series", *_POWER), f"{where}.damper"
     )
 
+    for part, others in (
+        ("spring", ("rate", "cubic")),
+        ("damper", ("rate", "rebound_rate", "bump_rate")),
+    ):
+        both = [key for key in others if "table" in said.get(part, {}) and key in said[part]]
+        if both:
+            raise ParameterError(f"{where}.{part}: give {both[0]} or table, not both")
+
     def at(key: str, default: float = 0.0) -> float:
         """Return the value of a key such as `spring.rate`."""
         part, _, last = key.rpartition(".")
@@ -283,10 +291,12 @@ def _courses(
         yield f"{name}_table", course
     sine = said.get("sine", {})
     refuse_others(sine, ("amplitude", "frequency"), f"system.loads.{name}.sine")
+    if sine and len(sine) < 2:
+        raise ParameterError(f"system.loads.{name}.sine: give amplitude and frequency")
     if sine:
         where = f"system.loads.{name}.sine"
         amplitude, frequency = (
-            value_of(sine.get(key, 0.0), p, f"{where}.{key}") for key in ("amplitude", "frequency")
+            value_of(sine[key], p, f"{where}.{key}") for key in ("amplitude", "frequency")
         )
         wave = Segment(0.0, 0.0, amplitude=amplitude, phase=(-0.5 * pi, 2.0 * pi * frequency, 0.0))
         yield f"{name}_sine", Signal((Segment(-inf), wave), abs(amplitude))

@@ -186,7 +186,12 @@ def _coordinates(table: Mapping[str, Any]) -> Iterator[tuple[str, tuple[object, 
         if "mass" not in whole:
             raise ParameterError(f"system.coordinates.{name}: mass is missing")
         about = str(whole.get("about", name.replace("_", " ")))
-        yield name, (whole["mass"], about, bool(whole.get("angle", False)))
+        angle = whole.get("angle", False)
+        if not isinstance(angle, bool):
+            raise ParameterError(
+                f"system.coordinates.{name}.angle = {angle!r}: must be true or false"
+            )
+        yield name, (whole["mass"], about, angle)
 
 
 def _declared_parameters(table: Mapping[str, Any]) -> Iterator[Variable]:

@@ -25,7 +25,7 @@ from .outputs import SOLVER_OUTPUTS
 from .signals import Signal
 from .systems import Element, System
 from .units import UNITS, nearest
-from .variable import ParameterError, Value
+from .variable import ParameterError, Value, Variable
 
 _PACKAGE = __name__.rpartition(".")[0]
 # in an FMU the package has another name
@@ -59,6 +59,12 @@ def model_in(source: str) -> Model:
             "there is no MODEL = Model(summary=..., variables=..., system=...), from "
             "phaseplane.suspension.model"
         )
+    if not isinstance(model.variables, tuple | list):
+        raise ParameterError("MODEL.variables: must be a tuple of variables")
+    for v in model.variables:
+        if not isinstance(v, Variable):
+            star = "; write * before what returns several" if isinstance(v, tuple | list) else ""
+            raise ParameterError(f"MODEL.variables: {v!r:.60} is not a variable{star}")
     names = [v.name for v in model.variables]
     twice = [name for name in names if names.count(name) > 1]
     if twice:

@@ -387,7 +387,16 @@ class _Pieces(ast.NodeTransformer):
                 return _difference(u, self._saturation(u, d))
             case "backlash", [u, gap]:
                 return _difference(u, self._saturation(u, _half(gap)))
+        if name in ("sqrt", "log"):
+            arguments = [_within_domain(argument) for argument in arguments]
         return ast.Call(node.func, arguments, [])
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
+        """Replace the pieces in both operands."""
+        base, exponent = self.visit(node.left), self.visit(node.right)
+        if isinstance(node.op, ast.Pow) and not _is_whole(exponent):
+            base = _within_domain(base)
+        return ast.BinOp(base, node.op, exponent)
 
     def _sign(self, u: ast.expr) -> ast.expr:
         if not any(_mentions(u, name) for name in VARIABLES):
@@ -401,7 +410,7 @@ class _Pieces(ast.NodeTransformer):
         return ast.Subscript(ast.Name("s", ast.Load()), ast.Constant(number), ast.Load())
 
     def _size(self, u: ast.expr) -> ast.expr:
-        return _product(u, self._sign(u))
+        return u if _is_never_negative(u) else _product(u, self._sign(u))
 
     def _larger(self, name: str, a: ast.expr, b: ast.expr) -> ast.expr:
         size = self._size(_difference(a, b))
@@ -410,6 +419,35 @@ class _Pieces(ast.NodeTransformer):
     def _saturation(self, u: ast.expr, limit: ast.expr) -> ast.expr:
         above, below = self._size(_sum(u, limit)), self._size(_difference(u, limit))
         return _half(_difference(above, below))
+
+
+def _within_domain(u: ast.expr) -> ast.expr:
+    """Return an argument that must not be negative: slightly beyond a guard |u| is."""
+    signs = any(isinstance(node, ast.Subscript) for node in ast.walk(u))
+    return ast.Call(ast.Name("max", ast.Load()), [u, ast.Constant(0.0)], []) if signs else u
+
+
+def _is_whole(node: ast.expr) -> bool:
+    """Return whether an exponent is a whole number."""
+    if isinstance(node, ast.UnaryOp):
+        return _is_whole(node.operand)
+    return isinstance(node, ast.Constant) and float(node.value).is_integer()  # type: ignore[arg-type]
+
+
+def _is_never_negative(u: ast.expr) -> bool:
+    """Return whether an expression is recognised as one without a change of sign, such as a square."""
+    match u:
+        case ast.Constant(float() as value):
+            return value >= 0.0
+        case ast.BinOp(_, ast.Pow(), ast.Constant(float() as exponent)):
+            return exponent % 2.0 == 0.0
+        case ast.BinOp(a, ast.Mult(), b) if ast.dump(a) == ast.dump(b):
+            return True
+        case ast.BinOp(a, ast.Add() | ast.Mult() | ast.Div(), b):
+            return _is_never_negative(a) and _is_never_negative(b)
+        case ast.Call(ast.Name("sqrt" | "exp" | "cosh" | "hypot")):
+            return True
+    return False
 
 
 def _product(a: ast.expr, b: ast.expr) -> ast.expr:

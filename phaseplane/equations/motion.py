@@ -211,8 +211,10 @@ def steps(
                 if rounding > _COARSEST or None in system.sides(mode, v, x, t):
                     raise MotionError(t)
                 v, x = system.project(mode, v, x, t)
-            else:
+            elif system.rests(mode, x, t):
                 v = 0.0
+            else:
+                raise MotionError(t)
         else:
             mode = system.settled(v, x, t, [k], mode)
             if 0 in mode:

@@ -156,6 +156,10 @@ class Switching:
                 found.append(min(low[1], -high[1]))
         return found
 
+    def rests(self, mode: Mode, x: float, t: float) -> bool:
+        """Return whether a motion on several guards, or on that of the velocity, can stay at rest."""
+        return 0 in mode and self._firmness(mode, 0.0, x, t) >= 0.0
+
     def _firmness(self, mode: Mode, v: float, x: float, t: float) -> float:
         """Return the margin of 0 within the range of f over the free signs: above 0 the rest lasts."""
         forces = [self.function(v, x, t, signs) for signs in _all(mode)]

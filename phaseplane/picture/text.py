@@ -95,9 +95,9 @@ def markdown(text: str) -> str:
 
 @lru_cache(maxsize=4096)
 def _row(name: str) -> str:
-    """Return the name of a row; the control of a body follows its motion, and is named after it."""
+    """Return the name of a row; the control of a body (AP57 eq. 25) is named after its motion."""
     control = name.startswith("control_")
-    return markdown(in_words(name.removeprefix("control_")) + " (control)" * control)
+    return markdown(in_words(name.removeprefix("control_")) + ", from its forces" * control)
 
 
 def readings_table(readings: Mapping[str, float], quantities: Mapping[str, Quantity | None]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import pi
+from math import pi, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -90,6 +90,13 @@ def _undamped(found: ModalPlanes) -> list[dict[str, Any]]:
     return modes
 
 
+def _damped(mode: Mapping[str, float]) -> str:
+    """Return the frequency at which a damped mode oscillates, and its damping ratio."""
+    ratio = mode["damping_ratio"]
+    frequency = mode["frequency"] * sqrt(max(0.0, 1.0 - ratio * ratio))
+    return f"{frequency:.6g} Hz, {ratio:.4g}"
+
+
 def format_modes(summary: Mapping[str, Any]) -> str:
     """Return the modes as text for a terminal."""
     lines = [summary["title"], ""]
@@ -100,11 +107,9 @@ def format_modes(summary: Mapping[str, Any]) -> str:
             f"{one['damping_ratio']:.4g}; {shape}"
         )
     if not summary["proportional"]:
-        damped = "; ".join(
-            f"{one['frequency']:.6g} Hz, {one['damping_ratio']:.4g}" for one in summary["damped"]
-        )
+        damped = "; ".join(map(_damped, summary["damped"]))
         if summary["modes"]:
-            lines += ["", f"the damping couples these modes; damped, they are {damped}"]
+            lines += ["", f"the damping couples these modes; damped, they oscillate at {damped}"]
         else:
             lines.append(f"damped modes, as there are springs in series with dampers: {damped}")
     return "\n".join([*lines, *(f"file     {name}" for name in summary["files"])])

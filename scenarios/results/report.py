@@ -189,7 +189,7 @@ def _lengths(drawn: Mapping[str, Any], which: str) -> list[str]:
     """Return the control or drift lengths of a construction in words."""
     factor, unit = (1e3, " mm") if drawn["unit"] == "m" else (1.0, f" {drawn['unit']}".rstrip())
     return [
-        f"{factor * value:.2g}{unit} in {name.replace('_', ' ')}"
+        f"{float(f'{factor * value:.2g}'):g}{unit} in {name.replace('_', ' ')}"
         for name, value in drawn[which].items()
     ]
 

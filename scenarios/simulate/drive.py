@@ -30,12 +30,16 @@ INTERRUPTED = "interrupted"
 
 @dataclass(frozen=True)
 class Drive:
-    """The result of driving an FMU: the columns read, and why the run stopped early ("" if not)."""
+    """The result of driving an FMU: the columns read, and why the run stopped early ("" if not).
+
+    `warnings` are what it has logged besides.
+    """
 
     columns: Columns
     run_time: float
     complaint: str
     uncompiled: bool
+    warnings: tuple[str, ...] = ()
 
 
 class Passed:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from ..scene.schema import Scene
 
 
-_DISCARD, _FATAL = 2, 4  # FMI status
+_WARNING, _DISCARD, _FATAL = 1, 2, 4  # FMI status
 
 
 # FMPy passes the messages of all FMUs of a process to the callbacks that were given last, for ever
@@ -78,6 +78,11 @@ class Log:
             if status >= _DISCARD or "Error" in category
         ]
         return one_line(min(complaints)[2]) if complaints else ""
+
+    def warnings(self) -> tuple[str, ...]:
+        """Return the FMU's warnings, each once."""
+        said = (one_line(message) for status, _, message in self.lines if status == _WARNING)
+        return tuple(dict.fromkeys(said))
 
 
 class OpenFmu:
@@ -191,7 +196,8 @@ class OpenFmu:
                 self.close(usable=False)
         uncompiled = any("uncompiled" in message for _, _, message in self._log.lines)
         failure = failure or (INTERRUPTED if interrupted() else self._log.complaint())
-        return Drive(_columns(rows.columns(), failure), run_time, failure, uncompiled)
+        warnings = self._log.warnings() if self.fmu.is_ours else ()
+        return Drive(_columns(rows.columns(), failure), run_time, failure, uncompiled, warnings)
 
 
 @contextmanager

@@ -256,7 +256,7 @@ def _summary(
         "parameters": scene.all_parameters,
         "construction": asdict(scene.construction),
         "stopped": stopped,
-        "remarks": [*_remarks(scene), *found.remarks],
+        "remarks": [*dict.fromkeys([*_remarks(scene), *drive.warnings, *found.remarks])],
         "measured": {"interval": found.interval, "agreement": found.agreement},
         "measures": {
             name: {"value": reading.value, "unit": known[name].unit, "time": reading.time}

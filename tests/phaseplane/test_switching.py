@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from phaseplane.scenarios.simulate.solving import solve
 from phaseplane.suspension.characteristics import linear
 from phaseplane.suspension.models import build
 from scipy.integrate import solve_ivp
@@ -379,3 +380,32 @@ def test_a_vehicle_with_dry_friction_has_its_stretch_of_rest():
     (curve,) = followed(section, Window(-0.1, 0.1, -1.0, 1.0), [0.08], [0.0])
     assert curve[-1, 1] == 0.0
     assert abs(curve[-1, 0]) <= 300.0 / rate * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x + 0.3*sign(v)*abs(v)^1.7", "x + v*sqrt(abs(v))", "x + 0.1*sign(v)*sqrt(abs(v))",
+        "x + copysign(0.1*v^2, v)", "copysign(x^2, x)", "max(x, 0)^1.5",
+        "x + 0.5*max(x - 0.2, 0)^1.5", "sign(x)*abs(x)^0.5",
+    ],
+)  # fmt: skip
+def test_powers_of_magnitudes_pass_where_these_are_zero(text: str) -> None:
+    """Neither do motions stop there, nor is a step refused; against scipy."""
+    formula = Formula(text)
+    times = np.linspace(0.0, 12.0, 25)
+    given = {"equation": text, "displacement_start": 1.0, "velocity_start": 0.0}
+    found = solve(given, times)[0]["displacement"]
+    reference = solve_ivp(
+        lambda t, y: [y[1], -formula.function(y[1], y[0], t)], (0.0, 12.0), [1.0, 0.0], "DOP853",
+        times, rtol=1e-9, atol=1e-11, max_step=0.02,
+    )  # fmt: skip
+    assert np.abs(found - reference.y[0]).max() < 1e-6
+
+
+def test_a_mass_rests_only_where_a_force_holds_it() -> None:
+    switching = Formula("x + 0.1*v").switching
+    assert not switching.rests((), 1.0, 0.0)
+    dry = Formula("x + 0.3*sign(v)").switching
+    assert dry.rests((0,), 0.2, 0.0)
+    assert not dry.rests((0,), 0.4, 0.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from math import exp, pi, sqrt
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 from command_line import phaseplane
 from phaseplane.scenarios.measures.linearised import Linearised, linearised
 from phaseplane.scenarios.measures.modal_planes import modal_planes
+from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.suspension.models import build
 
 
@@ -60,6 +62,19 @@ def test_the_damping_of_a_car_couples_its_modes() -> None:
     found = modal_planes(linearised(build("QuarterCar", {})))
     assert not found.proportional
     assert np.abs(found.free(0)[:, 1]).max() > 0.005
+
+
+def test_damped_modes_are_told_by_the_frequency_at_which_they_oscillate() -> None:
+    done = phaseplane("modes", "passenger_car")
+    assert done.exit_code == 0, done.output
+    car = linearised(build("QuarterCar", load_scene("passenger_car").all_parameters))
+    inverse = np.linalg.inv(car.mass)
+    first_order = np.block(
+        [[np.zeros((2, 2)), np.eye(2)], [-inverse @ car.stiffness, -inverse @ car.damping]]
+    )
+    poles = np.linalg.eigvals(first_order)
+    told = [float(x) for x in re.findall(r"([\d.]+) Hz, ", done.stdout)]
+    assert told == pytest.approx(sorted(p.imag / (2 * pi) for p in poles if p.imag > 0), rel=1e-5)
 
 
 def test_the_double_pendulum_is_told_and_drawn(tmp_path: Path) -> None:

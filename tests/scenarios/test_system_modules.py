@@ -112,6 +112,7 @@ def test_commands_take_it(folder):
     ("before", "after", "words"),
     [
         ("MODEL =", "OTHER =", "there is no MODEL"),
+        ('*motion("upper"', 'motion("upper"', r"is not a variable; write \* before"),
         ("def system(p):", "def system(p:", r"line 20: '\(' was never closed"),
         ("import linear", "import linaer", "line 3: ImportError"),
         ("MODEL =", "raise SystemExit(3)\nMODEL =", r"line \d+: SystemExit: 3"),

@@ -176,6 +176,15 @@ def test_one_step_is_that_of_the_incremental_method() -> None:
         )
 
 
+@pytest.mark.parametrize("step", [1e-6, 1e-9])
+def test_short_fixed_steps_go_on_for_as_long_as_time_can_tell(step: float) -> None:
+    """Late in a run the rounding of time is a large part of them."""
+    system = build("QuarterCar", {"road.shape": "sine"})
+    integrator = Integrator(system, step=step, start=8.0)
+    assert integrator.advance(8.0 + 5000 * step) == 0
+    assert 4990 < integrator.step_count < 5010
+
+
 def test_stable_step_is_the_highest_mode_of_the_car() -> None:
     m, k = np.diag([294.1995, 29.41995]), np.array([[14709.975, -14709.975], [-14709.975, 0]])
     k[1, 1] = 14709.975 + 147099.75

@@ -45,6 +45,7 @@ def test_whatever_a_spreadsheet_writes_is_read(encoding, tmp_path):
     ("more", "words"),
     [
         ({"delimiter": ";"}, "line 5.*is the decimal sign a comma"),
+        ({"delimiter": "tab"}, "delimiter = 'tab': must be one character"),
         ({"delimiter": ";", "decimal": ";"}, "decimal = ';'"),
         ({}, "no column 'Weg'"),
     ],

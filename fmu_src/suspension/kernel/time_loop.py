@@ -372,7 +372,9 @@ class TimeLoop:
         if self.fixed_step > 0.0:
             # the grid is counted, not summed, so that it does not drift
             target = self.state.grid_start + (self.state.grid_index + 1) * self.fixed_step
-            while target <= self.state.time + 1e-9 * self.fixed_step:
+            # of many short steps the rounding of time is the larger one
+            close = 1e-9 * self.fixed_step + 4e-16 * fabs(self.state.time)
+            while target <= self.state.time + close:
                 self.state.grid_index += 1
                 target = self.state.grid_start + (self.state.grid_index + 1) * self.fixed_step
             h = target - self.state.time
@@ -409,7 +411,7 @@ class TimeLoop:
         """Take one accepted macro step, ended at joints and switches."""
         h = self._proposed_step()
         if h == 0.0:
-            return UNSTABLE
+            return UNSTABLE if self.fixed_step > 0.0 else STEP_TOO_SMALL
         self.trial.begin(h)
         if self.stepper.errors.controlled and self.stepper.balance.bends.joined:
             shorter = self.knots.ahead(h, min(self.trial.joint, latest))

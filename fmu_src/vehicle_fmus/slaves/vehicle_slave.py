@@ -49,7 +49,8 @@ START_VALUES = "start_values.json"  # in the FMU's resources: start values other
 _RAISES = sys.version_info < (3, 12)
 
 _TYPES = {float: Real, bool: Boolean, int: Integer, str: String}
-_CATEGORIES = {"event": "logEvents", "info": "logAll"}  # errors are logged where they are caught
+# status and category of messages; errors are logged where they are caught
+_LOGGED = {"event": (Fmi2Status.ok, "logEvents"), "info": (Fmi2Status.warning, "logAll")}
 
 
 class VehicleSlave(Fmi2Slave):
@@ -179,8 +180,9 @@ class VehicleSlave(Fmi2Slave):
         """Log the session's messages."""
         if self._session is not None:
             for category, text in self._session.messages:
-                if category in _CATEGORIES:
-                    self.log(text, category=_CATEGORIES[category])
+                if category in _LOGGED:
+                    status, of_host = _LOGGED[category]
+                    self.log(text, status, of_host)
             self._session.messages.clear()
 
     def _refuse(self, reason: str) -> None:
