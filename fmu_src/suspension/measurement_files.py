@@ -10,7 +10,7 @@ from os import SEEK_END, PathLike
 from pathlib import Path
 from typing import NamedTuple
 
-from .units import UNITS, UnitError, nearest, spelled, to_si
+from .units import UNITS, UnitError, counted, nearest, spelled, to_si
 
 _COMMENT = "#"
 _PART = 1 << 20  # bytes read at once
@@ -167,7 +167,9 @@ def read_table_of_units(
                 scales = [_size(u, (_kind(u),)) if u else 1.0 for u in units]
                 continue
         if len(row) != len(heading):
-            raise ValueError(f"line {line} has {len(row)} cells, the heading {len(heading)}")
+            raise ValueError(
+                f"line {line} has {counted(len(row), 'cell')}, the heading {len(heading)}"
+            )
         for name, cell, scale in zip(heading, row, scales, strict=True):
             columns[name].append(_number(f"line {line}", name, cell, decimal) * scale)
     return columns, kinds

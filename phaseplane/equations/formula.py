@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from phaseplane.equations.switching import Switching
 from phaseplane.equations.typeset import name_of, typeset
-from phaseplane.suspension.units import nearest
+from phaseplane.suspension.units import counted, nearest
 
 if TYPE_CHECKING:
     import numpy as np
@@ -335,9 +335,9 @@ def _check_count(name: str, count: int, text: str) -> None:
     else:
         least = most = 2 if name in ("atan2", "hypot") else 1
     if not least <= count <= most:
-        wanted = f"{least}" if least == most else f"{least} or {most}"
-        wanted = "at least 2" if most > 2 else wanted
-        raise ValueError(f"equation = {text!r}: {name} takes {wanted} values, not {count}")
+        wanted = counted(least, "value") if least == most else f"{least} or {most} values"
+        wanted = "at least 2 values" if most > 2 else wanted
+        raise ValueError(f"equation = {text!r}: {name} takes {wanted}, not {count}")
 
 
 def _copied(tree: ast.expr) -> ast.expr:

@@ -53,11 +53,13 @@ class Lane:
 def lanes_of(content: Content) -> dict[str, Lane]:
     """Return the lanes by name."""
     found = {}
-    known = {name: (content.times, content.column(name) > 0.5) for name in content.histories}
+    known: dict[str, tuple[Reals, Bools]] = {
+        name: (content.times, content.column(name) > 0.5) for name in content.histories
+    }
     drawn: dict[str, Bools] = {}
     if content.constructed is not None and not content.live:
         drawn = switches_of(content.constructed)
-        times, _ = read_over(content.constructed, [])
+        times = np.asarray(read_over(content.constructed, [])[0], np.float64)
         known |= {name: (times, states) for name, states in drawn.items() if name not in known}
     for name, (times, active) in known.items():
         for ending, (calm, loud, hue) in _SWITCHES.items():

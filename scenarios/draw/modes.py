@@ -101,7 +101,9 @@ def format_modes(summary: Mapping[str, Any]) -> str:
     """Return the modes as text for a terminal."""
     lines = [summary["title"], ""]
     for i, one in enumerate(summary["modes"], 1):
-        shape = ", ".join(f"{name} {part:.4g}" for name, part in one["shape"].items() if part)
+        shape = ", ".join(
+            f"{name or 'displacement'} {part:.4g}" for name, part in one["shape"].items() if part
+        )
         lines.append(
             f"mode {i}   {one['frequency']:.6g} Hz ({one['angular_frequency']:.6g} rad/s), damping ratio "
             f"{one['damping_ratio']:.4g}; {shape}"

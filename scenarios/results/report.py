@@ -213,7 +213,7 @@ def _expected(summary: Mapping[str, Any]) -> Iterator[Line]:
 def format_road(parameters: Mapping[str, Any]) -> str:
     """Return the road of a run in words, or "" if the FMU has no road of this package."""
     shape = parameters.get("road.shape")
-    if shape is None or shape == "flat":
+    if shape is None or shape in ("flat", "input"):
         return shape or ""
     length, speed = parameters["road.length"], f"at {parameters['speed']:.4g} m/s"
     height = f"{1e3 * parameters['road.height']:.4g} mm"

@@ -63,7 +63,9 @@ def load_scene(
         if error.key == "duration":
             hint = meant(name, "scene") if path is None else _NO_STOP_TIME * (path.suffix == ".fmu")
         raise SceneError(f"{_format_refusal(error, layers, reference)}{hint}") from None
-    return replace(scene, file=path, unchecked=layers.unchecked, idle=tuple(_idle(scene, layers)))
+    stated = {*scene.expect, *(one.output for one in scene.during)}
+    unchecked = tuple(name for name in layers.unchecked if name not in stated)
+    return replace(scene, file=path, unchecked=unchecked, idle=tuple(_idle(scene, layers)))
 
 
 def _layers_of(reference: str | Mapping[str, Any]) -> tuple[Layers, str, Path | None]:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from phaseplane.suspension.units import counted
 from phaseplane.suspension.variables import Value
 
 from ..errors import InputError, shown
@@ -107,7 +108,7 @@ def format_sweep(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
         "",
         *aligned(rows),
         "",
-        f"{summary['runs']} runs of {summary['scene']} in {seconds:.2f} s{rate}"
+        f"{counted(summary['runs'], 'run')} of {summary['scene']} in {seconds:.2f} s{rate}"
         + (f"; {before} from before the interruption" if before else "")
         + (UNCOMPILED if summary["uncompiled"] else ""),
     ]
