@@ -161,7 +161,7 @@ def _name(page: Page, edge: complex, name: str, sense: float) -> None:
     half = text.box(page.em).half
     low, high = page.view.grown(-0.3 * page.em).corners
     x = min(max(edge.real - sense * half.real, low.real + half.real), high.real - half.real)
-    places = [(back, up) for back in (0.0, 1.0, 2.0, -3.0) for up in _BESIDE]
+    places = [(back, up) for back in (0.0, 1.0, 2.0, -3.0, -4.0) for up in _BESIDE]
     centres = [
         complex(x - back * sense * half.real, edge.imag + up * page.em) for back, up in places
     ]
