@@ -82,7 +82,7 @@ def test_pieces_by_their_signs_are_the_pieces(text, x, v):
         ("relay(x, 1, 2)", "relay takes 1 or 2 values, not 3"),
         ("saturation(x)", "saturation takes 2 values, not 1"),
         ("max(x)", "max takes at least 2 values, not 1"),
-        ("sin()", "sin takes 1 values, not 0"),
+        ("sin()", "sin takes 1 value, not 0"),
     ],
 )
 def test_what_is_wrong_with_a_formula_is_said(text, message):

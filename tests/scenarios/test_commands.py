@@ -128,7 +128,7 @@ def test_compare_counts_what_only_one_has(tables: Path) -> None:
         (["show", "no_time.csv", "--save", "f.rrd"], "no column time"),
         (["show", "a.csv", "--figure", "a.gif"], "must end in .png"),
         (["show", "twice.csv"], "cannot read twice.csv: 2 columns are called 'x'"),
-        (["show", "ragged.csv"], "line 3 has 1 cells, the heading 2\n"),
+        (["show", "ragged.csv"], "line 3 has 1 cell, the heading 2\n"),
         (["show", "time.csv", "--figure", "f.png"], "time.csv has no column but time to draw"),
         (
             ["show", "other.parquet"],

@@ -53,7 +53,7 @@ def test_csv_of_other_programs_is_read_in_si(tmp_path, text, columns, units):
 
 @pytest.mark.parametrize(
     ("text", "words"),
-    [("t;z\n0;1\n1\n", "line 3 has 1 cells"), ("t;z\n0;one\n", "'one' found"),
+    [("t;z\n0;1\n1\n", "line 3 has 1 cell"), ("t;z\n0;one\n", "'one' found"),
      ("t;t\n0;1\n", "2 columns are called 't'")],
 )  # fmt: skip
 def test_what_is_no_table_is_refused_with_its_line(tmp_path, text, words):
