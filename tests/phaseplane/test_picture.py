@@ -38,7 +38,6 @@ from phaseplane.constructions.sheet import Event
 from phaseplane.picture import subject
 from phaseplane.picture.axes import graduation_of
 from phaseplane.picture.canvas import Canvas
-from phaseplane.picture.chart import Chart
 from phaseplane.picture.items import Arrow, Dots, Lines, Text
 from phaseplane.picture.letters import NEAR, place, text_box
 from phaseplane.picture.page import Page
@@ -54,7 +53,6 @@ from phaseplane.picture.styles import (
     Hue,
     hue_of,
     part_of,
-    strength_of,
     style_of,
 )
 from phaseplane.picture.text import (
@@ -62,6 +60,7 @@ from phaseplane.picture.text import (
     event_text,
     level_text,
     markdown,
+    measured,
     number,
     protocol,
     readings_table,
@@ -237,6 +236,48 @@ def test_a_story_tells_at_its_end_whether_the_construction_follows_the_run(
     assert ("has left the run" in last.text) is not follows
 
 
+def test_what_is_laid_off_says_which_way_and_mean_excitations_are_told() -> None:
+    """On the road by its mean height; in flight by the weight, against the axis of the wheel."""
+    made = construct_motion(ap57(), delta, step=0.0025, steps=30)
+    units = {plane.name: ("cm", 100.0) for plane in made.planes}
+    for frame_ in made.frames:
+        scheme = made.schemes[frame_.scheme]
+        told = [measured(made, frame_, stage, units) for stage in range(len(scheme.stages))]
+        lengths = [
+            word for words in told for word in words if " along y" in word or " against y" in word
+        ]
+        strokes = [stroke for stroke in scheme.strokes if stroke.role == "excitation"]
+        assert len(lengths) == len(strokes) > 0
+        for stroke, words in zip(strokes, lengths, strict=True):
+            plane = next(p for p in made.planes if p.number in stroke.start)
+            way = frame_.points[stroke.end] - frame_.points[stroke.start]
+            along = (way * plane.displacement.direction.conjugate()).real >= 0.0
+            assert f"{'along' if along else 'against'} y{'₁₂'[int(plane.number) - 1]}" in words
+        assert sum("mean ÿ" in word for words in told for word in words) == 2
+
+
+def test_the_empty_sheet_tells_scales_and_frequencies() -> None:
+    made = construct_motion(ap57(), delta, step=0.0025, steps=30)
+    first = next(story_of(pages_of(Content("quarter car", made))[0], arms_page(made), {}))
+    one, two = (f"{plane.angular_frequency:.4g}" for plane in made.planes)
+    scales = "Scales: y₁ 1 : 1 (a), y₂ 2.5 : 1 (b)"
+    assert f"{scales}; Ω₁ = {one} rad/s, Ω₂ = {two} rad/s." in first.text
+
+
+def test_a_story_tells_the_jump_of_a_road_and_no_rest() -> None:
+    made = draw_construction(
+        "QuarterCar",
+        load_scene("kerb").all_parameters,
+        asdict(load_scene("kerb").construction),
+        1.5,
+    )
+    told = told_steps(made)
+    assert any("jolt" in made.frames.events.get(i, "") for i in told)
+    size = [abs(f.points["P2'"] - f.points["P2"]) for f in made.frames]
+    quiet = [i for i in told if i not in made.frames.events and size[i] < 0.001 * max(size)]
+    assert len(quiet) <= 1
+
+
 def test_arrows_at_the_rim_come_with_their_letters() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=20)
     stays = pages_of(Content("quarter car", made))[0]
@@ -380,95 +421,6 @@ def test_the_end_of_a_motion_stands_out_from_its_trail() -> None:
     assert [discs.get(role) for role in MOVING_POINT] == [ends] * len(MOVING_POINT)
 
 
-def test_all_columns_of_a_chart_are_named_in_its_view() -> None:
-    made = construct_motion(ap57(), delta, step=0.0025, steps=10)
-    names = tuple(f"{axle}_suspension_deflection_{i}" for axle in ("front", "rear") for i in "12")
-    histories = {"time": [0.0, 0.02], **{name: [0.0, 0.01] for name in names}}
-    page = Chart(made, histories, names, QUANTITIES[0]).stays
-    named = {text.text: text.box(page.em) for text in page.texts}
-    for name in names:
-        assert page.view.contains(named[name.replace("_", " ")])
-    front, rear = (
-        {i.strength for i in page.items if isinstance(i, Lines) and i.role == "suspension"}
-        for page in (Chart(made, histories, pair, QUANTITIES[0]).stays for pair in
-                     (names[:2], names[2:]))
-    )  # fmt: skip
-    assert max(rear) < min(front)
-    strengths = {text.text: text.strength for text in page.texts}
-    assert [strengths[name.replace("_", " ")] for name in names] == [*map(strength_of, names)]
-    assert sum(text.endswith(" ms") for text in named) == 1  # the unit of time
-    slow = construct_motion(EquationPlane(lambda v, x, t: x, True), delta, step=0.1, duration=3.0)
-    texts = Chart(slow, {"time": [0.0, 3.0], "y": [0.0, 1.0]}, ("y",), QUANTITIES[0]).stays.texts
-    assert "3 s" in [text.text for text in texts]
-
-
-def test_the_texts_of_a_chart_fit_their_pane_with_type_of_its_size() -> None:
-    """The pane is 166 pixels high in a window of 1366x768, with a bar of 30; 1 em is 16.75 pixels."""
-    made = construct_motion(ap57(), delta, step=0.0025, steps=30)
-    names = ("body_displacement", "wheel_displacement", "suspension_deflection", "road_elevation")
-    histories = {"time": [0.0, 0.075], **{name: [0.0, 0.05] for name in names}}
-    chart = Chart(made, histories, names, QUANTITIES[0])
-    page = chart.stays
-    assert 2.0 * page.view.half.imag / page.em <= (166.0 - 30.0) / 16.75
-    boxes = [text.box(page.em) for text in page.texts]
-    assert not any(one.overlap(other) for one, other in combinations(boxes, 2))
-    assert all(page.view.contains(box) for box in boxes)
-    # the names are one column in larger windows, too, and the plates of the viewer have gaps
-    centres = [text.centre for text in page.texts if text.role in PARTS]
-    assert len({z.real for z in centres}) == 1
-    assert np.all(np.diff([z.imag for z in centres]) < -1.6 * page.em)
-    (heading,) = (text.box(page.em) for text in page.texts if text.role == "axis")
-    assert heading.centre.imag - heading.half.imag >= chart.at(0.0, chart.high).imag
-
-
-def test_a_chart_of_many_rows_shows_the_size_of_a_vibration() -> None:
-    """A sine of 20 Hz, of which every twentieth row is nearly the same."""
-    made = construct_motion(EquationPlane(lambda v, x, t: x, True), delta, step=0.1, duration=12.0)
-    times = np.arange(12001) / 1e3
-    shown = {"time": times, "y": np.sin(2 * np.pi * 20.0 * times)}
-    chart = Chart(made, shown, ("y",), QUANTITIES[0])
-    (curve,) = (
-        strip for i in chart.stays.of(Lines) for strip in i.strips if i.role == chart.roles[0]
-    )
-    assert len(curve) < 700
-    for part in np.array_split(np.array(curve[:560]), 28):
-        assert part.imag.min() < chart.at(0.0, -99.0).imag
-        assert part.imag.max() > chart.at(0.0, 99.0).imag
-
-
-def test_the_curves_of_four_wheels_can_be_told_apart() -> None:
-    names = [f"{axle}_{side}_wheel" for axle in ("front", "rear") for side in ("left", "right")]
-    assert len({strength_of(name) for name in names}) == 4
-
-
-def test_the_values_of_the_time_stand_below_the_curves_of_a_chart() -> None:
-    made = construct_motion(ap57(), delta, step=0.0025, steps=10)
-    shown = {"time": [0.0, 0.025], "wheel_displacement": [0.05, -0.05]}
-    chart = Chart(made, shown, ("wheel_displacement",), QUANTITIES[0])
-    times = [text for text in chart.stays.texts if text.centre.real > 0.05 and text.kind == "value"]
-    assert len(times) >= 3
-    for text in times:
-        box = text.box(chart.stays.em)
-        assert box.centre.imag + box.half.imag <= chart.at(0.0, chart.low).imag
-        assert chart.stays.view.contains(box)
-
-
-@given(end=st.floats(0.01, 4.0))
-def test_the_unit_of_time_stands_in_every_chart(*, end: float) -> None:
-    made = construct_motion(EquationPlane(lambda v, x, t: x, True), delta, step=end / 4, steps=4)
-    texts = Chart(made, {"time": [0.0, end], "y": [0.0, 1.0]}, ("y",), QUANTITIES[0]).stays.texts
-    assert [text.text.split()[-1] for text in texts if text.text.endswith("s")] in (["s"], ["ms"])
-
-
-@given(low=st.floats(-100.0, 0.0), span=st.floats(0.01, 200.0))
-def test_the_values_of_a_chart_show_its_range(*, low: float, span: float) -> None:
-    made = drawing(5)
-    shown = {"time": [0.0, 0.01], "z": [low, low + span]}
-    chart = Chart(made, shown, ("z",), QUANTITIES[-1])
-    left = [t for t in chart.stays.texts if t.kind == "value" and t.centre.real < 0.0]
-    assert len(left) >= 2
-
-
 def test_turn_angles_are_named_and_their_arm_has_a_unit() -> None:
     half_car = load_scene("half_car_pitch")
     four = draw_construction(
@@ -560,6 +512,7 @@ def test_no_text_holds_a_character_that_ends_the_viewer(tmp_path: Path) -> None:
 def test_what_the_viewer_can_show_is_kept() -> None:
     kept = "x\N{SUBSCRIPT TWO} \N{GREEK CAPITAL LETTER OMEGA} \N{MINUS SIGN}1 A1*'\n"
     assert legible(kept) == kept
+    assert legible("\u03be\N{COMBINING DIAERESIS}/\u03a9") == "\u03be\N{DOUBLE PRIME}/\u03a9"
     assert legible("y\N{COMBINING MACRON}") == "\N{LATIN SMALL LETTER Y WITH MACRON}"
 
 

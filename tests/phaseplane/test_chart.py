@@ -1,0 +1,118 @@
+"""Charts of readings over time: their names, values and units in the pane of a viewer."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from recorded import drawing
+from worked_example import ap57
+
+from phaseplane.constructions import EquationPlane, construct_motion, delta
+from phaseplane.picture.chart import Chart
+from phaseplane.picture.items import Lines
+from phaseplane.picture.quantities import QUANTITIES
+from phaseplane.picture.styles import PARTS, strength_of
+from phaseplane.recording import Content, new_recording
+from phaseplane.recording.recorder import Recorder
+
+
+def test_all_columns_of_a_chart_are_named_in_its_view() -> None:
+    made = construct_motion(ap57(), delta, step=0.0025, steps=10)
+    names = tuple(f"{axle}_suspension_deflection_{i}" for axle in ("front", "rear") for i in "12")
+    histories = {"time": [0.0, 0.02], **{name: [0.0, 0.01] for name in names}}
+    page = Chart(made, histories, names, QUANTITIES[0]).stays
+    named = {text.text: text.box(page.em) for text in page.texts}
+    for name in names:
+        assert page.view.contains(named[name.replace("_", " ")])
+    front, rear = (
+        {i.strength for i in page.items if isinstance(i, Lines) and i.role == "suspension"}
+        for page in (Chart(made, histories, pair, QUANTITIES[0]).stays for pair in
+                     (names[:2], names[2:]))
+    )  # fmt: skip
+    assert max(rear) < min(front)
+    strengths = {text.text: text.strength for text in page.texts}
+    assert [strengths[name.replace("_", " ")] for name in names] == [*map(strength_of, names)]
+    assert sum(text.endswith(" ms") for text in named) == 1  # the unit of time
+    slow = construct_motion(EquationPlane(lambda v, x, t: x, True), delta, step=0.1, duration=3.0)
+    texts = Chart(slow, {"time": [0.0, 3.0], "y": [0.0, 1.0]}, ("y",), QUANTITIES[0]).stays.texts
+    assert "3 s" in [text.text for text in texts]
+
+
+def test_the_texts_of_a_chart_fit_their_pane_with_type_of_its_size() -> None:
+    """The pane is 166 pixels high in a window of 1366x768, with a bar of 30; 1 em is 16.75 pixels."""
+    made = construct_motion(ap57(), delta, step=0.0025, steps=30)
+    names = ("body_displacement", "wheel_displacement", "suspension_deflection", "road_elevation")
+    histories = {"time": [0.0, 0.075], **{name: [0.0, 0.05] for name in names}}
+    chart = Chart(made, histories, names, QUANTITIES[0])
+    page = chart.stays
+    assert 2.0 * page.view.half.imag / page.em <= (166.0 - 30.0) / 16.75
+    boxes = [text.box(page.em) for text in page.texts]
+    assert not any(one.overlap(other) for one, other in combinations(boxes, 2))
+    assert all(page.view.contains(box) for box in boxes)
+    # the names are one column in larger windows, too, and the plates of the viewer have gaps
+    centres = [text.centre for text in page.texts if text.role in PARTS]
+    assert len({z.real for z in centres}) == 1
+    assert np.all(np.diff([z.imag for z in centres]) < -1.6 * page.em)
+    (heading,) = (text.box(page.em) for text in page.texts if text.role == "axis")
+    assert heading.centre.imag - heading.half.imag >= chart.at(0.0, chart.high).imag
+
+
+def test_a_chart_of_many_rows_shows_the_size_of_a_vibration() -> None:
+    """A sine of 20 Hz, of which every twentieth row is nearly the same."""
+    made = construct_motion(EquationPlane(lambda v, x, t: x, True), delta, step=0.1, duration=12.0)
+    times = np.arange(12001) / 1e3
+    shown = {"time": times, "y": np.sin(2 * np.pi * 20.0 * times)}
+    chart = Chart(made, shown, ("y",), QUANTITIES[0])
+    (curve,) = (
+        strip for i in chart.stays.of(Lines) for strip in i.strips if i.role == chart.roles[0]
+    )
+    assert len(curve) < 700
+    for part in np.array_split(np.array(curve[:560]), 28):
+        assert part.imag.min() < chart.at(0.0, -99.0).imag
+        assert part.imag.max() > chart.at(0.0, 99.0).imag
+
+
+def test_the_curves_of_four_wheels_can_be_told_apart() -> None:
+    names = [f"{axle}_{side}_wheel" for axle in ("front", "rear") for side in ("left", "right")]
+    assert len({strength_of(name) for name in names}) == 4
+
+
+def test_the_values_of_the_time_stand_below_the_curves_of_a_chart() -> None:
+    made = construct_motion(ap57(), delta, step=0.0025, steps=10)
+    shown = {"time": [0.0, 0.025], "wheel_displacement": [0.05, -0.05]}
+    chart = Chart(made, shown, ("wheel_displacement",), QUANTITIES[0])
+    times = [text for text in chart.stays.texts if text.centre.real > 0.05 and text.kind == "value"]
+    assert len(times) >= 3
+    for text in times:
+        box = text.box(chart.stays.em)
+        assert box.centre.imag + box.half.imag <= chart.at(0.0, chart.low).imag
+        assert chart.stays.view.contains(box)
+
+
+@given(end=st.floats(0.01, 4.0))
+def test_the_unit_of_time_stands_in_every_chart(*, end: float) -> None:
+    made = construct_motion(EquationPlane(lambda v, x, t: x, True), delta, step=end / 4, steps=4)
+    texts = Chart(made, {"time": [0.0, end], "y": [0.0, 1.0]}, ("y",), QUANTITIES[0]).stays.texts
+    assert [text.text.split()[-1] for text in texts if text.text.endswith("s")] in (["s"], ["ms"])
+
+
+@given(low=st.floats(-100.0, 0.0), span=st.floats(0.01, 200.0))
+def test_the_values_of_a_chart_show_its_range(*, low: float, span: float) -> None:
+    made = drawing(5)
+    shown = {"time": [0.0, 0.01], "z": [low, low + span]}
+    chart = Chart(made, shown, ("z",), QUANTITIES[-1])
+    left = [t for t in chart.stays.texts if t.kind == "value" and t.centre.real < 0.0]
+    assert len(left) >= 2
+
+
+def test_a_chart_begins_with_the_planes_that_are_drawn() -> None:
+    made = construct_motion(ap57(), delta, step=0.0025, steps=4)
+    names = ("body_displacement", "road_elevation", *(plane.name for plane in made.planes))
+    histories = {"time": [0.0, 0.01], **{name: [0.0, 0.01] for name in names}}
+    shown = Content("quarter car", made, histories, units=dict.fromkeys(names, "m"))
+    chart = Recorder(new_recording(shown), shown).chart
+    assert chart is not None
+    assert set(chart.names[:2]) == {plane.name for plane in made.planes}
