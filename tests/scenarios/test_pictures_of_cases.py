@@ -22,6 +22,7 @@ from phaseplane.scenarios.scene.names import case_names
 from phaseplane.constructions import RULES
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing
+from phaseplane.constructions.two_planes import STUCK
 from phaseplane.figures.canvas import new_page
 from phaseplane.figures.planes import step_page
 from phaseplane.figures.style import PLAIN
@@ -197,6 +198,19 @@ def test_a_replay_has_lanes_that_change_with_its_events(
     assert found.keys() == lanes.keys()
     for lane, events in lanes.items():
         assert {frame.time for frame in drawing.frames if frame.event in events} <= found[lane]
+
+
+def test_lanes_below_steps_are_those_of_the_construction_beside_a_run() -> None:
+    """A run has no column of dry friction."""
+    drawing = drawing_of("leaf_spring")
+    times = np.array([0.0, drawing.frames[-1].time])
+    lanes = lanes_of(Content("run", drawing, {"time": times, "airborne": np.zeros(2)}))
+    assert lanes.keys() == {"dry friction"}
+    drawn = lanes["dry friction"].drawn
+    assert drawn is not None
+    assert drawn[: len(drawing.frames)].tolist() == [
+        scheme.endswith(STUCK) for scheme in drawing.frames.schemes
+    ]
 
 
 @pytest.mark.parametrize("name", ["high_bump_at_speed", "iso8608_c"])
