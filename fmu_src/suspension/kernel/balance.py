@@ -16,6 +16,7 @@ import cython
 
 from .bends import Bends
 from .language import inline
+from .straight import Straight
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -58,7 +59,8 @@ class Balance:
         # loads at all instants of a step, and at one more within it
         self.loads = memory.zeros(n * (self.instants + 1))
         self.loads_hold = False  # whether the loads of the present branches are constant and known
-        self.bends = Bends(network)
+        self.straight = Straight(network)
+        self.bends = Bends(self.straight)
         # elevation and rate of the road under each curved row
         self.under = memory.zeros(2 * rows * (self.instants + 1))
         # acceleration of the road under each sticking row
@@ -67,9 +69,12 @@ class Balance:
     def enter(self) -> None:
         """Read the present branches."""
         self.loads_hold = False
-        self.net.linearise()
-        self.net.constant_force(self.constant)
-        self.net.assemble(self.net.branch_k, self.net.branch_c, self.tangent_k, self.tangent_c)
+        self.straight.enter()
+        for i in range(self.n):
+            self.constant[i] = 0.0
+            for r in range(self.net.rows):
+                self.constant[i] -= self.net.row_direction[r * self.n + i] * self.straight.f[r]
+        self.net.assemble(self.straight.k, self.straight.c, self.tangent_k, self.tangent_c)
         for i in range(self.n * self.n):
             self.stiffness[i], self.damping[i] = self.tangent_k[i], self.tangent_c[i]
             self.flexibility[i] = self.net.flexibility[i]
@@ -109,11 +114,11 @@ class Balance:
         """Find the loads at instant k, and their rates if `rates`, with the signals in `road`."""
         for i in range(self.n):
             self.loads[self.n * k + i] = self.constant[i]
-        self.net.add_loads(self.net.branch_k, self.net.branch_c, self.loads, self.n * k, 0)
+        self.net.add_loads(self.straight.k, self.straight.c, self.loads, self.n * k, 0)
         if rates:
             for i in range(self.n):
                 self.load_rate[i] = 0.0
-            self.net.add_loads(self.net.branch_k, self.net.branch_c, self.load_rate, 0, 1)
+            self.net.add_loads(self.straight.k, self.straight.c, self.load_rate, 0, 1)
         at = 2 * self.net.rows * k
         for p in range(self.bends.count):
             s = self.net.row_signal[self.bends.row[p]]

@@ -19,7 +19,7 @@ from .layout import (
 )
 
 if TYPE_CHECKING:
-    from .network import Network
+    from .straight import Straight
 
 
 class Bends:
@@ -27,11 +27,11 @@ class Bends:
 
     Parameters
     ----------
-    network : network of the system
+    straight : tells which laws are curved in the present branches
     """
 
-    def __init__(self, network: Network) -> None:
-        self.net = network
+    def __init__(self, straight: Straight) -> None:
+        self.straight, self.net = straight, straight.net
         rows, laws = max(self.net.rows, 1), LAWS * self.net.elements
         memory = self.net.memory
         self.count = 0  # of such rows
@@ -60,11 +60,11 @@ class Bends:
             for e in range(self.net.elements):
                 if self.net.element_row[e] != r or self.net.branch[BRANCHES * e + CONTACT]:
                     continue
-                if not self.net.spring_is_straight(e):
+                if self.straight.bent_spring[e]:
                     self.piece[count] = self.net.piece_now(e, SPRING)
                     self.law[count] = SPRING
                     count += 1
-                if not self.net.damper_is_straight(e):
+                if self.straight.bent_damper[e]:
                     if self.net.modulated[e]:
                         self.modulated = True
                         self.piece[count] = self.net.piece_now(e, MODULATION)

@@ -73,8 +73,6 @@ class Elements(Laws):
         self.row_d, self.row_v = memory.zeros(rows), memory.zeros(rows)
         self.row_f = memory.zeros(rows)
         self.row_k, self.row_c = memory.zeros(rows), memory.zeros(rows)
-        self.branch_f, self.branch_k = memory.zeros(rows), memory.zeros(rows)
-        self.branch_c = memory.zeros(rows)
 
     @of_python
     def _read_rows(self, system: System) -> None:
@@ -187,47 +185,6 @@ class Elements(Laws):
                 self.row_c[r] += slope
             if self.friction[e] > 0.0:
                 self.row_f[r] += self.branch[BRANCHES * e + FRICTION] * self.friction[e]
-
-    def linearise(self) -> None:
-        """Set force at rest and tangents of every row, f + k d + c w, from its straight pieces."""
-        for r in range(self.rows):
-            self.branch_f[r] = 0.0
-            self.branch_k[r] = 0.0
-            self.branch_c[r] = 0.0
-        for e in range(self.elements):
-            r = self.element_row[e]
-            if self.branch[BRANCHES * e + CONTACT]:
-                self.branch_f[r] += self.limit[e]
-            else:
-                if self.spring_is_straight(e):
-                    p = self.piece_now(e, SPRING)
-                    self.branch_f[r] += self.intercept(p)
-                    self.branch_k[r] += self.piece[p * PIECE + C1]
-                if self.damper_is_straight(e):
-                    p = self.piece_now(e, DAMPER)
-                    rest = self.intercept(p)
-                    c = self.piece[p * PIECE + C1]
-                    if self.modulated[e]:
-                        factor = self.law(self.piece_now(e, MODULATION), 0.0)
-                        rest *= factor
-                        c *= factor
-                    self.branch_f[r] += rest
-                    self.branch_c[r] += c
-            if self.friction[e] > 0.0:
-                self.branch_f[r] += self.branch[BRANCHES * e + FRICTION] * self.friction[e]
-
-    def spring_is_straight(self, e: int) -> bool:
-        """Return whether the spring of element e is linear in its present branch."""
-        return self.straight[self.piece_now(e, SPRING)] != 0
-
-    def damper_is_straight(self, e: int) -> bool:
-        """Return whether the damper of element e is linear in its present branch."""
-        if not self.straight[self.piece_now(e, DAMPER)]:
-            return False
-        if not self.modulated[e]:
-            return True
-        p = self.piece_now(e, MODULATION)
-        return self.straight[p] != 0 and self.piece[p * PIECE + C1] == 0.0
 
     def unlimited_force(self, e: int, row: Doubles, at: int) -> None:
         """Set force0, force1, force2 to S(d) + D(v) m(d) of element e and two time derivatives."""

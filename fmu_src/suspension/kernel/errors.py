@@ -107,8 +107,15 @@ class Errors:
         for i in range(self.n):
             self.motion.jerk[i], self.motion.end_jerk[i] = self.motion.j[i], self.motion.jb[i]
 
+    @inline
     def find_jerks(self, h: float) -> None:
-        """Find the jerks with which the attempt is read between its ends.
+        """Find the jerks with which the attempt is read between its ends."""
+        self.keep_jerks()
+        if not self.net.stuck and h * self.modes.quickest >= _LONG_PHASE:
+            self._replace_jerks(h)
+
+    def _replace_jerks(self, h: float) -> None:
+        """Find jerks that describe a step long enough for velocities to decay in it.
 
         If a damper lets a velocity decay at the rate d, a remainder e of it contributes d e to the
         accelerations but d^2 e to the jerks j, which then do not describe a step much longer than 1/d.
@@ -119,9 +126,6 @@ class Errors:
         with the jerks j5 of the quintic through q, v and a at both ends; j' = j where dampers are weak.
         """
         n = self.n
-        self.keep_jerks()
-        if self.net.stuck or h * self.modes.quickest < _LONG_PHASE:
-            return
         tau = h / _STRONG
         for i in range(n * n):
             self.held[i] = self.net.mass[i] + tau * self.modes.damping[i]

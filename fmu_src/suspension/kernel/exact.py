@@ -54,6 +54,7 @@ class Propagator:
 
     def __init__(self, motion: Motion, balance: Balance) -> None:
         self.net, self.n = motion.net, motion.n
+        self.straight = balance.straight
         self.stiffness, self.damping = balance.tangent_k, balance.tangent_c
         self.q0, self.v0, self.a0 = motion.q, motion.v, motion.a
         self.q2, self.v2 = motion.qb, motion.vb
@@ -144,7 +145,7 @@ class Propagator:
             for s in range(self.net.signals):
                 for order in range(3):
                     self.net.road[4 * s + order] = self._derivative(s, t, k + order)
-            self.net.add_loads(self.net.branch_k, self.net.branch_c, self.column, 0, 0)
+            self.net.add_loads(self.straight.k, self.straight.c, self.column, 0, 0)
             factor *= self.part
             self._enter_column(2 * n + k, factor)
             self.state[2 * n + k] = 0.0
@@ -185,7 +186,7 @@ class Propagator:
                 self.net.road[4 * s + 2] = -amplitude * speed * speed
             else:
                 self.net.road[4 * s + 1] = -amplitude * speed
-            self.net.add_loads(self.net.branch_k, self.net.branch_c, self.column, 0, 0)
+            self.net.add_loads(self.straight.k, self.straight.c, self.column, 0, 0)
             self._enter_column(at + side, self.part * self.part)
 
     def _clear(self) -> None:

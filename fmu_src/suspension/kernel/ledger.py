@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import cython
 
 from .elements import ELASTIC
-from .layout import BRANCHES, CONTACT, DAMPER, FRICTION, MODULATION, SPRING
+from .layout import BRANCHES, CONTACT, FRICTION, SPRING
 from .potential import Potential
 from .step_readings import ENDS, POINTS, StepReadings
 
@@ -29,6 +29,8 @@ if not cython.compiled:
 
 _TIMES = 2.0  # times the energy accounted for: more stored energy than that is wrong
 _LEAST = 1e-9  # J; rounding alone may cause as much
+# what a row that dissipates needs of a step: the integrals of w and w^2, or its rates at all points
+_SUMS, _AT_POINTS = 1, 2
 
 
 class Ledger:
@@ -43,7 +45,7 @@ class Ledger:
 
     def __init__(self, balance: Balance, rows: Rows, dense: Dense) -> None:
         self.balance, self.rows, self.dense = balance, rows, dense
-        self.net = self.balance.net
+        self.net, self.straight = self.balance.net, self.balance.straight
         elements, most = self.net.elements, max(self.net.rows, 1)
         self.works = elements + self.net.signals
         memory = self.net.memory
@@ -60,11 +62,11 @@ class Ledger:
         self.loss, self.loss_rate = memory.zeros(elements), memory.zeros(elements)
         self.curved = memory.marks(elements)
         self.dissipating, self.element = 0, memory.marks(elements)  # how many dissipate, and which
-        # of each row: whether it dissipates, and by a curved law
-        self.lossy, self.needs_points = memory.marks(most), memory.marks(most)
+        self.needs = memory.marks(most)  # of each row: nothing, `_SUMS` or `_AT_POINTS`
         self.moving = False  # whether any signal changes within the step
+        self.loaded = False  # whether any load is not zero throughout the present segments
         self.readings = StepReadings(self.rows, dense)
-        self.potential = Potential(self.net)
+        self.potential = Potential(self.straight)
         self.start()
 
     def start(self) -> None:
@@ -76,9 +78,9 @@ class Ledger:
             self.work[i] = self.brought[i] = 0.0
 
     def enter(self) -> None:
-        """Read which forces dissipate and which store energy in the present branches."""
+        """Read which forces dissipate and which store energy in the present branches and segments."""
         for r in range(self.net.rows):
-            self.lossy[r] = self.needs_points[r] = 0
+            self.needs[r] = 0
         self.potential.enter()
         self.dissipating = 0
         for e in range(self.net.elements):
@@ -87,25 +89,24 @@ class Ledger:
             c = 0.0
             self.curved[e] = 0
             if not self.net.branch[at + CONTACT]:
-                if self.net.damper_is_straight(e):
-                    p = self.net.piece_now(e, DAMPER)
-                    factor = 1.0
-                    if self.net.modulated[e]:
-                        factor = self.net.law(self.net.piece_now(e, MODULATION), 0.0)
-                    f += factor * self.net.intercept(p)
-                    c = factor * self.net.law_slope(p, 0.0)
-                else:
+                if self.straight.bent_damper[e]:
                     self.curved[e] = 1
+                else:
+                    f += self.straight.damper_f[e]
+                    c = self.straight.damper_c[e]
                 if self.net.yields[e] and self.net.branch[at + SPRING] != ELASTIC:
                     f += self.net.flow_force(e)
             self.loss[e], self.loss_rate[e] = f, c
-            if self.curved[e]:
-                self.needs_points[self.net.element_row[e]] = 1
-            if f != 0.0 or c != 0.0:
-                self.lossy[self.net.element_row[e]] = 1
             if f != 0.0 or c != 0.0 or self.curved[e]:
+                r = self.net.element_row[e]
+                self.needs[r] = _AT_POINTS if self.curved[e] else max(self.needs[r], _SUMS)
                 self.element[self.dissipating] = e
                 self.dissipating += 1
+        self.loaded = False
+        for m in range(self.net.loads):
+            s = self.net.load_signal[m]
+            if self.net.road[4 * s] != 0.0 or not self.net.is_level(s):
+                self.loaded = True
 
     def read_rows(self, t: float, h: float) -> None:
         """Read the rows at both ends of the attempt that becomes the last step, unless signals change."""
@@ -131,9 +132,9 @@ class Ledger:
     def _book_parts(self, h: float, moving: bool) -> None:
         """Add the works of elements, roads and loads one by one, with the signals read before."""
         for r in range(self.net.rows):
-            if moving or self.needs_points[r]:
+            if moving or self.needs[r] == _AT_POINTS:
                 self.readings.read_row(r, h, moving)
-            elif self.lossy[r]:
+            elif self.needs[r] == _SUMS:
                 self.readings.sum_row(r, h)
         for k in range(self.dissipating):
             self._book_element(self.element[k], h)
@@ -141,8 +142,9 @@ class Ledger:
             for r in range(self.net.rows):
                 if self.net.row_signal[r] >= 0:
                     self._book_road(r, h)
-        for m in range(self.net.loads):
-            self._book_load(m, h, moving)
+        if self.loaded:
+            for m in range(self.net.loads):
+                self._book_load(m, h, moving)
 
     def _book_element(self, e: int, h: float) -> None:
         """Add what element e has dissipated."""
@@ -168,7 +170,7 @@ class Ledger:
             rate = self.readings.du[POINTS * s + k]
             if rate != 0.0:
                 d, w = self.readings.d[POINTS * r + k], self.readings.w[POINTS * r + k]
-                force = self.net.branch_f[r] + self.net.branch_k[r] * d + self.net.branch_c[r] * w
+                force = self.straight.f[r] + self.straight.k[r] * d + self.straight.c[r] * w
                 if bent >= 0:
                     self.balance.bends.find(bent, d, w, 0.0, 0.0)
                     force += self.balance.bends.force[bent]

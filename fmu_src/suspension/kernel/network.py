@@ -287,15 +287,6 @@ class Network(Branches):
                     for i in range(n):
                         out[at + i] += self.row_direction[r * n + i] * f
 
-    def constant_force(self, out: Doubles) -> None:
-        """Set `out` to -sum b f(0, 0), with the present pieces extended to zero."""
-        n = self.n
-        for i in range(n):
-            out[i] = 0.0
-        for r in range(self.rows):
-            for i in range(n):
-                out[i] -= self.row_direction[r * n + i] * self.branch_f[r]
-
     def accelerate(self, out: Doubles) -> None:
         """Find accelerations by the equation of motion, with `row_f` and the signals in `road`."""
         self.net_force(out)

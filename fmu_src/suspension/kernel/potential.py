@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .language import inline
-from .layout import BRANCHES, CONTACT, SPRING
+from .layout import BRANCHES, CONTACT
 
 if TYPE_CHECKING:
     from .language import Doubles
-    from .network import Network
+    from .straight import Straight
 
 
 class Potential:
@@ -17,11 +17,11 @@ class Potential:
 
     Parameters
     ----------
-    network : network of the system
+    straight : the straight forces of the present branches
     """
 
-    def __init__(self, network: Network) -> None:
-        self.net = network
+    def __init__(self, straight: Straight) -> None:
+        self.straight, self.net = straight, straight.net
         memory, rows = self.net.memory, max(self.net.rows, 1)
         self.e0, self.e1, self.e2 = memory.zeros(rows), memory.zeros(rows), memory.zeros(rows)
         self.by_element = memory.marks(rows)
@@ -37,17 +37,21 @@ class Potential:
     def _add(self, e: int) -> None:
         """Add the potential of element e to that of its row, if it is a parabola."""
         r = self.net.element_row[e]
-        if self.net.branch[BRANCHES * e + CONTACT]:
-            self.e0[r] += self.net.free_potential(e, 0.0)
-            self.e1[r] += self.net.limit[e]
-        elif self.net.yields[e] or not self.net.spring_is_straight(e):
+        if self._is_curved(e):
             self.by_element[r] = 1
+            return
+        self.e0[r] += self.net.element_energy(e, 0.0)
+        if self.net.branch[BRANCHES * e + CONTACT]:
+            self.e1[r] += self.net.limit[e]
         else:
-            p = self.net.piece_now(e, SPRING)
-            k = self.net.law_slope(p, 0.0)
-            self.e0[r] += self.net.potential(p, 0.0)
-            self.e1[r] += self.net.intercept(p)
-            self.e2[r] += 0.5 * k
+            self.e1[r] += self.straight.spring_f[e]
+            self.e2[r] += 0.5 * self.straight.spring_k[e]
+
+    def _is_curved(self, e: int) -> bool:
+        """Return whether the potential of element e is no parabola, or depends on its permanent set."""
+        if self.net.branch[BRANCHES * e + CONTACT]:
+            return False
+        return self.net.yields[e] != 0 or self.straight.bent_spring[e] != 0
 
     def energy(self, q: Doubles, v: Doubles) -> float:
         """Return kinetic energy plus the potential of all rows."""
@@ -69,14 +73,6 @@ class Potential:
             energy += self.e0[r] + d * (self.e1[r] + d * self.e2[r])
             if self.by_element[r]:
                 for e in range(self.net.elements):
-                    if self.net.element_row[e] == r:
-                        energy += self._of_curved(e, d)
+                    if self.net.element_row[e] == r and self._is_curved(e):
+                        energy += self.net.element_energy(e, d)
         return energy
-
-    def _of_curved(self, e: int, d: float) -> float:
-        """Return the potential of element e at d, or 0 if the parabola of its row includes it."""
-        if self.net.branch[BRANCHES * e + CONTACT]:
-            return 0.0
-        if self.net.yields[e] or not self.net.spring_is_straight(e):
-            return self.net.element_energy(e, d)
-        return 0.0

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import cython
 
 from .arrays import Memory
+from .language import inline
 from .layout import (
     AMPLITUDE,
     ANGLE,
@@ -195,9 +196,14 @@ class Signals:
     def still(self) -> bool:
         """Return whether all signals are constant in their present segments."""
         for s in range(self.signals):
-            if not self.level[self.signal_first[s] + self.signal_now[s]]:
+            if not self.is_level(s):
                 return False
         return True
+
+    @inline
+    def is_level(self, s: int) -> bool:
+        """Return whether signal s is constant in its present segment."""
+        return self.level[self.signal_first[s] + self.signal_now[s]] != 0
 
     def next_joint(self) -> float:
         """Return the next time at which a signal changes segment."""

@@ -14,9 +14,9 @@ import cython
 from .bernstein import Crossing
 from .elements import KINDS
 from .errors import ROUNDING_OF_RATES
+from .language import inline
 from .layout import BRANCHES, CONTACT, DAMPER, FRICTION, MODULATION, SPRING
 from .network import SLAVED
-from .straight_tyres import StraightTyres
 
 if TYPE_CHECKING:
     from .language import Doubles
@@ -52,7 +52,7 @@ class Switches:
         self.far_start, self.far_end = memory.zeros(most), memory.zeros(most)
         # four numbers of a row, as in `rows`, at the ends of all parts
         self.point = memory.zeros(4 * (_STRETCHES + 1))
-        self.tyres = StraightTyres(self.net)
+        self.straight = self.stepper.balance.straight
         # fractions of the attempt: the switch found, and the one after it
         self.at = self.next = 2.0
         self.element = self.kind = self.side = 0
@@ -68,8 +68,6 @@ class Switches:
         for m in range(self.net.switchable):
             e = self.net.switch_element[m]
             kind = self.net.switch_kind[m]
-            if kind == CONTACT:
-                self.tyres.enter(e)
             # a row that sticks passes no corner, despite rounding
             if kind < CONTACT and self.net.row_stuck[self.net.element_row[e]]:
                 continue
@@ -109,7 +107,7 @@ class Switches:
         been compared.
         """
         if kind == FRICTION or (
-            kind == CONTACT and (not self.tyres.straight[e] or self._is_slaved(e, h))
+            kind == CONTACT and (self.straight.curved[e] or self._is_slaved(e, h))
         ):
             return False
         if not self._is_far(k, e, kind, 4, h):
@@ -175,7 +173,7 @@ class Switches:
         if not self.stepper.errors.own_jerks or self.net.branch[BRANCHES * e + CONTACT]:
             return False
         mobility = self.net.mobility(self.net.element_row[e])
-        return self.tyres.c[e] * mobility * h > SLAVED
+        return self.straight.damper_c[e] * mobility * h > SLAVED
 
     def _rate_left(self, e: int, j: Doubles, jerk: Doubles) -> float:
         """Return by how much the rate of a force differs with the jerks that describe the step.
@@ -203,16 +201,18 @@ class Switches:
         fastest = 0.0
         for i in range(self.net.n):
             fastest = max(fastest, fabs(self.motion.vb[i]))
-        lost = ROUNDING_OF_RATES * self.tyres.c[e] * fastest * self.side
+        lost = ROUNDING_OF_RATES * self.straight.damper_c[e] * fastest * self.side
         return acceleration / self.net.mobility(self.net.element_row[e]) - lost
 
+    @inline
     def _contact_force(self, e: int, at: int) -> None:
         """Find the force as `unlimited_force` does, with fewer operations if all pieces are straight."""
-        if not self.tyres.straight[e]:
+        if self.straight.curved[e]:
             self.net.unlimited_force(e, self.row, at)
             return
-        k, c = self.tyres.k[e], self.tyres.c[e]
-        self.net.force0 = self.tyres.f[e] + k * self.row[at] + c * self.row[at + 1]
+        f = self.straight.spring_f[e] + self.straight.damper_f[e]
+        k, c = self.straight.spring_k[e], self.straight.damper_c[e]
+        self.net.force0 = f + k * self.row[at] + c * self.row[at + 1]
         self.net.force1 = k * self.row[at + 1] + c * self.row[at + 2]
         self.net.force2 = k * self.row[at + 2] + c * self.row[at + 3]
 
@@ -273,7 +273,7 @@ class Switches:
         if self.row[8 * self.net.element_row[e]] > self.net.opening[e]:
             self._search_gap(k, h)
             return True
-        if not self.tyres.straight[e]:
+        if self.straight.curved[e]:
             self._search_touchdown(k, h)
             return True
         return False
