@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import ceil, floor
+from itertools import product
+from math import ceil, copysign, floor
+from operator import itemgetter
 
 import numpy as np
 
@@ -14,16 +17,22 @@ from phaseplane.constructions.sheet import round_step
 from .items import TYPE, Lines, Text, value_text
 from .letters import text_box
 from .page import Page
-from .paper import Boxes, Points, segments_of
+from .paper import Box, Boxes, Points, segments_of
 from .quantities import display_unit
 from .subject import reach_of
 from .text import bracketed, number
 
-_BESIDE = (0.0, 1.2, -1.2, 2.4, -2.4, 3.6, -3.6, 4.8, -4.8)  # places of the name of an axis, em
+# places of the name of an axis: up, em, and to the side, half-widths of the name
+_BESIDE = (0.0, 1.2, -1.2, 2.4, -2.4, 3.6, -3.6, 4.8, -4.8)
+_BACK = (0.0, 0.5, 1.0, 2.0)
+_PLATE = 0.25  # width of the viewer's plate around a text, em
+_SHIFTS = (0.0, -0.8, 0.8)  # of a value along its axis, em
+_MOTION = 2  # of what lies under a text, see `_struck`
 _WIDEST = 0.27  # part of the width that the name of an axis may take up
 
-# of an axis: its name, at an edge, with the sense in which it ends there; and its values
-_Texts = tuple[tuple[complex, str, float], list[Text]]
+# of an axis: its ends; its name, at an edge, with the sense in which it ends there; and its values, each
+# in the places where it may stand
+_Texts = tuple[tuple[tuple[complex, complex], complex, str, float], list[list[Text]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,11 +77,12 @@ def draw_axes(page: Page) -> None:
     for plane, motion, along, up in known:
         for name, of_axis in (_vertical(page, plane, motion, up), _horizontal(page, plane, along)):
             names.append(name)
-            values += of_axis
+            values.append(of_axis)
+    ways = _ways(page)
     for name in names:  # which keep clear of the axes of all planes
-        _name(page, *name)
-    for text in values:
-        page.write_if_free(text)
+        _name(page, ways, *name)
+    for of_axis in values:
+        _write_values(page, of_axis, ways)
 
 
 def draw_y_axis(page: Page, plane: Plane) -> None:
@@ -80,9 +90,9 @@ def draw_y_axis(page: Page, plane: Plane) -> None:
     axis, reach_of_view = plane.displacement, page.view.half.real - 0.5 * page.em
     sense = axis.direction.real
     middle = complex(page.view.centre.real, axis.origin.imag)
-    tip = middle + sense * reach_of_view
-    page.arrow("axis", middle - sense * reach_of_view, tip)
-    _name(page, tip - 1.0j * page.em, typeset(axis.label), sense)
+    start, tip = middle - sense * reach_of_view, middle + sense * reach_of_view
+    page.arrow("axis", start, tip)
+    _name(page, _ways(page), (start, tip), tip - 1.0j * page.em, typeset(axis.label), sense)
 
 
 def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> _Texts:
@@ -99,9 +109,11 @@ def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> _Texts:
     name = "\n".join(rows) + f" {label}"
     if _in_columns(page) or text_box(0j, name, em).half.real > _WIDEST * page.view.half.real:
         name, rows = label, rows[:1]
-    texts = [(axis.at(v) - 1.0j * em, number(v * graduation.factor)) for v in graduation.values]
+    places = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
+    sides = [complex(x, y) for far, x in product((1.0, 1.8), _SHIFTS) for y in (-far, far)]
+    values = [[value_text(z + side * em, text) for side in sides] for z, text in places]
     edge = tip + (0.6 + 0.6 * len(rows)) * 1j * em
-    return (edge, name, sense), [value_text(*text) for text in texts]
+    return ((start, tip), edge, name, sense), values
 
 
 def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) -> _Texts:
@@ -117,9 +129,15 @@ def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) 
     name = f"{typeset(axis.label)}{bracketed(graduation.unit)}"
     if _in_columns(page):
         name = bracketed(graduation.unit).strip()
-    texts = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
-    values = [value_text(z + side * (0.7 + 0.2 * len(t)) * em, t) for z, t in texts]
-    return (tip + side * 0.8 * em - 0.2j * em, name, -side), values
+    places = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
+    values = [
+        [
+            value_text(z + (way * (far + 0.2 * len(text)) + up * 1j) * em, text)
+            for far, up, way in product((0.7, 1.5), _SHIFTS, (side, -side))
+        ]
+        for z, text in places
+    ]
+    return ((start, tip), tip + side * 0.8 * em - 0.2j * em, name, -side), values
 
 
 def _upright(
@@ -151,30 +169,72 @@ def _room(page: Page, plane: Plane) -> tuple[float, float]:
     )
 
 
-def _name(page: Page, edge: complex, name: str, sense: float) -> None:
+def _ways(page: Page) -> list[Points]:
+    """Return what texts keep clear of, each as segments: auxiliary curves, motions, straight lines.
+
+    The last are axes, and lines I and II, which may be close to them.
+    """
+    curves = page.drawing.curves
+    lines = segments_of((c.vertices[0], c.vertices[-1]) for c in curves if c.role == "line")
+    return [
+        segments_of(c.vertices for c in curves if c.role == "auxiliary").T,
+        segments_of(page.subject.motions if len(page.drawing.frames) else ()).T,
+        np.concatenate([page.segments, lines]).T,
+    ]
+
+
+def _struck(box: Box, ways: Sequence[Points]) -> int:
+    """Return what is in a box: 1 for auxiliary curves, 2 for motions and 4 for straight lines, added."""
+    of = Boxes(np.array(box.centre), np.array(box.half))
+    return sum(2**i for i, way in enumerate(ways) if of.inside(*way).any())
+
+
+def _name(
+    page: Page,
+    ways: Sequence[Points],
+    axis: tuple[complex, complex],
+    edge: complex,
+    name: str,
+    sense: float,
+) -> None:
     """Write the name of an axis, ending (sense > 0) or beginning at the edge of the view.
 
     It avoids the axes, and lines I and II, which may be close to them; if it can the motion, too, and
-    then the auxiliary curves.
+    then the auxiliary curves. Of the places that are equally free it takes the one nearest to the axis;
+    the unit may stand in a row of its own.
     """
-    text = Text("axis", name, edge, 8.5 / TYPE, "name")
-    half = text.box(page.em).half
+    words = name, name.replace(" [", "\n[")
+    texts = [Text("axis", each, edge, 8.5 / TYPE, "name") for each in dict.fromkeys(words)]
     low, high = page.view.grown(-0.3 * page.em).corners
-    x = min(max(edge.real - sense * half.real, low.real + half.real), high.real - half.real)
-    places = [(back, up) for back in (0.0, 1.0, 2.0, -3.0, -4.0) for up in _BESIDE]
-    centres = [
-        complex(x - back * sense * half.real, edge.imag + up * page.em) for back, up in places
+    line = Box(sum(axis) / 2.0, (axis[1] - axis[0]) / 2.0)
+    line = replace(line, half=complex(abs(line.half.real), abs(line.half.imag)))
+    found = []
+    for (rows, text), other, back, up in product(enumerate(texts), (0, 1), _BACK, _BESIDE):
+        half = text.box(page.em).half
+        x = min(max(edge.real - sense * half.real, low.real + half.real), high.real - half.real)
+        height = edge.imag + (up + copysign(0.6 * rows, up)) * page.em
+        x -= back * sense * half.real
+        centre = complex(2.0 * axis[1].real - x if other else x, height)
+        box = Box(centre, half)
+        if page.view.contains(box):
+            far = line.gap(box) + (rows + 0.3 * other + 1.5 * back) * page.em
+            found.append((_struck(box, ways), far, replace(text, centre=centre)))
+    page.write_first(text for *_, text in sorted(found, key=itemgetter(0, 1)))
+
+
+def _write_values(page: Page, values: list[list[Text]], ways: Sequence[Points]) -> None:
+    """Write the values of an axis, each in the place with the least in it.
+
+    The motion is not covered, so that the state points are always seen; the ticks of values without a
+    place remain. If no value had a place, all are written.
+    """
+    struck = [
+        [(_struck(text.box(page.em).grown(_PLATE * page.em), ways), text) for text in places]
+        for places in values
     ]
-    lines = [(c.vertices[0], c.vertices[-1]) for c in page.drawing.curves if c.role == "line"]
-    ends = np.concatenate([page.segments, np.array(lines, complex).reshape(-1, 2)])
-    motions = segments_of(page.subject.motions if len(page.drawing.frames) else ())
-    auxiliary = segments_of(c.vertices for c in page.drawing.curves if c.role == "auxiliary")
-    struck, crossed, touched = (  # one place after the other, as a motion may have many segments
-        np.array([Boxes(z, np.array(half)).inside(*of.T).any() for z in np.array(centres)])
-        for of in (ends, motions, auxiliary)
-    )
-    order = np.argsort(4 * struck + 2 * crossed + touched, kind="stable")
-    page.write_first(replace(text, centre=centres[i]) for i in order)
+    free = [[of for of in places if not of[0] & _MOTION] for places in struck]
+    for places in free if any(free) else struck:
+        page.write_first(text for _, text in sorted(places, key=itemgetter(0)))
 
 
 def _ticks(page: Page, axis: Axis, graduation: Graduation, half: complex) -> None:

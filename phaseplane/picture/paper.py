@@ -46,6 +46,12 @@ class Box:
         across, up = reach.real - abs(apart.real), reach.imag - abs(apart.imag)
         return across * up if across > 0.0 and up > 0.0 else 0.0
 
+    def gap(self, other: Box) -> float:
+        """Return the distance to another box; 0 if they touch."""
+        apart, reach = self.centre - other.centre, self.half + other.half
+        across, up = abs(apart.real) - reach.real, abs(apart.imag) - reach.imag
+        return abs(complex(max(0.0, across), max(0.0, up)))
+
     def holds(self, point: complex) -> bool:
         """Return whether a point is inside."""
         apart = point - self.centre
