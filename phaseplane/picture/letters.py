@@ -45,6 +45,7 @@ def place(
     segments: Points,
     taken: Sequence[Box] = (),
     others: Sequence[complex] = (),
+    unled: float = NEAR,
 ) -> Placed:
     """Place letters of a size of type `em` beside their points, in view.
 
@@ -57,6 +58,7 @@ def place(
     segments : ends of the lines that letters must avoid, shape (segments, 2)
     taken : boxes of texts that are already there
     others : points that the letters do not name
+    unled : farthest distance of a letter without a leader, in em
     """
     count = len(texts)
     halves = np.array([text_box(0j, text, em).half for text in texts], complex)
@@ -97,7 +99,7 @@ def place(
                 axis=1
             )  # the length of lines in each
             best = int((cost + 1.5 * crossed / em).argmin())
-        boxes[i], led[i], free[i] = centres[best], _GAPS[best] > NEAR, over[best] == 0.0
+        boxes[i], led[i], free[i] = centres[best], _GAPS[best] > unled, over[best] == 0.0
     return Placed(boxes, led, free)
 
 

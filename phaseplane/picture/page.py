@@ -16,7 +16,7 @@ from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing, Plane
 
 from .items import LETTER, Arrow, Dots, Item, Kindred, Lines, Text
-from .letters import place
+from .letters import NEAR, place
 from .paper import Box, Points, Strip, segments_of
 from .quantities import display_unit
 from .styles import style_of
@@ -35,6 +35,7 @@ class Page:
     title: str = ""  # above it, as the words
     words: str = ""
     keyed: bool = True  # with a legend
+    unled: float = NEAR  # farthest distance of a letter from its point without a leader, em
     _segments: Points = field(default_factory=lambda: np.zeros((0, 2), complex))
     _strips: list[Strip] = field(default_factory=list)  # whose segments are not among them yet
 
@@ -46,8 +47,9 @@ class Page:
     def following(self) -> Page:
         """Return an empty page of the same view, whose letters keep clear of what is on this one."""
         return Page(
-            self.subject, self.view, self.em, taken=list(self.taken), _segments=self.segments
-        )
+            self.subject, self.view, self.em, taken=list(self.taken), unled=self.unled,
+            _segments=self.segments,
+        )  # fmt: skip
 
     @cached_property
     def units(self) -> dict[str, tuple[str, float]]:
@@ -147,7 +149,7 @@ class Page:
         segments = self.segments if lines else np.zeros((0, 2), complex)
         points = np.array([z for z, *_ in named])
         texts = [text for _, text, _ in named]
-        placed = place(points, texts, em, self.view, segments, self.taken, others)
+        placed = place(points, texts, em, self.view, segments, self.taken, others, self.unled)
         for (z, text, role), centre, led, free in zip(named, *placed, strict=True):
             if free:  # better no letter than two on one another
                 self.put(Text(role, text, complex(centre), size, "letter", z, bool(led)))

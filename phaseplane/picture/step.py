@@ -18,6 +18,7 @@ from .paper import SEEN
 from .text import LETTER_OF_EVENT, number
 
 MOST_LETTERED = 24  # events that are lettered; more of them are small dots
+_SHARED = 3.0  # em: events of a kind that are nearer to each other share a letter
 _RECEDING = 0.45  # opacity of what earlier stages drew
 
 
@@ -111,7 +112,16 @@ def mark_events(page: Page, known: int | None = None) -> None:
     if named:
         several = len(named) > MOST_LETTERED
         page.dots("event", [z for z, *_ in named], 0.4 if several else 1.0)
-        page.letter([] if several else named)
+        page.letter([] if several else _sharing(named, _SHARED * page.em))
+
+
+def _sharing(named: list[tuple[complex, str, str]], near: float) -> list[tuple[complex, str, str]]:
+    """Return the events without those so near to another one with the same letter that they share it."""
+    found: list[tuple[complex, str, str]] = []
+    for z, letter, role in named:
+        if not any(letter == text and abs(z - at) < near for at, text, _ in found):
+            found.append((z, letter, role))
+    return found
 
 
 def event_pages(page: Page) -> dict[int, Page]:

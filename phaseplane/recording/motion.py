@@ -32,6 +32,9 @@ _ROUND = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0)
 # width and height of the sheet with its lanes, of the bar above it, and of its type in the viewer, in
 # pixels of a window of 1366x768; the width is less, since larger windows are higher
 _WIDTH, _HEIGHT, _BAR, _TYPE = 875.0, 700.0, 30.0, 16.75
+# em of a letter from its point without a leader: in a window twice as large, with type of the same size,
+# both are twice as far apart
+_UNLED = 1.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +154,7 @@ def pages_of(content: Content) -> list[Page]:
     high = _HEIGHT * SHEET_SHARE / (SHEET_SHARE + lanes_share(content)) - _BAR
     subject, shape = Subject(drawing, motions), _WIDTH / high
     views = [_fitted(view, shape) for view in (views if len(views) > 2 else views[:1])]
-    pages = [Page(subject, v, 2.0 * v.half.imag * _TYPE / high) for v in views]
+    pages = [Page(subject, v, 2.0 * v.half.imag * _TYPE / high, unled=_UNLED) for v in views]
     draw_axes(pages[0])
     draw_curves(pages[0])
     return pages

@@ -318,7 +318,8 @@ def test_many_events_are_marked_in_fewer_letters(tmp_path: Path, events: int, la
     record(replace(drawing(), frames=frames), tmp_path / "f.rrd")
     rows = Recorded(tmp_path / "f.rrd").rows
     labels = [row["Points2D:labels"] or [] for row in rows["/sheet/events/letters"]]
-    assert labels == [[label, label] if label else []] * events
+    assert labels[0] == ([label, label] if label else [])
+    assert sum(map(len, labels)) < events  # those close together share a letter
     radii = {abs(r) for row in rows["/sheet/events/points"] for r in row["Points2D:radii"]}
     assert (max(radii) < 2.0) == (events > 24)  # many would be a blot
 
