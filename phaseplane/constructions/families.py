@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import inf
 
 from phaseplane.constructions.equation import EquationPlane
 from phaseplane.constructions.primitives import Curve, Drawing
 from phaseplane.constructions.rules import Rule, delta
-from phaseplane.constructions.sheet import path_of
+from phaseplane.constructions.sheet import path_of, reach, trail
 from phaseplane.constructions.step_loop import construct_motion
 from phaseplane.constructions.storage import StoredFrames
 
@@ -42,8 +43,15 @@ def family(
             raise ArithmeticError(f"from the start ({x:g}, {velocity:g}) {error}") from None
     (plane,) = construction.planes
     first, *others = every
-    # the auxiliary curves reach as far as any of the integral curves
-    fixed = construction.curves(StoredFrames(frame for one in (first, *others) for frame in one))
+    # the auxiliary curves reach as far as any of the integral curves near the construction: the values of
+    # those of a pendulum that goes round and round would be too far apart for one that swings
+    low, high = reach(plane.displacement, trail(plane, first.frames))
+    size = high - low or inf
+    near = (
+        frame for one in (first, *others) for frame in one
+        if low - size <= plane.displacement.read(frame.points[plane.state]) <= high + size
+    )  # fmt: skip
+    fixed = construction.curves(StoredFrames(near))
     kept = tuple(curve for curve in first.curves if curve.role != "auxiliary")
     curves = tuple(
         Curve("trail", path_of(plane, other.schemes, other.frames), f"({x:g}, {v:g})")
