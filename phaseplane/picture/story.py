@@ -26,8 +26,17 @@ from .quantities import Quantity, rate_unit
 from .step import draw_step, mark_events, write_letters
 from .styles import MOVING_POINT, style_of
 from .subject import Subject
-from .text import event_text, format_time, markdown, number, protocol, readings_table, step_head
-from .views import room_for_letters
+from .text import (
+    control_text,
+    event_text,
+    format_time,
+    markdown,
+    number,
+    protocol,
+    readings_table,
+    step_head,
+)
+from .views import room_for_letters, with_arm
 
 VERTICES = 16_000  # most vertices of a motion in a plane
 MOST = 60  # ticks of a story, where the schemes allow it
@@ -38,6 +47,7 @@ _ROUNDED = 1e-6  # of the state: a drift below it is one of rounding
 _SHORT = 0.1  # least duration of a step that is told, of the longest, where there are others
 _TELLING = 6  # fewest steps from which those are chosen
 _CANDIDATES = 1000  # most of them
+_NEARLY_ALL, _FAR = 0.99, 1.5  # share of the normals, and how much longer ones fit on their arm
 _ARMS = 13.5 + 5.7j  # width and height of the pane of the turn angles, em
 _RING = 0.8  # size of the ring of a state point, relative to that of a moving one
 _TOLD = ("jolt", "lift_off", "touchdown", "yielding", "unloading", "sticking")  # a jump comes first
@@ -65,7 +75,15 @@ class Tick:
 
 
 def arms_page(drawing: Drawing) -> Page:
-    """Return the common arm of the turn angles, divided in centimetres of paper."""
+    """Return the common arm of the turn angles, divided in centimetres of paper.
+
+    It is for nearly all normals: at an impact a foot may be far away.
+    """
+    if any(curve.role == "construction" for curve in drawing.curves):
+        feet = table(drawing.frames, [f"N{plane.number}" for plane in drawing.planes])
+        normals = (feet - table(drawing.frames, ["W"])).real.max(axis=1)
+        most = _FAR * np.quantile(normals, _NEARLY_ALL)
+        drawing = with_arm(drawing, min(normals.max(), most))
     curves = [curve for curve in drawing.curves if curve.role not in CURVES]
     vertices = [z for curve in curves for z in curve.vertices]
     arms = around(vertices, 1e-6) if vertices else Box(0j, 0.1 + 0.1j)
@@ -82,18 +100,22 @@ def arms_page(drawing: Drawing) -> Page:
 
 
 def story_of(
-    stays: Page, arms: Page, quantities: Mapping[str, Quantity | None], steps: Sequence[int] = ()
-) -> Iterator[Tick]:
+    stays: Page, arms: Page, quantities: Mapping[str, Quantity | None], steps: Sequence[int] = (),
+    title: str = "",
+) -> Iterator[Tick]:  # fmt: skip
     """Yield the ticks of a story.
 
     Parameters
     ----------
     stays, arms : the pages of what stays on the sheet and on the arm of the turn angles
     steps : indices of the steps to show; default: representative ones, lift-off and touchdown
+    title : of the empty sheet; default: that of the drawing
     """
     drawing = stays.drawing
     first = drawing.frames[0]
-    yield Tick(stays.following(), arms.following(), _introduction(drawing), _EMPTY, 0, first.time)
+    yield Tick(
+        stays.following(), arms.following(), _introduction(drawing, title), _EMPTY, 0, first.time
+    )
     for index in told_steps(drawing, steps):
         frame = drawing.frames[index]
         for event in events_of(frame, drawing.planes):
@@ -114,6 +136,7 @@ def story_of(
     told_here = {name: value for name, value in read.items() if not name.startswith("control_")}
     count = len(drawing.frames)
     told = [f"**The whole motion**: {counted(count, 'step')}. {_FURTHER}", *_drift(stays)]
+    told.append(control_text(drawing, quantities))
     said = "\n\n".join(filter(None, [*told, readings_table(told_here, quantities)]))
     caption = f"The whole motion: {counted(count, 'step')}"
     yield Tick(page, arms.following(), said, caption, count, last.time + last.duration)
@@ -212,11 +235,11 @@ def _away(drawing: Drawing, steps: list[int]) -> list[int]:
     return [i for i in steps if away[i]]
 
 
-def _introduction(drawing: Drawing) -> str:
+def _introduction(drawing: Drawing, title: str) -> str:
     lines = [c for c in drawing.curves if c.role == "line"]
     top = drawing.planes[0].displacement.origin.imag
     words = [
-        f"# {markdown(typeset(drawing.title))}",
+        f"# {markdown(typeset(title or drawing.title))}",
         f"The empty sheet: the axes of the phase plane{'s' * (len(drawing.planes) > 1)}",
     ]
     curves = [curve.label for curve in drawing.curves if curve.role == "auxiliary"]

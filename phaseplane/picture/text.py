@@ -14,6 +14,7 @@ from phaseplane.constructions.sheet import Event, events_of, plane_of
 from phaseplane.constructions.storage import Frame
 from phaseplane.constructions.two_planes import STUCK
 
+from .paper import readings
 from .quantities import Quantity, rate_of, rate_unit, unit_text
 
 _EXPONENT = re.compile(r"\d[\d.]*e[+-]\d+")
@@ -29,6 +30,7 @@ _EVENTS = {
 _ROW, _MOST_ROWS = 68, 20
 _SUCCESSOR = "'"
 _NOTHING = 1e-12  # a smaller reading is one of rounding
+_DRIFTS = 0.1  # of the largest displacement of a body: a drift of its control that is told
 LETTER_OF_EVENT = {"lift_off": "U", "touchdown": "V", "jolt": "J", "sticking": "F"}
 
 
@@ -158,11 +160,28 @@ def step_text(drawing: Drawing, frame: Frame, quantities: Mapping[str, Quantity 
     return f"{step_head(drawing, frame)}\n\n{readings_table(frame.readings, quantities)}"
 
 
-def end_text(drawing: Drawing, quantities: Mapping[str, Quantity | None]) -> str:
-    """Return what a construction has come to, where a run may go on, in Markdown."""
+def end_text(drawing: Drawing, quantities: Mapping[str, Quantity | None], run: float = 0.0) -> str:
+    """Return what a construction has come to, in Markdown, beside a run until some time, s."""
     last = drawing.frames[-1]
+    end = last.time + last.duration
+    longer = run > end + 0.5 * drawing.frames[0].duration
+    more = f"; the run goes on to {run:.4g} s, in violet" if longer else ""
+    told = f"**The construction ends** at t = {end:.5f} s{more}."
     read = readings_table((drawing.end or last).readings, quantities)
-    return f"**The construction ends** at t = {last.time + last.duration:.5f} s.\n\n{read}"
+    return "\n\n".join(filter(None, (told, read, control_text(drawing, quantities))))
+
+
+def control_text(drawing: Drawing, quantities: Mapping[str, Quantity | None]) -> str:
+    """Return how far a body's motion from its forces drifts from the planes; empty if little."""
+    known = drawing.frames[0].readings
+    names = [n for n in known if n.startswith("control_") and n.endswith("displacement")]
+    quantity = quantities.get(names[0]) if names else None
+    planes = readings(drawing.frames, [name.removeprefix("control_") for name in names])
+    apart = abs(readings(drawing.frames, names) - planes)
+    if quantity is None or (apart.max(axis=0) <= _DRIFTS * abs(planes).max(axis=0)).all():
+        return ""
+    largest = f"{number(quantity.factor * apart.max(), 2)} {quantity.unit}"
+    return f"The body from its forces drifts by up to {largest}: it is integrated twice."
 
 
 def protocol(

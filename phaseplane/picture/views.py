@@ -73,19 +73,22 @@ def gathered(drawing: Drawing, frames: StoredFrames) -> tuple[Drawing, list[Fram
     """
     low, high = corners(_shown(drawing, _of_steps(drawing, frames)))
     size = high - low
+    normal = longest_normal(drawing.planes, frames)
+    drawing = with_arm(drawing, min(max(normal, _ARM * size.real), size.real))
     ends = [z.imag for c in drawing.curves if c.role == "auxiliary" for z in c.vertices]
     gap = _BELOW * size.imag
     below = min(low.imag, max(min(ends, default=low.imag), low.imag - 2.0 * gap))
-    arms = [c.vertices for c in drawing.curves if c.role == "construction"]
-    step = phase(arms[0][1] - arms[0][0]) / drawing.planes[0].angular_frequency
-    normal = longest_normal(drawing.planes, frames)
-    longest = min(max(normal, _ARM * size.real), size.real)
-    angles = turn_angles(drawing.planes, arms[0][0], longest, step)
-    others = tuple(c for c in drawing.curves if c.role not in TURN)
-    drawing = replace(drawing, curves=others + angles)
     corner = complex(low.real, below - gap)
     curves, moved = with_turn_angles_at(corner, drawing, frames)
     return replace(drawing, curves=curves), list(moved)
+
+
+def with_arm(drawing: Drawing, longest: float) -> Drawing:
+    """Return a drawing whose arm of the turn angles is for normals up to a length, m."""
+    vertex, end = next(c.vertices for c in drawing.curves if c.role == "construction")
+    step = phase(end - vertex) / drawing.planes[0].angular_frequency
+    others = tuple(c for c in drawing.curves if c.role not in TURN)
+    return replace(drawing, curves=others + turn_angles(drawing.planes, vertex, longest, step))
 
 
 def views_of(drawing: Drawing, motions: Sequence[Points]) -> list[Box]:
@@ -167,7 +170,7 @@ def motion_points(drawing: Drawing) -> Points:
 
 
 def _others(drawing: Drawing, own: Points) -> Points:
-    """Return the motions from other starts, kept to thrice the size of the construction's own.
+    """Return the motions from other starts, kept to twice the size of the construction's own.
 
     A pendulum that goes round and round would leave no room for one that swings.
     """
@@ -175,7 +178,7 @@ def _others(drawing: Drawing, own: Points) -> Points:
     z = np.concatenate([np.zeros(0, complex), *others])
     low, high = corners(own[np.isfinite(own)])
     size = high - low or 2.0 * _AT_REST * (1 + 1j)
-    low, high = low - size, high + size
+    low, high = low - size / 2, high + size / 2
     return np.asarray(
         np.clip(z.real, low.real, high.real) + 1j * np.clip(z.imag, low.imag, high.imag)
     )

@@ -77,6 +77,11 @@ class Content:
         """The rule and the step of the construction, if its title has them and its planes are shown."""
         return self.constructed.title.partition(": ")[2] if self.constructed is not None else ""
 
+    @property
+    def heading(self) -> str:
+        """The title, with the rule and the step of the construction if they are not in it."""
+        return self.title if self.manner in self.title else f"{self.title}: {self.manner}"
+
     def check(self) -> None:
         """Check that the content can be recorded.
 

@@ -100,7 +100,7 @@ def _time_panel(recorder: Recorder) -> rrb.TimePanel:
 
 def _sheets(content: Content, pages: Sequence[Page]) -> rrb.View | rrb.Container:
     """Return the view of the whole sheet, and with several planes one of each."""
-    names = [": ".join(filter(None, (content.title, content.manner)))]
+    names = [content.heading]
     if content.constructed is not None:
         names += [typeset(plane.displacement.label) for plane in content.constructed.planes]
     else:

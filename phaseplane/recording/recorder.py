@@ -101,7 +101,7 @@ class Recorder:
         if self.content.detail != "stages" or self.arms_page is None:
             return []
         pages = self.pages[0], self.arms_page
-        return list(story_of(*pages, self.quantities, self.content.staged))
+        return list(story_of(*pages, self.quantities, self.content.staged, self.content.heading))
 
     @property
     def words(self) -> bool:
@@ -163,7 +163,8 @@ class Recorder:
             if self.words:
                 frames = drawing.frames[start:end]
                 texts = [step_text(drawing, frame, self.quantities) for frame in frames]
-                texts += [end_text(drawing, self.quantities)] if ends else []
+                run = float(np.max(self.content.times, initial=0.0))
+                texts += [end_text(drawing, self.quantities, run)] if ends else []
                 self._say(texts, self.clock.columns(start + np.arange(len(texts))))
             if self.chart is not None:
                 cursors = np.array([self.chart.cursor(t) for t in self.clock.times[start:end]])
