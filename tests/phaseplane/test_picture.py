@@ -57,6 +57,7 @@ from phaseplane.picture.styles import (
 )
 from phaseplane.picture.text import (
     LETTER_OF_EVENT,
+    end_text,
     event_text,
     level_text,
     markdown,
@@ -145,6 +146,7 @@ def test_a_letter_is_nearer_to_its_point_than_to_others(angle: float, distance: 
 def test_letters_of_a_stage_are_nearer_to_their_points_than_to_others() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, duration=0.1)
     stays = pages_of(Content("quarter car", made))[0]
+    stays.unled = NEAR
     ticks = [tick.page for tick in story_of(stays, arms_page(made), {})]
     letters = [[t for t in page.of(Text) if t.kind == "letter" and not t.led] for page in ticks]
     nearer = [
@@ -153,7 +155,7 @@ def test_letters_of_a_stage_are_nearer_to_their_points_than_to_others() -> None:
         for one, other in permutations(several, 2)
         if one.point is not None and other.point is not None
     ]
-    assert nearer.count(False) < 0.012 * len(nearer)
+    assert nearer.count(False) < 0.013 * len(nearer)
 
 
 class Echo(Canvas):
@@ -384,6 +386,25 @@ def test_a_stage_letters_the_points_from_which_it_is_drawn(words: str, letters: 
     ticks = story_of(stays, arms_page(made), {}, (7,))
     (tick,) = (tick for tick in ticks if words in tick.caption)
     assert set(letters.split()) <= {text.text for text in tick.page.texts}
+
+
+def test_letters_far_from_their_points_are_led_on_a_screen() -> None:
+    """In a window twice as large, with type of the same size, they are twice as far away."""
+    made = construct_motion(ap57(), delta, step=0.0025, steps=62)
+    stays = pages_of(Content("quarter car", made))[0]
+    for tick in story_of(stays, arms_page(made), {}):
+        for text in (t for t in tick.page.texts if t.kind == "letter" and not t.led):
+            assert text.point is not None
+            gap = abs(text.box(stays.em).nearest(text.point) - text.point)
+            assert gap < 0.8 * stays.em, text.text
+
+
+@pytest.mark.parametrize("run", [0.1, 0.5])
+def test_the_end_of_a_construction_says_whether_its_run_goes_on(run: float) -> None:
+    made = construct_motion(ap57(), delta, step=0.0025, steps=40)
+    told = end_text(made, {}, run)
+    assert told.startswith("**The construction ends** at t = 0.10000 s")
+    assert ("; the run goes on to 0.5 s, in violet." in told) is (run > 0.1)
 
 
 def test_rounding_is_measured_as_zero() -> None:

@@ -30,11 +30,11 @@ from phaseplane.picture.curves import curve_through
 from phaseplane.picture.items import Arrow
 from phaseplane.picture.letters import NEAR
 from phaseplane.picture.page import Page
-from phaseplane.picture.paper import Boxes, segments_of
+from phaseplane.picture.paper import Boxes, around, segments_of, table
 from phaseplane.picture.step import mark_events, write_letters
 from phaseplane.picture.story import MOST, arms_page, story_of, told_steps
-from phaseplane.picture.subject import motions_of
-from phaseplane.picture.text import step_head, step_text
+from phaseplane.picture.subject import motions_of, read_off
+from phaseplane.picture.text import end_text, step_head, step_text
 from phaseplane.picture.views import frame_at, gathered, motion_points, view_of
 from phaseplane.recording import Content
 from phaseplane.recording.columns import legible
@@ -217,7 +217,7 @@ def test_lanes_below_steps_are_those_of_the_construction_beside_a_run() -> None:
 def test_both_axes_of_a_plane_are_in_one_unit(name: str) -> None:
     drawing = drawing_of(name)
     stays, *_ = pages_of(Content(name, drawing))
-    names = [text.text for text in stays.texts if text.kind == "name"]
+    names = [text.text.replace("\n", " ") for text in stays.texts if text.kind == "name"]
     for plane in drawing.planes:
         unit, _ = stays.units[plane.name]
         for axis in (plane.displacement, plane.scaled_velocity):
@@ -253,7 +253,7 @@ def test_no_step_is_told_that_is_too_short_to_be_seen(scene: str) -> None:
 
 def test_the_starts_on_the_sheet_are_explained_in_words() -> None:
     """The axis up shows the velocity divided by the angular frequency, so that the point is not at 6."""
-    drawing = drawing_of("h83_example23")
+    drawing = drawing_of("h83_example23", 6.0)
     stays, *_ = pages_of(Content("example 23", drawing))
     assert "(−3, 6)" in [text.text for text in stays.texts]
     first = next(story_of(stays, arms_page(drawing), {})).text
@@ -354,6 +354,73 @@ def test_the_name_of_an_axis_keeps_clear_of_the_motion() -> None:
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("name", DRAWN)
+def test_values_do_not_cover_the_state_points_and_names_are_near_their_axes(name: str) -> None:
+    """The viewer draws a plate behind each text, a quarter of an em wider, over all points."""
+    drawing = drawing_of(name)
+    page, *_ = pages_of(Content(name, drawing))
+    starts, ends = segments_of(page.subject.motions).T
+    axes = [around((a.start, a.tip), 1e-6) for a in page.of(Arrow) if a.role == "axis"]
+    values = [text for text in page.texts if text.kind == "value"]
+    assert len(values) >= 3 * len(drawing.planes)
+    for text in values:
+        plate = text.box(page.em).grown(0.25 * page.em)
+        inside = Boxes(np.array(plate.centre), np.array(plate.half)).inside(starts, ends)
+        assert not inside.any(), text.text
+    for text in (text for text in page.texts if text.kind == "name"):
+        assert min(text.box(page.em).gap(axis) for axis in axes) < 3.5 * page.em, text.text
+
+
+@pytest.mark.parametrize("name", ["h83_example23", "h83_example25", "h83_example27"])
+def test_other_starts_leave_the_sheet_to_the_construction(name: str) -> None:
+    """Also where one of them goes the other way: the own curve takes up half of the smaller side."""
+    drawing = drawing_of(name)
+    stays, *_ = pages_of(Content(name, drawing))
+    (motion,), half = stays.subject.motions, stays.view.half
+    width, height = PANES[0]
+    scale = width / (2.0 * half.real)
+    assert scale * max(np.ptp(motion.real), np.ptp(motion.imag)) > 0.5 * height
+
+
+def test_the_levels_of_curves_are_those_of_the_construction() -> None:
+    """Not of a pendulum that goes round and round: a few curves are in view, with their values."""
+    stays, *_ = pages_of(Content("example 23", drawing_of("h83_example23", 6.0)))
+    named = [text.text for text in stays.texts if text.role == "auxiliary"]
+    assert {"−2 rad", "0 rad", "2 rad"} <= {*named}
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("name", DRAWN)
+def test_the_arm_of_the_turn_angles_is_for_the_normals_of_most_steps(name: str) -> None:
+    """At an impact against a stiff stop a foot is 26 m away, and only there."""
+    drawing = drawing_of(name)
+    arms = arms_page(drawing)
+    feet = table(drawing.frames, [f"N{plane.number}" for plane in drawing.planes])
+    normals = (feet - table(drawing.frames, ["W"])).real.max(axis=1)
+    length = 2.0 * arms.view.half.real
+    assert np.quantile(normals, 0.98) < length < 5.0 * np.quantile(normals, 0.995)
+
+
+def test_events_of_a_kind_that_are_close_together_share_a_letter() -> None:
+    """A car that jumps leaves the road six times at about the same place of its plane."""
+    stays, *_ = pages_of(Content("crest_jump", drawing_of("crest_jump", 3.0)))
+    mark_events(stays)
+    for one, other in combinations((t for t in stays.texts if t.role == "event"), 2):
+        assert one.point is not None
+        assert other.point is not None
+        assert one.text != other.text or abs(one.point - other.point) >= 3.0 * stays.em
+
+
+@pytest.mark.parametrize(("name", "told"), [("stiff_stop", True), ("ap57", False)])
+def test_it_is_said_if_a_body_from_its_forces_drifts(name: str, told: bool) -> None:
+    drawing = drawing_of(name, 10.0)
+    quantities = read_off(drawing)
+    *_, last = story_of(pages_of(Content(name, drawing))[0], arms_page(drawing), quantities)
+    for text in (last.text, end_text(drawing, quantities)):
+        assert ("The body from its forces drifts by up to " in text) is told
+
+
+@pytest.mark.sampled
+@pytest.mark.parametrize("name", DRAWN)
 def test_planes_do_not_overlap(name: str) -> None:
     drawing = drawing_of(name)
     page = new_page(drawing, pages_of(Content(name, drawing))[0].view, PLAIN)
@@ -444,3 +511,11 @@ def test_an_introduction_counts_the_planes(name: str, planes: str) -> None:
     drawing = drawing_of(name)
     first = next(story_of(pages_of(Content(name, drawing))[0], arms_page(drawing), {}))
     assert f"the axes of the phase {planes} and" in first.text
+
+
+def test_the_empty_sheet_has_the_title_of_its_scene() -> None:
+    """Not of a vehicle, where a half car stands for a double pendulum."""
+    scene = load_scene("h83_example28", [], expect=False)
+    shown = of_scene(scene, drawing_of("h83_example28"))
+    ticks = Recorder(rr.RecordingStream("pendulum"), shown).ticks
+    assert ticks[0].text.startswith("# Double pendulum at its antiresonance, as a half car: ")
