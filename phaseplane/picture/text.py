@@ -155,9 +155,12 @@ def step_head(drawing: Drawing, frame: Frame) -> str:
     ).rstrip()
 
 
-def step_text(drawing: Drawing, frame: Frame, quantities: Mapping[str, Quantity | None]) -> str:
-    """Return the description and the readings of a step, in Markdown."""
-    return f"{step_head(drawing, frame)}\n\n{readings_table(frame.readings, quantities)}"
+def step_text(
+    drawing: Drawing, frame: Frame, quantities: Mapping[str, Quantity | None], note: str = ""
+) -> str:
+    """Return the description and the readings of a step, and a note on all of them, in Markdown."""
+    read = readings_table(frame.readings, quantities)
+    return "\n\n".join(filter(None, (step_head(drawing, frame), read, note)))
 
 
 def end_text(drawing: Drawing, quantities: Mapping[str, Quantity | None], run: float = 0.0) -> str:

@@ -17,7 +17,7 @@ from phaseplane.picture.quantities import Quantity
 from phaseplane.picture.step import event_pages, mark_events
 from phaseplane.picture.story import VERTICES, Tick, arms_page, story_of
 from phaseplane.picture.subject import read_off
-from phaseplane.picture.text import end_text, step_text
+from phaseplane.picture.text import control_text, end_text, step_text
 
 from .canvas import Viewer
 from .columns import Clock, legible, seconds, send
@@ -162,7 +162,8 @@ class Recorder:
                     send_steps(self.recording, drawing, self.lettered, self.clock, start, end)
             if self.words:
                 frames = drawing.frames[start:end]
-                texts = [step_text(drawing, frame, self.quantities) for frame in frames]
+                note = control_text(drawing, self.quantities)
+                texts = [step_text(drawing, frame, self.quantities, note) for frame in frames]
                 run = float(np.max(self.content.times, initial=0.0))
                 texts += [end_text(drawing, self.quantities, run)] if ends else []
                 self._say(texts, self.clock.columns(start + np.arange(len(texts))))

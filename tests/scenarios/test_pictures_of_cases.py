@@ -34,7 +34,7 @@ from phaseplane.picture.paper import Boxes, around, segments_of, table
 from phaseplane.picture.step import mark_events, write_letters
 from phaseplane.picture.story import MOST, arms_page, story_of, told_steps
 from phaseplane.picture.subject import motions_of, read_off
-from phaseplane.picture.text import end_text, step_head, step_text
+from phaseplane.picture.text import control_text, end_text, step_head, step_text
 from phaseplane.picture.views import frame_at, gathered, motion_points, view_of
 from phaseplane.recording import Content
 from phaseplane.recording.columns import legible
@@ -148,7 +148,8 @@ def test_the_text_fits_its_pane(name: str, rule: str | None) -> None:
     recorder = Recorder(rr.RecordingStream("layout"), shown)
     column = blueprint(recorder).root_container.contents[-1]
     room = (768.0 - 65.0) * column.row_shares[0] / sum(column.row_shares) - 53.0
-    steps = [step_text(drawing, frame, recorder.quantities) for frame in drawing.frames[:200]]
+    note = control_text(drawing, recorder.quantities)
+    steps = [step_text(drawing, f, recorder.quantities, note) for f in drawing.frames[:200]]
     for text in [tick.text for tick in recorder.ticks] + steps:
         assert text_height(text) <= room, text
     for tick in recorder.ticks:
@@ -415,7 +416,9 @@ def test_it_is_said_if_a_body_from_its_forces_drifts(name: str, told: bool) -> N
     drawing = drawing_of(name, 10.0)
     quantities = read_off(drawing)
     *_, last = story_of(pages_of(Content(name, drawing))[0], arms_page(drawing), quantities)
-    for text in (last.text, end_text(drawing, quantities)):
+    note = control_text(drawing, quantities)
+    beside = step_text(drawing, drawing.frames[5], quantities, note)
+    for text in (last.text, beside, end_text(drawing, quantities)):
         assert ("The body from its forces drifts by up to " in text) is told
 
 
