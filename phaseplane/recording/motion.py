@@ -34,7 +34,7 @@ _ROUND = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0)
 _WIDTH, _HEIGHT, _BAR, _TYPE = 875.0, 700.0, 30.0, 16.75
 # em of a letter from its point without a leader: in a window twice as large, with type of the same size,
 # both are twice as far apart
-_UNLED = 1.2
+_UNLED = 1.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -396,7 +396,7 @@ def test_letters_far_from_their_points_are_led_on_a_screen() -> None:
         for text in (t for t in tick.page.texts if t.kind == "letter" and not t.led):
             assert text.point is not None
             gap = abs(text.box(stays.em).nearest(text.point) - text.point)
-            assert gap < 0.8 * stays.em, text.text
+            assert gap < 0.4 * stays.em, text.text
 
 
 @pytest.mark.parametrize("run", [0.1, 0.5])
