@@ -67,6 +67,14 @@ def equation_variables(given: object = None) -> tuple[Variable, ...]:
     return (*_variables(unit if unit in _UNITS else "1"), *named)
 
 
+def only_in(old: object, new: object) -> set[str]:
+    """Return the names of parameters that occur in one equation and not in another."""
+    words, kept = (
+        set(_WORD.findall(text)) if isinstance(text, str) else set() for text in (old, new)
+    )
+    return {name for name in words - kept if name not in _OWN}
+
+
 def outputs_of_starts(variables: Iterable[Variable], count: int) -> tuple[Variable, ...]:
     """Return the outputs of the motions from further starts, numbered from 2.
 

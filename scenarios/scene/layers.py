@@ -18,7 +18,7 @@ from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import MODELS, ParameterError
 
 from ..errors import SceneError, shown
-from .equation import equation_variables
+from .equation import equation_variables, only_in
 from .fmus import default_duration
 from .names import CASES, SCENE_FILES, case_names, meant
 
@@ -28,6 +28,7 @@ KEYS = ("title", "source", "fmu", "duration", *SECTIONS, "extends")
 # Solver settings do not count: they must not change the motion.
 MOTION = ("fmu", "duration", "parameters", "controller")
 SOLVER = "parameters.solver."
+_EQUATION = "parameters.equation"
 SET = "--set"
 REFERENCE = "reference"  # a table within [expect]
 _LARGEST_FILE = 10_000_000
@@ -114,7 +115,15 @@ class Layers:
             del self.given[key]
 
     def put(self, layer: Mapping[str, Any], origin: str, folder: Path) -> None:
-        """Add a layer on top; its paths are relative to `folder`."""
+        """Add a layer on top; its paths are relative to `folder`.
+
+        An equation drops the parameters of layers below that only the one it replaces has.
+        """
+        if _EQUATION in layer and _EQUATION in self.given:
+            for name in only_in(self.given[_EQUATION].value, layer[_EQUATION]):
+                key = f"parameters.{name}"
+                if key in self.given and self.given[key].rank < self.top:
+                    del self.given[key]
         tables = {table for key in self.given for table in _parents(key)}
         for key, value in layer.items():
             inner = [k for k in self.given if k.startswith(f"{key}.")] if key in tables else []
@@ -254,7 +263,8 @@ def read_settings(overrides: Iterable[str | Setting]) -> list[Setting]:
 def overlay(layers: Layers, overrides: Iterable[str | Setting]) -> None:
     """Lay overrides over a scene.
 
-    Another equation removes title, source and expectations, which belong to the one in the file.
+    Another equation removes title, source and expectations, which belong to the one in the file, and
+    the parameters that only that one has.
 
     Raises
     ------

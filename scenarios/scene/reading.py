@@ -130,6 +130,8 @@ def _parameters(
     except InputError as error:
         table = str(error).partition(":")[0]
         raise RefusedError(f"parameters.{table}.file", str(error)) from None
+    if fmu.model == EQUATION:
+        _refuse_absent(given, declared)
     # the unit of an equation first: others are read by it
     ordered = sorted(given.items(), key=lambda item: item[0] != "unit")
     checked = {name: _parameter(fmu, name, raw, declared) for name, raw in ordered}
@@ -157,6 +159,21 @@ def _parameters(
             about = next((name for name in checked if str(error).startswith(name)), "")
             raise RefusedError(f"parameters.{about}".strip("."), str(error)) from None
     return checked
+
+
+def _refuse_absent(given: Mapping[str, Any], declared: Mapping[str, Variable]) -> None:
+    """Refuse parameters that an equation does not have because they do not occur in its formula."""
+    for name in given:
+        if name not in declared:
+            formula = shown(given.get("equation", declared["equation"].start))
+            absent = (
+                f": the equation {formula} does not contain it; write it into the equation, or leave "
+                "it out"
+            )
+            raise RefusedError(
+                f"parameters.{name}",
+                f"{EQUATION} has no parameter {name!r}{nearest(name, declared) or absent}",
+            )
 
 
 def _parameter(fmu: Fmu, name: str, raw: object, declared: Mapping[str, Variable]) -> Value:

@@ -80,6 +80,25 @@ def test_what_is_wrong_is_said_in_a_line(pendulum: str, setting: str, message: s
         load_scene(pendulum, [setting])
 
 
+def test_another_equation_drops_the_parameters_of_the_old_one(
+    pendulum: str, tmp_path: Path
+) -> None:
+    """Those it has, and those given with it, stay."""
+    given = load_scene(pendulum, ["equation=g*x + c*v", "c=0.1"]).parameters
+    assert given["g"] == 9.81
+    assert given["c"] == 0.1
+    assert not {"l", "R"} & set(given)
+    assert "displacement_start" in given
+    with pytest.raises(
+        SceneError,
+        match="--set: Equation has no parameter 'R': the equation 'x' does not contain it",
+    ):
+        load_scene(pendulum, ["R=3", "equation=x"])
+    extending = tmp_path / "other.toml"
+    extending.write_text(f'extends = "{pendulum}"\n[parameters]\nequation = "k*x"\nk = 4.0\n')
+    assert not {"g", "l", "R"} & set(load_scene(str(extending)).parameters)
+
+
 def test_several_starts_have_their_integral_curves_on_one_sheet(pendulum: str) -> None:
     scene = load_scene(pendulum)
     drawing = draw_construction(
