@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,7 +20,7 @@ from ..errors import InputError, RunError, shown
 from ..results.plain import as_json
 from ..scene.loading import load_scene
 from ..scene.names import SCENE_FILES, case_names
-from .console import json_option
+from .console import json_option, warn
 
 if TYPE_CHECKING:
     from ..scene.schema import Scene
@@ -58,7 +58,7 @@ if TYPE_CHECKING:
     "settings",
     multiple=True,
     metavar="NAME=VALUE",
-    help="Start value of a parameter, in SI or with a unit.",
+    help="Start value of a parameter of native FMUs, e.g. 'speed=72 km/h'. Repeatable.",
 )
 @json_option
 def build(
@@ -74,7 +74,7 @@ def build(
     """Pack the given MODELs, or all models, as FMUs.
 
     MODEL can also be a scene or the file of a system; the start values of the FMU are then the
-    parameters of the scene. A reference result is written next to each FMU.
+    parameters of the scene. Its controller is not packed. A reference result is written next to each FMU.
     """
     if native:
         if ssp:
@@ -145,10 +145,13 @@ def _packed(
     scenes = _scenes_among(names)
     try:
         chosen = [name for name in names if name in FILES]
-        files = pack(chosen, folder, parameters=_start_values(chosen, settings), references=True)
-        for scene in scenes:
-            model, own = scene.fmu.model, _own_system(scene)
-            given = {**scene.parameters, **_start_values([model], settings).get(model, {})}
+        own_systems = [_own_system(scene) for scene in scenes]
+        starts = _start_values([*chosen, *(scene.fmu.model for scene in scenes)], settings)
+        files = pack(chosen, folder, parameters=starts, references=True)
+        for scene, own in zip(scenes, own_systems, strict=True):
+            warn(_left_out(scene))
+            model = scene.fmu.model
+            given = {**scene.parameters, **starts.get(model, {})}
             with TemporaryDirectory() as work:
                 made = pack(
                     [model], Path(work), parameters={model: given}, own=own, references=True
@@ -191,6 +194,17 @@ def _own_system(scene: Scene) -> dict[str, Path]:
             f"{scene.name}: an FMU is packed from models of this package, not from {fmu.model}"
         )
     return {} if fmu.system is None else {fmu.model: fmu.system}
+
+
+def _left_out(scene: Scene) -> Iterator[str]:
+    """Yield warnings of what a scene gives and its FMU does not have."""
+    yield from scene.warnings
+    if scene.controller is not None:
+        inputs = " and ".join(scene.controller.formulas)
+        yield (
+            f"{scene.name}: the FMU is packed without the scene's controller; in the host, connect one "
+            f"with {inputs}"
+        )
 
 
 def _start_values(models: Sequence[str], settings: Sequence[str]) -> dict[str, dict[str, object]]:

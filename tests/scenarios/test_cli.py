@@ -253,6 +253,10 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         ([*NATIVE, "QuarterCar", "--set", "friction"], "must be name=value"),
         ([*NATIVE, "QuarterCar", "--set", "friction=-1"], "friction = -1: must be at least 0"),
         ([*NATIVE, "QuarterCar", "--set", "lift_off=perhaps"], "must be true or false"),
+        ([*NATIVE, "ap57", "--set", "road.hight=3"], "did you mean 'road.height'"),
+        (["optimise", "full"], "full is a folder; give a study's file, such as study.toml"),
+        (["sweep", "full"], "full is a folder; give the path of a .toml file"),
+        (["fit", "ap57"], "no such file: ap57; ap57 is a scene"),
         (["list", "QuarterCar", "extra"], "unexpected extra argument"),
         (["list", "extra"], "model 'extra': must be one of"),
         (["replay", "ap57"], "--save F.rrd, --figure F.png"),
@@ -418,6 +422,25 @@ def test_what_is_terminated_leaves_nothing_behind(tmp_path: Path) -> None:
         running.terminate()
         assert running.wait(HANGS) == 143
     assert not list(scratch.iterdir())
+
+
+def test_a_packed_scene_says_what_it_leaves_out() -> None:
+    done = CliRunner().invoke(main, ["build", "skyhook", "-o", "fmus"])
+    assert done.exit_code == 0, done.stderr
+    assert "skyhook: the FMU is packed without the scene's controller" in done.stderr
+    assert "connect one with actuator_force" in done.stderr
+    assert all(Path(file).exists() for file in done.stdout.split())
+
+
+def test_a_construction_that_is_interrupted_leaves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("phaseplane.scenarios.draw.constructions.draw_scene", interrupt)
+    result = CliRunner().invoke(main, ["run", "ap57"])
+    assert result.exit_code == 130
+    assert "interrupted while the construction was drawn, before the run" in result.stderr
+    assert os.listdir() == []
 
 
 def test_replay_a_scene() -> None:
