@@ -111,6 +111,10 @@ def _read(name: str, kind: Kind, value: object) -> Any:
 
 def _constants(given: Mapping[str, Any]) -> dict[str, float]:
     constants = {}
+    if "constants" in given:  # a table is given by its dotted keys
+        raise RefusedError.value(
+            "controller.constants", given["constants"], "must be a table, such as { gain = 1500 }"
+        )
     for key, value in given.items():
         if key.startswith("constants."):
             if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):

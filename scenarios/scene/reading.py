@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 DURING, REFERENCE = "expect.during", "expect.reference"
 SIGNALS = tuple(key for key in SIGNAL_KEYS if key not in ("file", "columns"))
 _MOST_ROWS = 5_000_000
+_MOST_EVALUATIONS = 5_000_000  # of a controller, which take about a minute
 
 
 def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path]) -> Scene:
@@ -77,6 +78,7 @@ def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path
     )
     _check_names(scene)
     _check_rows(scene, named="output_interval" in content.get("show", {}))
+    _check_evaluations(scene)
     if scene.show.draws:
         try:
             scene.check_construction()
@@ -330,4 +332,18 @@ def _check_rows(scene: Scene, *, named: bool) -> None:
             key,
             f"{key} = {interval:g} s gives {duration / interval:.3g} rows over {duration:g} s; "
             f"at most {_MOST_ROWS} are allowed; give at least {duration / _MOST_ROWS:.3g} s",
+        )
+
+
+def _check_evaluations(scene: Scene) -> None:
+    """Refuse a controller that is evaluated so often that the run would hardly end."""
+    if scene.controller is None:
+        return
+    period, duration = scene.controller.period, scene.duration
+    if duration / period > _MOST_EVALUATIONS:
+        raise RefusedError(
+            "controller.period",
+            f"controller.period = {period:g} s gives {duration / period:.3g} evaluations over "
+            f"{duration:g} s; at most {_MOST_EVALUATIONS} are allowed; give at least "
+            f"{duration / _MOST_EVALUATIONS:.3g} s",
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from math import isfinite
+from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,7 +48,10 @@ def controlled(
 
     def evaluate() -> None:
         for name, (law, read) in laws.items():
-            value = law(session.time, *(float(session.value(one)) for one in read))
+            try:
+                value = law(session.time, *(float(session.value(one)) for one in read))
+            except OverflowError:
+                value = inf
             if not isfinite(value):
                 raise SimulationError(f"controller.{name} is {value} at {session.time:.6g} s")
             session.set_input(name, value)

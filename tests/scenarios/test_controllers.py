@@ -101,6 +101,11 @@ def test_a_sweep_varies_a_gain(tmp_path):
         ({"actuator_force": "1", "period": -1}, "controller.period = -1: must be greater than 0"),
         ({"actuator_force": "1", "events": "yes"}, "controller.events = 'yes': must be true"),
         ({"actuator_force": "c", "constants": {"c": "3 N"}}, "must be a number in SI"),
+        ({"actuator_force": "1", "constants": 3}, "controller.constants = 3: must be a table"),
+        (
+            {"actuator_force": "1", "period": 1e-12},
+            r"period = 1e-12 s gives 1e\+12 evaluations over 1 s; at most .* give at least 2e-07 s",
+        ),
     ],
 )
 def test_a_controller_that_is_none_is_refused(keys, words):
@@ -125,6 +130,13 @@ def test_a_force_that_is_no_number_ends_the_run():
     run = phaseplane.run(with_controller(actuator_force="log(0.5 - t)", period=0.01))
     assert run.failure.startswith("at 0.")
     assert "controller.actuator_force" in run.failure
+
+
+def test_a_force_beyond_all_numbers_ends_the_run():
+    run = phaseplane.run(
+        with_controller(actuator_force="exp(1e5 * max(t - 0.05, 0)) - 1", period=0.01)
+    )
+    assert "controller.actuator_force is inf at 0.06 s" in run.failure
 
 
 def test_a_force_set_at_the_lift_off_itself_does_not_count_it_twice():
