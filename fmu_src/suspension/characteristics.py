@@ -117,7 +117,15 @@ def power(coefficient: float, exponent: float, linear_below: float = 0.0) -> Cha
     if linear_below == 0.0:
         smooth = exponent % 2.0 == 1.0  # a polynomial; others have a jump of a derivative at zero
         return Characteristic((outer,) if smooth else (outer, outer._replace(start=0.0)))
-    chord = coefficient * linear_below ** (exponent - 1.0)
+    try:
+        chord = coefficient * linear_below ** (exponent - 1.0)
+    except OverflowError:
+        chord = inf
+    if not isfinite(chord):
+        raise ValueError(
+            f"power law: its force at linear_below = {linear_below:g} is too large with coefficient = "
+            f"{coefficient:g} and exponent = {exponent:g}; give another linear_below"
+        )
     inner = Piece(-linear_below, 0.0, (0.0, chord, 0.0, 0.0))
     return Characteristic((outer, inner, outer._replace(start=linear_below)))
 

@@ -67,14 +67,15 @@ def _table(p: Mapping[str, Value], part: str) -> Characteristic | None:
         return _JOINED[str(p[f"{part}.interpolation"])](points(name, text))
 
 
-def _through_zero(law: Characteristic, name: str) -> Characteristic:
+def through_zero(law: Characteristic, name: str) -> Characteristic:
     """Refuse a law with a force at zero."""
     rest = law.force(0.0)
     if abs(rest) > 1e-9 * max(abs(piece.coefficients[0]) for piece in law.pieces):
         raise ParameterError(
             f"{name}: gives {rest:g} N at 0; forces are measured from static equilibrium, "
-            "so the table must pass through 0:0; subtract a constant force, such as that of a gas "
-            "damper (with offset, for a table from a file)"
+            "so the table, whose first and last lines are continued, must pass through 0:0; add that "
+            "point, or subtract a constant force, such as that of a gas damper (with offset, for a table "
+            "from a file)"
         )
     return law
 
@@ -87,7 +88,7 @@ def _spring(p: Mapping[str, Value], of: str) -> Characteristic:
     )
     preload = number(p, f"{of}spring.preload")
     if preload == 0.0:
-        return law if table is None else _through_zero(table, f"{of}spring.table")
+        return law if table is None else through_zero(table, f"{of}spring.table")
     static = law.argument(-preload)
     if not abs(static) < inf:
         raise ParameterError(
@@ -112,7 +113,7 @@ def _damper(p: Mapping[str, Value], of: str) -> Characteristic:
     """Return the damper of one axle: a table, or with smooth saturation, or linear with blow-off."""
     table = _table(p, f"{of}damper")
     if table is not None:
-        return _braking(_through_zero(table, f"{of}damper.table"), f"{of}damper.table")
+        return _braking(through_zero(table, f"{of}damper.table"), f"{of}damper.table")
     rebound, bump = number(p, f"{of}damper.rebound_rate"), number(p, f"{of}damper.bump_rate")
     most = number(p, f"{of}damper.saturation_force")
     if most > 0.0:
@@ -364,7 +365,7 @@ def _unloaded_tyre(p: Mapping[str, Value], of: str) -> Characteristic:
                 f"{of}tyre.table: forces must rise with deflection, but {force_next:g} follows "
                 f"{force:g}"
             )
-    return _through_zero(table, f"{of}tyre.table")
+    return through_zero(table, f"{of}tyre.table")
 
 
 def tyre_stiffness(p: Mapping[str, Value], axle: str = "") -> float:

@@ -33,7 +33,14 @@ from .outputs import (
     rotation,
     suspension_deflection,
 )
-from .parts import force_course, points, road_from, suspension_elements, tyre_element
+from .parts import (
+    force_course,
+    points,
+    road_from,
+    suspension_elements,
+    through_zero,
+    tyre_element,
+)
 from .signals import Segment, Signal
 from .system_values import refuse_others, table_at, value_of
 from .systems import Axle, Element, Load, System
@@ -242,19 +249,25 @@ def _element(
             at(f"{part}.power"), at(f"{part}.exponent", 1.0), at(f"{part}.linear_below")
         )
 
+    def from_table(part: str) -> Characteristic:
+        """Return the law of a table, which must have no force at rest."""
+        key = f"{where}.{part}.table"
+        law = characteristics.table(points(key, str(said[part]["table"])))
+        return through_zero(law, key)
+
     rate = at("damper.rate")
     try:
         return Element(
             name,
             direction,
             with_power(
-                characteristics.table(points(f"{where}.spring.table", str(spring["table"])))
+                from_table("spring")
                 if "table" in spring
                 else characteristics.cubic(at("spring.rate"), at("spring.cubic")),
                 "spring",
             ),
             with_power(
-                characteristics.table(points(f"{where}.damper.table", str(damper["table"])))
+                from_table("damper")
                 if "table" in damper
                 else characteristics.damper(
                     at("damper.rebound_rate", rate), at("damper.bump_rate", rate)
