@@ -352,13 +352,12 @@ class _Bench:
         numbers, kind.numbers = kind.numbers, array("d")
         if runs:
             kind.series.take(systems, numbers)
-            for run, outcome in zip(
-                runs, self._outcomes(kind.series, len(runs), systems), strict=True
-            ):
+            for run, outcome in zip(runs, self._outcomes(kind, len(runs), systems), strict=True):
                 found[run] = outcome
 
-    def _outcomes(self, series: Series, runs: int, systems: Sequence[System]) -> Iterator[Outcome]:
-        """Make all runs that a series has taken, and yield their outcomes."""
+    def _outcomes(self, kind: _Kind, runs: int, systems: Sequence[System]) -> Iterator[Outcome]:
+        """Make all runs that the series of a kind has taken, and yield their outcomes."""
+        series, (_, step, *_) = kind.series, kind.solver
         _, times, names, _, corners, closer, _ = self._task
         columns = np.empty((len(names), runs, len(times)))
         of_runs = list(zip(*columns, strict=True)) or [()] * runs
@@ -377,7 +376,8 @@ class _Bench:
                     yield outcome
                     continue
                 found = {name: x[: one.filled] for name, x in zip(names, values, strict=True)}
-                why = why_stopped(one.status, f"at {one.time:.6g} s, in step {one.steps}")
+                where = f"at {one.time:.6g} s, in step {one.steps}"
+                why = why_stopped(one.status, where, fixed=step > 0.0)
                 yield Outcome(found, why, {}, *bends)
             first += len(ended)
 

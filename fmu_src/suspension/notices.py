@@ -38,8 +38,8 @@ class Notices:
         # as they do in a long run without damping
         part = run.account.find_drift(integrator)
         if part > 0.0:
+            remedy = "solver.step" if self._step else "solver.tolerance"
             yield (
                 f"errors accumulate: at {integrator.time:.6g} s the energy balance is off by "
-                f"{part:.2g} of the total energy; reduce solver.tolerance, or a fixed solver.step, for a "
-                "long run"
+                f"{part:.2g} of the total energy; reduce {remedy} for a long run"
             )

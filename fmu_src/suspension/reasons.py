@@ -15,10 +15,21 @@ if TYPE_CHECKING:
 
 _ITERATIONS = 400
 _LAST = 6  # switches that are named
+# steps of a fixed length ignore the tolerance, so that it is no remedy
+_OF_FIXED_STEPS = (
+    ("increase solver.tolerance", "set solver.step to 0, so that it is chosen"),
+    (", or reduce solver.tolerance", ""),
+    ("a fixed solver.step", "solver.step"),
+)
 
 
 def why_stopped(
-    status: int, where: str, integrator: Integrator | None = None, system: System | None = None
+    status: int,
+    where: str,
+    integrator: Integrator | None = None,
+    system: System | None = None,
+    *,
+    fixed: bool = False,
 ) -> str:
     """Return why a run ended early, where, and what to try.
 
@@ -27,11 +38,20 @@ def why_stopped(
     status : key of `engine.FAILURES`
     where : instant and step, e.g. "at 0.1 s, in step 20"
     integrator, system : of the run that has ended; with them the sentence has numbers
+    fixed : whether its steps have a fixed length
     """
-    cause, _, remedy = FAILURES[status].partition("; ")
+    cause = FAILURES[status].partition("; ")[0]
     found = _DETAILS.get(status)
     detail = found(integrator, system) if found and integrator is not None and system else ""
-    return f"{cause} {where}{f' ({detail})' if detail else ''}; {remedy}"
+    return f"{cause} {where}{f' ({detail})' if detail else ''}; {remedy_of(status, fixed=fixed)}"
+
+
+def remedy_of(status: int, *, fixed: bool) -> str:
+    """Return what to try after a run ended early, for steps of a fixed length or of chosen ones."""
+    remedy = FAILURES.get(status, "").partition("; ")[2]
+    for words, instead in _OF_FIXED_STEPS if fixed else ():
+        remedy = remedy.replace(words, instead)
+    return remedy
 
 
 def _diverged(one: Integrator, system: System) -> str:

@@ -289,7 +289,8 @@ class Session:
             self._run.time = self._integrator.time
             step = self._integrator.step_count
             where = f"at {self.time:.6g} s, in step {step}"
-            reason = why_stopped(status, where, self._integrator, self.system)
+            fixed = bool(self._now["solver.step"])
+            reason = why_stopped(status, where, self._integrator, self.system, fixed=fixed)
             self._report("error", reason)
             raise SimulationError(reason)
 

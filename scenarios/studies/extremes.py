@@ -185,7 +185,11 @@ def _motion(
         status = integrator.advance(t)
         if status != 0:
             where = f"at {integrator.time:.4g} s"
-            return found, integrator, why_stopped(status, where, integrator, system)
+            return (
+                found,
+                integrator,
+                why_stopped(status, where, integrator, system, fixed=bool(options.get("step"))),
+            )
         integrator.sample(t)
         found += integrator.sample_q
     return found, integrator, ""

@@ -46,7 +46,10 @@ def in_process(bench: Workbench, *, energy: bool = False, **options: Any) -> Pre
         status = Filling(integrator, times, out.reshape(-1)).fill()
         if status:
             where = f"at {integrator.time:.6g} s"
-            raise ArithmeticError(why_stopped(status, where, integrator, problem.system))
+            fixed = bool(options.get("step"))
+            raise ArithmeticError(
+                why_stopped(status, where, integrator, problem.system, fixed=fixed)
+            )
         return out.T
 
     return Prepared(lambda: integrator.restore(start), go)

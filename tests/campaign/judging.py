@@ -36,7 +36,7 @@ _KICKED = tuple(sorted((k / 20 for k in range(20)), key=lambda share: share * 20
 _INSTANTS = 160
 _STEPS = (1e-3, 5e-4, 2.5e-4)  # s, of methods with fixed steps
 _ADVISED = 8e-6  # s, if none of them is short enough
-_ADVICE = "shorten a fixed solver.step"  # of a run that a step is too long for
+_ADVICE = "shorten solver.step"  # of a run that a step is too long for
 _MOST_FIXED = 0.1  # of the peak, at the shortest of them
 _TIME = 60  # s of one run, of which nothing ever takes so long
 

@@ -86,6 +86,21 @@ def test_every_reason_has_numbers_or_names_of_a_run(status: int) -> None:
     assert re.search(r"\d (m|s|J|rad/s|1/s|N/m)\b", inside) or "of tyre" in inside
 
 
+@pytest.mark.parametrize("status", sorted(FAILURES))
+def test_fixed_steps_are_not_advised_a_tolerance(status: int) -> None:
+    """They ignore it."""
+    said = why_stopped(status, "at 1 s", fixed=True)
+    assert "tolerance" not in said
+    assert "a fixed" not in said
+    assert ("tolerance" in FAILURES[status]) <= ("solver.step" in said)
+
+
+def test_a_run_with_fixed_steps_says_so() -> None:
+    given = {"road.height": 1e200, "solver.step": 1e-3}
+    with pytest.raises(SimulationError, match=r"; shorten solver\.step$"):
+        Session("QuarterCar", given).advance(1.0)
+
+
 def test_without_a_run_the_sentence_has_no_numbers() -> None:
     cause, _, remedy = FAILURES[2].partition("; ")
     assert why_stopped(2, "at 1 s") == f"{cause} at 1 s; {remedy}"

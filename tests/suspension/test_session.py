@@ -198,9 +198,7 @@ def test_a_step_far_too_long_for_a_decay_is_refused_with_the_step_as_advice() ->
         "initial.wheel_displacement": 0.02253,
     }  # fmt: skip
     session = Session("QuarterCar", car | {"solver.method": "wilson", "solver.step": 1e-3})
-    with pytest.raises(
-        SimulationError, match=r"energy balance is off .* shorten a fixed solver\.step"
-    ):
+    with pytest.raises(SimulationError, match=r"energy balance is off .* shorten solver\.step$"):
         session.advance(0.918)
 
 

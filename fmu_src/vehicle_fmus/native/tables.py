@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from math import inf
 
 from phaseplane.suspension.engine import FAILURES
+from phaseplane.suspension.reasons import remedy_of
 from phaseplane.suspension.systems import System
 from phaseplane.suspension.trace import number
 from phaseplane.suspension.variables import Value, Variable
@@ -83,10 +84,12 @@ def tables(
         lines.append(f"    {{{quoted(element.name)}, {kind}}},")
     wheels = [axle.prefix.replace("_", " ") for axle in system.axles if axle.tyre] or [""]
     lines += ["};", "", f"static const char *const wheels[] = {{{', '.join(map(quoted, wheels))}}};", "",
-              "static const struct {", "    const char *cause, *remedy;", "} failures[] = {"]  # fmt: skip
+              "static const struct {", "    const char *cause, *remedy, *of_fixed_steps;",
+              "} failures[] = {"]  # fmt: skip
     for status in range(max(FAILURES) + 1):
-        cause, _, remedy = FAILURES.get(status, "").partition("; ")
-        lines.append(f"    {{{quoted(cause)}, {quoted(remedy)}}},")
+        cause = FAILURES.get(status, "").partition("; ")[0]
+        remedies = (quoted(remedy_of(status, fixed=fixed)) for fixed in (False, True))
+        lines.append(f"    {{{quoted(cause)}, {', '.join(remedies)}}},")
     return "\n".join([*lines, "};", ""])
 
 

@@ -283,13 +283,15 @@ static int step(Instance *one, double until, int stop) {
     drift = Account_find_drift(now->conduct.run.account, now->conduct.run.integrator);
     if (drift > 0.0) {
         say(one, WARNING, "errors accumulate: at %.6g s the energy balance is off by %.2g of the total energy; "
-            "reduce solver.tolerance, or a fixed solver.step, for a long run", integrator->state->time, drift);
+            "reduce %s for a long run", integrator->state->time, drift,
+            integrator->fixed_step > 0.0 ? "solver.step" : "solver.tolerance");
     }
     if (status == 0) return 0;
     now->ok = 0;
     now->conduct.run.time = integrator->state->time;
     return fail(one, "%s at %.6g s, in step %lld; %s", failures[status].cause, integrator->state->time,
-                (long long) integrator->state->step_count, failures[status].remedy);
+                (long long) integrator->state->step_count,
+                integrator->fixed_step > 0.0 ? failures[status].of_fixed_steps : failures[status].remedy);
 }
 
 static void look_at_pace(Instance *one) {
