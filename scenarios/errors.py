@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
 PICTURES = (".png", ".svg", ".pdf")
 MOVING = (".gif", ".mp4")
+_OVERFLOW = re.compile(r"\(34, '[^']*'\)|math range error")  # in Python's own words
 
 
 class InputError(ValueError):
@@ -41,7 +43,7 @@ class RunError(RuntimeError):
 
 def one_line(text: object, limit: int = 400) -> str:
     """Return a message as one printable line of bounded length."""
-    words = " ".join(str(text).split())
+    words = " ".join(_OVERFLOW.sub("a number is too large", str(text)).split())
     line = "".join(c if c.isprintable() else repr(c)[1:-1] for c in words)
     return line if len(line) <= limit else f"{line[: limit - 3]}..."
 

@@ -62,10 +62,9 @@ class Segment(NamedTuple):
     def rounding(self, t: float) -> float:
         """Return the possible rounding error of the value at t, including that of the times."""
         s = abs(t - self.origin)
-        terms = sum(abs(c) * s**k for k, c in enumerate(self.coefficients))
+        terms = _magnitude(self.coefficients, s)
         if self.amplitude != 0.0:
-            angle = sum(abs(p) * s**k for k, p in enumerate(self.phase))
-            terms += abs(self.amplitude) * (1.0 + angle)
+            terms += abs(self.amplitude) * (1.0 + _magnitude(self.phase, s))
         return _ROUNDING * (terms + abs(self.derivatives(t)[1] * t))
 
     def integral(self, t0: float, t1: float) -> float:
@@ -229,3 +228,11 @@ def passing_time(length: float, speed: float, *, or_zero: bool = False) -> float
         allowed = "must not be negative" if or_zero else "must be positive"
         raise ValueError(f"a length of road {allowed}, {length:g} m given")
     return length / speed
+
+
+def _magnitude(coefficients: Sequence[float], s: float) -> float:
+    """Return the polynomial with the magnitudes of the coefficients at s >= 0; infinity if too large."""
+    found = 0.0
+    for c in reversed(coefficients):
+        found = found * s + abs(c)
+    return found

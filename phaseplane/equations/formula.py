@@ -122,11 +122,14 @@ class Formula:
                 case ast.Call(ast.Name(name), [_, width]) if name in _WIDE:
                     if any(_mentions(width, variable) for variable in self.variables):
                         continue
-                    value = _guarded(self._made(width, (), _NUMBERS))()
-                    if value < 0.0:
+                    try:
+                        value = _guarded(self._made(width, (), _NUMBERS))()
+                    except OverflowError:
+                        value = math.inf
+                    if not 0.0 <= value < math.inf:
                         raise ValueError(
                             f"equation = {self.text!r}: the second value of {name} is {value:g}; it must "
-                            "be at least 0"
+                            "be at least 0 and finite"
                         )
 
     @cached_property

@@ -197,6 +197,12 @@ def test_negative_widths_are_refused(text: str):
     assert Formula(text.replace("-", "+"), {"d": 0.1}).names <= {"d"}
 
 
+@pytest.mark.parametrize("width", ["10^400", "exp(1000)", "d/0"])
+def test_widths_beyond_all_numbers_are_refused(width: str):
+    with pytest.raises(ValueError, match=r"value of saturation is (inf|nan); it must be .* finite"):
+        Formula(f"saturation(x, {width})", {"d": 0.1})
+
+
 def test_two_relays_come_to_rest_in_finite_time():
     """x'' + sign(x) + R sign(x') = 0: swings shrink by (1 - R)/(1 + R), as their times by its root."""
     friction = 0.5

@@ -111,6 +111,11 @@ def test_a_jump_far_below_the_elevation_is_still_one() -> None:
     assert (t, height) == pytest.approx((0.05, 1e-12), rel=1e-4)
 
 
+def test_a_road_that_takes_beyond_all_time_has_joints() -> None:
+    """At a speed at which the square of its time is no number."""
+    assert roads.bump(0.05, 1.0, 1e-300).jumps == ()
+
+
 @given(st.sampled_from(ABRUPT), st.floats(0.0, 100.0))
 def test_a_delay_shifts_the_jumps(road: roads.Signal, delay: float) -> None:
     expected = [(t + delay, height) for t, height in road.jumps]
