@@ -168,6 +168,10 @@ def run_scene(
             with progress(f"construction of {scene.name}"):
                 drawing = draw.constructions.draw_scene(scene)
             drawing_time = perf_counter() - started
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(
+                "while the construction was drawn, before the run; nothing was written"
+            ) from None
         except (ArithmeticError, DrawingError) as error:
             problems.append(f"the construction cannot be drawn: {one_line(error)}")
         except InputError:
