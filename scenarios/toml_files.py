@@ -17,6 +17,8 @@ def read_content(path: Path) -> dict[str, Any]:
     ------
     InputError : if it cannot be read.
     """
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; give the path of a .toml file")
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:

@@ -19,6 +19,7 @@ from ..scene.fields import (
     schema_of,
     whole,
 )
+from ..scene.names import file_meant
 
 _File = TypeVar("_File")
 
@@ -100,6 +101,10 @@ class FitFile:
     search: SearchOfFit | None = entry(_OF_FIT, _SETTINGS, None)  # noqa: RUF009
 
 
+COMMANDS: Mapping[type, str] = {OptimumFile: "optimise", FitFile: "fit"}
+"""The command that takes each kind of file."""
+
+
 def read_study(kind: type[_File], path: Path, content: Mapping[str, Any]) -> _File:
     """Return the content of a study's file as a table of its kind.
 
@@ -107,6 +112,8 @@ def read_study(kind: type[_File], path: Path, content: Mapping[str, Any]) -> _Fi
     ------
     InputError : if it is not valid; one line with file, key, value and what is allowed.
     """
+    if other := file_meant(content, str(path), COMMANDS[kind]):
+        raise InputError(other)
     try:
         return read_table(kind, content)
     except RefusedError as error:

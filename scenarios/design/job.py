@@ -24,7 +24,7 @@ from ..results.quantities import quantity, shown_in
 from ..results.report import UNCOMPILED, aligned
 from ..results.tables import write_table
 from ..scene.expectations import Bounds
-from ..scene.names import SCENE_FILES
+from ..scene.names import SCENE_FILES, meant
 from .fit import Fit, fit, read_task
 from .optimum import Optimum, read_problem, solve
 from .space import Space
@@ -107,8 +107,11 @@ def fit_parameters(
 
 def _file(file: str | os.PathLike[str]) -> Path:
     path = Path(file)
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; give a study's file, such as study.toml")
     if not path.is_file():
-        raise InputError(f"no such file: {path}")
+        hint = meant(str(path), "study") or "; give the path of a study's file, such as study.toml"
+        raise InputError(f"no such file: {path}{hint}")
     return path
 
 

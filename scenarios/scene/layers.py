@@ -20,7 +20,7 @@ from phaseplane.suspension.variables import MODELS, ParameterError
 from ..errors import SceneError, shown
 from .equation import equation_variables, only_in
 from .fmus import default_duration
-from .names import CASES, SCENE_FILES, case_names, meant
+from .names import CASES, SCENE_FILES, case_names, file_meant, meant
 
 SECTIONS = ("parameters", "controller", "show", "construction", "expect")
 KEYS = ("title", "source", "fmu", "duration", *SECTIONS, "extends")
@@ -291,6 +291,8 @@ def _chain(
     """Yield a scene and all scenes it extends, nearest first; `path` is its file, if it has one."""
     seen: list[Path] = []
     while True:
+        if other := file_meant(layer, name, "run") if path else "":
+            raise SceneError(other)
         for key in layer:
             top, dot, _ = key.partition(".")
             if top not in KEYS or (dot and top not in SECTIONS):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Literal
@@ -15,7 +15,7 @@ SWEEPS = CASES / "sweeps"
 SCENE_FILES = (".toml", ".py")
 """The ends of the names of files that are scenes; a Python module is the scene of its model."""
 
-Kind = Literal["scene", "sweep", "model", "results"]
+Kind = Literal["scene", "sweep", "model", "results", "study"]
 
 
 @cache
@@ -34,6 +34,36 @@ def sweep_titles() -> dict[str, str]:
     """Return the names and titles of the sweeps in the package."""
     texts = {name: (SWEEPS / f"{name}.toml").read_text("utf-8") for name in sweep_names()}
     return {name: str(tomllib.loads(text).get("title", "")) for name, text in texts.items()}
+
+
+_KEYS_OF = {
+    "optimise": ({"vary", "minimise"}, {"vary", "maximise"}),
+    "fit": ({"vary", "measured"},),
+    "sweep": ({"vary", "scene"},),
+    "run": ({"fmu"}, {"extends"}, {"system"}),
+}
+_KINDS = {"run": "a scene", "sweep": "a sweep", "optimise": "an optimum", "fit": "a fit"}
+
+
+def file_meant(keys: Iterable[str], path: str, wanted: str) -> str:
+    """Return what a file is and the command that takes it, or "" if that is the one wanted or unknown.
+
+    Parameters
+    ----------
+    keys : its keys at the top
+    path : its name, for the message
+    wanted : the command that reads it
+    """
+    given = {key.partition(".")[0] for key in keys}
+    for command, kinds in _KEYS_OF.items():
+        if any(kind <= given for kind in kinds) and (command != "run" or "vary" not in given):
+            if command == wanted:
+                return ""
+            return (
+                f"{path} is the file of {_KINDS[command]}, not of {_KINDS[wanted]}: "
+                f"'phaseplane {command} {path}' takes it"
+            )
+    return ""
 
 
 def meant(name: str, wanted: Kind) -> str:

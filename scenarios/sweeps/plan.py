@@ -32,7 +32,7 @@ from ..scene.fields import (
 )
 from ..scene.layers import KEYS, Setting, from_top
 from ..scene.loading import load_scene
-from ..scene.names import SCENE_FILES, SWEEPS, meant, sweep_titles
+from ..scene.names import SCENE_FILES, SWEEPS, file_meant, meant, sweep_titles
 from ..scene.schema import Scene
 from ..toml_files import dotted, read_content
 
@@ -311,7 +311,10 @@ def load_plan(reference: str | Path) -> Plan:
     InputError : if the file is not valid; one line with file, key, value and what is allowed.
     """
     path = find_sweep(str(reference))
-    return plan_of(path, read_content(path))
+    content = read_content(path)
+    if other := file_meant(content, str(path), "sweep"):
+        raise InputError(other)
+    return plan_of(path, content)
 
 
 def plan_of(path: Path, content: Mapping[str, Any], keys: Mapping[str, str] | None = None) -> Plan:

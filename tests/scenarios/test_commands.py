@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import tomllib
 from pathlib import Path
 
@@ -276,3 +277,25 @@ def test_a_new_scene_is_valid_as_it_stands_and_with_all_its_comments_taken_up(mo
         start = variable.start
         assert value == (pytest.approx(start, rel=1e-5) if isinstance(start, float) else start)
     assert tomllib.loads(text)["fmu"] == model
+
+
+# -- files of other commands -----------------------------------------------------------------------
+
+OF_COMMANDS = {
+    "run": 'extends = "ap57"\n',
+    "sweep": 'scene = "ap57"\nmeasures = ["lift_off_count"]\n[vary]\nspeed = [10, 20]\n',
+    "optimise": 'scene = "ap57"\nminimise = "suspension_travel"\n[vary]\nspeed = { from = 1, to = 2 }\n',
+    "fit": 'scene = "ap57"\n[vary]\nspeed = { from = 1, to = 2 }\n[measured]\nfile = "a.csv"\n',
+}
+
+
+@pytest.mark.parametrize("file", OF_COMMANDS)
+@pytest.mark.parametrize("command", OF_COMMANDS)
+def test_the_file_of_another_command_is_given_to_that_one(command: str, file: str) -> None:
+    if file == command:
+        return
+    Path("it.toml").write_text(OF_COMMANDS[file])
+    told = phaseplane(command, "it.toml")
+    assert told.exit_code == 2
+    assert f"'phaseplane {file} it.toml' takes it" in told.stderr
+    assert os.listdir() == ["it.toml"]
