@@ -20,7 +20,13 @@ _LARGEST = 1_000_000  # characters of readings
 @click.argument("scene")
 @set_option
 @output_option("out/exercises/SCENE")
-@click.option("--steps", type=int, default=10, show_default=True, help="Steps to construct.")
+@click.option(
+    "--steps",
+    type=int,
+    default=10,
+    show_default=True,
+    help="Steps of construction.step to construct; a switch divides its step and adds a point.",
+)
 @click.option(
     "--paper",
     type=click.Choice(["A4", "A3"]),

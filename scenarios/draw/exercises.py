@@ -243,7 +243,9 @@ def marked(made: Exercise, text: str, tolerance: float) -> dict[str, Any]:
 def format_marks(summary: Mapping[str, Any]) -> str:
     """Return marks as text for a terminal."""
     within = f"within {summary['tolerance_mm']:g} mm of paper, each judged from your previous point"
-    right = f"{summary['right']} of {summary['points']} points right"
+    missing = f", {summary['missing']} missing" if summary["missing"] else ""
+    wanted = summary["points"] + summary["missing"]
+    right = f"{summary['right']} of {counted(wanted, 'point')} right{missing}"
     lines = [f"{right} (rule {summary['rule']}, {within})", ""]
     for one in summary["marks"]:
         said = f"  {one['said']}" if one["said"] else ""

@@ -173,13 +173,24 @@ def test_a_scene_in_which_nothing_moves_has_no_exercise() -> None:
     assert "nothing to construct: within 20 s no 10 steps move" in refused.stderr
 
 
+def test_a_switch_divides_its_step_and_adds_a_point() -> None:
+    """The steps asked for are those of the scene, as many as their time holds."""
+    scene = load_scene("leaf_spring")
+    made = exercises.exercise(scene, 6, "A4")
+    divided = sum(frame.duration < 0.999 * scene.construction.step for frame in made.drawing.frames)
+    assert made.steps > 6
+    assert divided >= made.steps - 6
+    total = sum(frame.duration for frame in made.drawing.frames)
+    assert total == pytest.approx(6 * scene.construction.step)
+
+
 def test_points_that_are_missing_are_said(tmp_path: Path) -> None:
     made = exercises.exercise(load_scene("van_der_pol", ["construction.step=0.2"]), 10, "A4")
     path = tmp_path / "readings.csv"
     path.write_text("\n".join(faultless(made)[:5]))
     told = called("van_der_pol", "--set", "construction.step=0.2", "--mark", path)
     assert told.exit_code == 1
-    assert "3 of 3 points right" in told.output
+    assert "3 of 10 points right, 7 missing" in told.output
     assert "point   4  missing, and all up to 10" in told.output
 
 
