@@ -39,7 +39,7 @@ def sweep_titles() -> dict[str, str]:
 _KEYS_OF = {
     "optimise": ({"vary", "minimise"}, {"vary", "maximise"}),
     "fit": ({"vary", "measured"},),
-    "sweep": ({"vary", "scene"},),
+    "sweep": ({"vary", "measures"},),
     "run": ({"fmu"}, {"extends"}, {"system"}),
 }
 _KINDS = {"run": "a scene", "sweep": "a sweep", "optimise": "an optimum", "fit": "a fit"}
