@@ -178,32 +178,52 @@ def run(
 def settings(
     changes: Mapping[str, Any] | Sequence[str], values: Mapping[str, Any]
 ) -> list[str | Setting]:
-    """Return changes to a scene as settings."""
+    """Return changes to a scene as settings.
+
+    Raises
+    ------
+    InputError : if the changes are neither a mapping nor texts.
+    """
     given = dict(changes) if isinstance(changes, Mapping) else {}
-    texts: list[str | Setting] = [] if isinstance(changes, Mapping) else list(changes)
-    return [
-        *texts,
-        *(
-            Setting(f"show.{key}" if key in _SHOWN else from_top(key), plain(value), _ORIGIN)
-            for key, value in {**given, **values}.items()
-        ),
-    ]
+    texts = [] if isinstance(changes, Mapping) else changes
+    if isinstance(texts, str) or not isinstance(texts, Sequence) or not all(
+        isinstance(text, str) for text in texts
+    ):  # fmt: skip
+        raise InputError(
+            f"{_ORIGIN}: changes = {shown(changes)}: give a mapping such as {{'speed': 25}}, or a list "
+            "of texts such as ['speed=25']"
+        )
+    return [*texts, *(_setting(str(key), value) for key, value in {**given, **values}.items())]
 
 
-def plain(value: Any) -> Any:
-    """Return a value as parsed from TOML; an array of pairs becomes the text of a table."""
+def _setting(key: str, value: Any) -> Setting:
+    dotted = f"show.{key}" if key in _SHOWN else from_top(key)
+    return Setting(dotted, plain(value, dotted), _ORIGIN)
+
+
+def plain(value: Any, key: str) -> Any:
+    """Return the value of a scene's key as parsed from TOML.
+
+    Within `parameters`, an array of pairs becomes the text of a table.
+    """
     if isinstance(value, Mapping):
-        return {str(key): plain(one) for key, one in value.items()}
-    if isinstance(value, np.generic):
+        return {str(name): plain(one, f"{key}.{name}") for name, one in value.items()}
+    if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
         return value.item()
     if isinstance(value, os.PathLike):
         return os.fspath(value)
-    if isinstance(value, tuple | list) and not _is_table(value):
-        return [plain(one) for one in value]
-    if isinstance(value, np.ndarray) or _is_table(value):
+    may_be_table = key.partition(".")[0] == "parameters"
+    if isinstance(value, np.ndarray) and not may_be_table:
+        return value.tolist()
+    if isinstance(value, tuple | list) and not (may_be_table and _is_table(value)):
+        return [plain(one, key) for one in value]
+    if isinstance(value, np.ndarray) or (may_be_table and _is_table(value)):
         points = np.asarray(value, float)
         if points.ndim != 2 or points.shape[1] != 2:
-            raise InputError(f"an array of shape {points.shape}: a table has the shape (points, 2)")
+            raise InputError(
+                f"{key.removeprefix('parameters.')}: an array of shape {points.shape}; a table has the "
+                "shape (points, 2)"
+            )
         return ", ".join(f"{x!r}:{y!r}" for x, y in points.tolist())
     return value
 
@@ -219,7 +239,7 @@ def _is_table(value: object) -> bool:
 
 def _reference(scene: str | os.PathLike[str] | Mapping[str, Any]) -> str | Mapping[str, Any]:
     if isinstance(scene, Mapping):
-        return {str(key): plain(value) for key, value in scene.items()}
+        return {str(key): plain(value, str(key)) for key, value in scene.items()}
     if not isinstance(scene, str | os.PathLike):
         raise InputError(f"{_ORIGIN}: scene = {shown(scene)}: give a name, a path or a mapping")
     return os.fspath(scene)

@@ -295,7 +295,14 @@ def _chain(
             raise SceneError(other)
         for key in layer:
             top, dot, _ = key.partition(".")
-            if top not in KEYS or (dot and top not in SECTIONS):
+            if top == "system":
+                raise SceneError(
+                    f"{name}: system: a system of your own is described in a file; write it to a .toml "
+                    "file, and run that or give its path as fmu"
+                )
+            if dot and top in KEYS and top not in SECTIONS:
+                raise SceneError(f"{name}: {top}: must be a single value, not a table")
+            if top not in KEYS:
                 hint = "; parameters belong in the table [parameters]"
                 raise SceneError(
                     f"{name}: unknown key {shown(key)}; allowed: {', '.join(KEYS)}"

@@ -100,6 +100,20 @@ def test_arrays_and_pairs_are_tables():
         np.testing.assert_array_equal(run["body_velocity"], runs[0]["body_velocity"])
 
 
+def test_starts_are_lists_of_numbers_and_no_table():
+    given = {"fmu": "Equation", "duration": 0.5, "parameters": {"equation": "x"}}
+    for starts in ([[1.0, 0.0], [0.0, 2.0]], np.array([[1.0, 0.0], [0.0, 2.0]])):
+        run = phaseplane.run({**given, "construction": {"starts": starts}})
+        assert run["start3_velocity"][0] == 2.0
+        again = phaseplane.run(given, {"construction.starts": starts})
+        np.testing.assert_array_equal(again["start2_displacement"], run["start2_displacement"])
+
+
+def test_a_number_may_be_an_array_without_dimensions(bump):
+    same = phaseplane.run("ap57", **{**QUICK, "speed": np.array(25.0)})
+    np.testing.assert_array_equal(same["body_velocity"], bump["body_velocity"])
+
+
 def test_a_scene_can_be_a_mapping_that_extends_another(bump):
     same = phaseplane.run({"extends": "ap57", "parameters": {"speed": 25.0}, "duration": "0.2 s"})
     np.testing.assert_array_equal(same["body_velocity"], bump["body_velocity"])
@@ -111,6 +125,15 @@ def test_a_scene_can_be_a_mapping_that_extends_another(bump):
         (lambda: phaseplane.run("ap57", sped=3), r"run\(\): .*did you mean 'speed'"),
         (lambda: phaseplane.run("QuarterCar"), "'duration' is missing"),
         (lambda: phaseplane.run({"fmx": 1}), "did you mean 'fmu'"),
+        (lambda: phaseplane.run({"controllers": {"period": 1.0}}), "did you mean 'controller'"),
+        (
+            lambda: phaseplane.run({"duration": 1, "system": {"name": "Rig"}}),
+            r"system: a system of your own is described in a file; .* give its path as fmu",
+        ),
+        (lambda: phaseplane.run({"fmu": {"name": "Rig"}}), "fmu: must be a single value"),
+        (lambda: phaseplane.run("ap57", "speed=3"), r"changes = 'speed=3': give a mapping .* list"),
+        (lambda: phaseplane.run("ap57", None), r"changes = None: give a mapping"),
+        (lambda: phaseplane.run("ap57", [3]), r"changes = \[3\]: give a mapping"),
         (lambda: phaseplane.run({"extends": "ap75"}), "did you mean 'ap57'"),
         (lambda: phaseplane.run("ap57", {"damper.table": np.ones(3)}), r"shape \(3,\)"),
         (lambda: phaseplane.run("ap57", **QUICK).figure("histories"), "no picture 'histories'"),
