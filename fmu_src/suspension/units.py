@@ -6,7 +6,7 @@ The FMUs (unit definitions) and the scenes (`height = "5 cm"`) use the same tabl
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import pi
 
@@ -104,9 +104,10 @@ def counted(count: int, what: str) -> str:
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
-def nearest(name: str, names: object) -> str:
-    """Return a hint with the closest known name to end a message with, or an empty string."""
+def nearest(name: str, names: Iterable[str]) -> str:
+    """Return a hint with the closest known name, whatever its case, to end a message with, or ""."""
     from difflib import get_close_matches  # noqa: PLC0415  (for mistakes only)
 
-    close = get_close_matches(name, list(names), n=1, cutoff=0.5)  # type: ignore[call-overload]
-    return f"; did you mean {close[0]!r}?" if close else ""
+    known = {one.casefold(): one for one in names}
+    close = get_close_matches(name.casefold(), known, n=1, cutoff=0.5)
+    return f"; did you mean {known[close[0]]!r}?" if close else ""

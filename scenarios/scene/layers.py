@@ -206,7 +206,7 @@ def find_scene(reference: str, folder: Path | None = None) -> Path:
         raise SceneError(f"no scene file {reference}; give the path of a .toml file")
     hint = meant(reference, "scene") or (
         "; 'phaseplane list' shows them all; or give the path of a .toml file"
-        + nearest(reference, case_names())
+        + nearest(reference, (*case_names(), *MODELS))
     )
     raise SceneError(f"no scene {shown(reference)}{hint}")
 

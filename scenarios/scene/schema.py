@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
 from ..measures import at_end, catalogue, default_measures
+from .names import CASES
 from .sections import Construction, Show
 
 if TYPE_CHECKING:
@@ -72,6 +73,12 @@ class Scene:
     reference_folder: Path = Path()
     unchecked: tuple[str, ...] = ()
     idle: tuple[Idle, ...] = ()
+
+    @property
+    def given_as(self) -> str:
+        """The name of a scene of the package, or else the path of its file, as commands take it."""
+        named = self.file is None or self.file.parent == CASES
+        return self.name if named else str(self.file)
 
     def check_construction(self) -> None:
         """Reject a construction of too many steps.

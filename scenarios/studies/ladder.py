@@ -97,7 +97,7 @@ def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dic
     if scene.fmu.model not in _DESCENDS and not smaller:
         raise InputError(
             f"{scene.fmu.model} has no smaller model in the package; allowed: {', '.join(_DESCENDS)}, "
-            f"or name the files of smaller models: phaseplane ladder {scene.name} SMALLER..."
+            f"or name the files of smaller models: phaseplane ladder {scene.given_as} SMALLER..."
         )
     names = _outputs_compared(scene, smaller)
     whole = _as_it_stands(scene, "unchanged")

@@ -233,6 +233,8 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         (["run"], "Missing argument 'SCENE'"),
         (["rum", "ap57"], "did you mean 'run'?"),
         (["run", "ap75"], "did you mean 'ap57'?"),
+        (["ladder", "quarter_car"], "did you mean 'QuarterCar'?"),
+        (["ladder", "half-car-pitch"], "did you mean 'half_car_pitch'?"),
         (["run", "gone.toml"], "no scene file gone.toml"),
         (["run", "bad.toml"], "not TOML"),
         (["run", "ap57", "--sett", "x=1"], "No such option '--sett'. Did you mean '--set'?"),

@@ -117,7 +117,7 @@ def test_a_file_stands_beside_the_models_of_the_package(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["own.toml"], "name the files of smaller models: phaseplane ladder own SMALLER..."),
+        (["own.toml"], "name the files of smaller models: phaseplane ladder own.toml SMALLER..."),
         (["own.toml", "ap57"], "give coordinates that describe the same motion the same name"),
         (["own.toml", "van_der_pol"], "van_der_pol: Equation cannot be compared"),
         (["skyhook"], "skyhook has a controller, but the ladder runs models without one"),
