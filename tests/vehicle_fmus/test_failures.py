@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import sys
 from math import isnan, nan
 from typing import Any
 
 import pytest
+from fmpy import read_model_description
 from fmpy.fmi1 import FMICallException
+from fmpy.simulation import instantiate_fmu
 from phaseplane.suspension.models import FILES
 from phaseplane.suspension.variables import variables
 
@@ -57,6 +60,23 @@ def test_a_step_to_nowhere(vehicle: Any, until: float) -> None:
             vehicle.step(0.01, until)
         assert caught.value.status == DISCARD
         assert "cannot step" in vehicle.texts
+
+
+def test_a_bad_start_value_is_told_to_a_host_without_logging(
+    quarter_car_folder: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    description = read_model_description(quarter_car_folder)
+    (mass,) = [v for v in description.modelVariables if v.name == "sprung_mass"]
+    car = instantiate_fmu(quarter_car_folder, description, "CoSimulation", debug_logging=False)
+    car.setupExperiment(startTime=0.0)
+    car.setReal([mass.valueReference], [-1.0])
+    car.enterInitializationMode()
+    if sys.version_info < (3, 12):
+        with pytest.raises(FMICallException):
+            car.exitInitializationMode()
+    else:
+        car.exitInitializationMode()
+    assert "sprung_mass = -1: must be greater than 0 in kg" in capfd.readouterr().err
 
 
 def test_every_parameter_is_refused_out_of_its_range(model: str, vehicle: Any) -> None:

@@ -11,6 +11,7 @@ import json
 import signal
 import sys
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import partial
 from math import nan
 from pathlib import Path
@@ -138,6 +139,7 @@ class VehicleSlave(Fmi2Slave):
         try:
             self._session = self._new_session()
         except Exception as error:
+            self._write(str(error))
             if not _RAISES:
                 self._refuse(str(error))
                 return
@@ -184,6 +186,12 @@ class VehicleSlave(Fmi2Slave):
                     status, of_host = _LOGGED[category]
                     self.log(text, status, of_host)
             self._session.messages.clear()
+
+    def _write(self, reason: str) -> None:
+        """Write why there is no model to stderr: hosts without logging get no messages, only a status."""
+        with suppress(AttributeError, OSError, ValueError):  # there is none, or it is closed
+            sys.stderr.write(f"{self.instance_name}: {reason}\n")
+            sys.stderr.flush()
 
     def _refuse(self, reason: str) -> None:
         self.log(reason, Fmi2Status.error)
