@@ -54,7 +54,8 @@ def rules(scene: str, overrides: tuple[str, ...], as_data: bool) -> None:
     """
     loaded = load_scene(scene, overrides, expect=False)
     warn(loaded.warnings)
-    results = study.measure_rules(loaded)
+    with progress_bar("rules"):
+        results = study.measure_rules(loaded)
     click.echo(
         as_json(study.as_data(loaded, results)) if as_data else study.rules_table(loaded, results)
     )

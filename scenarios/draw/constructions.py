@@ -44,6 +44,11 @@ def draw_scene(scene: Scene) -> Drawing:
     """Return the graphical construction of a scene, without its controller; see `draw_construction`."""
     settings, duration = asdict(scene.construction), scene.construction_time
     drawing = draw_construction(scene.fmu.model, scene.all_parameters, settings, duration)
+    return of_model_alone(drawing, scene)
+
+
+def of_model_alone(drawing: Drawing, scene: Scene) -> Drawing:
+    """Return a construction whose title says so if the scene has a controller, which it has not."""
     if scene.controller is None:
         return drawing
     return replace(drawing, title=f"{drawing.title}, without the controller")

@@ -19,7 +19,7 @@ from phaseplane.exercises.protocol import display, displayed, point_of
 
 from ..errors import DrawingError, InputError
 from ..scene.equation import EQUATION, formula_of
-from .constructions import Begin, draw_construction
+from .constructions import Begin, draw_construction, of_model_alone
 from .planes import planes_of
 
 if TYPE_CHECKING:
@@ -153,7 +153,8 @@ def _excursion(planes: Construction, shown: Sequence[Frame]) -> float:
 def _drawn(scene: Scene, settings: Mapping[str, Any], duration: float) -> Drawing:
     try:
         plain = {**settings, "starts": ()}
-        return draw_construction(scene.fmu.model, scene.all_parameters, plain, duration)
+        drawing = draw_construction(scene.fmu.model, scene.all_parameters, plain, duration)
+        return of_model_alone(drawing, scene)
     except (DrawingError, ArithmeticError) as error:
         raise InputError(error) from None
 
@@ -290,7 +291,7 @@ def _sheet(made: Exercise, *, solved: bool, read: Sequence[tuple[list[complex], 
     head = [head[0], "t [s]", *head[1:]]
     scale = ", ".join(_format_scale(p) for p in planes)
     right = sum(is_right for _, is_right in read)
-    told = f"{right} of {len(read)} points right (green crosses; the others are red)"
+    told = f"{right} of {made.steps} points right (green crosses; those read wrong are red)"
     return figures.exercise_sheet(
         exercises.gathered(drawing),
         paper=made.paper,

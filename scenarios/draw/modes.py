@@ -54,6 +54,8 @@ def modes(
         raise InputError(f"modes of {scene.name}: {error}") from None
     modes = [] if found is None else _undamped(found)
     title = scene.title or scene.name
+    if scene.controller is not None:
+        title = f"{title}; without the controller"
     if figure is not None and found is not None:
         names = [
             f"mode {i}: {one['frequency']:.4g} Hz, ξ = {one['damping_ratio']:.3g}"

@@ -109,6 +109,8 @@ def portrait(
         title = f"{title}; {', '.join(subject.held)} held at rest"
     if subject.loaded:
         title = f"{title}; without loads"
+    if scene.controller is not None:
+        title = f"{title}; without the controller"
     if made.frozen is not None and system.driven:
         title = f"{title}, frozen at t = {made.frozen:g} s"
     elif made.section is not None:

@@ -76,9 +76,14 @@ def measure_rules(scene: Scene) -> list[RuleResult]:
 
     Raises
     ------
-    InputError : if the scene's model has no construction.
+    InputError : if the scene's model has no construction, or it has a controller.
     """
     names = _displacements(scene)
+    if scene.controller is not None:
+        raise InputError(
+            f"{scene.name} has a controller, but the rules are measured on models without one; give a "
+            "scene without [controller]"
+        )
     results = [
         _measured(name, rule.order, scene, partial(_drawn, scene, name, names))
         for name, rule in constructions.RULES.items()

@@ -1,9 +1,14 @@
 """Inputs that a controller sets from outputs."""
 
+import json
+
 import numpy as np
 import pytest
+from command_line import phaseplane as phaseplane_command
 from phaseplane.scenarios.commands.run import run_scene
+from phaseplane.scenarios.draw import exercises
 from phaseplane.scenarios.errors import InputError, RunError
+from phaseplane.scenarios.scene.loading import load_scene
 
 import phaseplane
 
@@ -177,3 +182,21 @@ def test_a_construction_does_not_pass_for_a_run_under_a_controller(tmp_path):
     summary, _ = run_scene("groundhook", figured, tmp_path / "two", expect=False)
     assert summary["drawn"]["title"].endswith(", without the controller")
     assert not summary["drawn"]["drift"]
+
+
+@pytest.mark.parametrize("command", ["portrait", "modes"])
+def test_what_is_of_the_model_alone_says_so(command):
+    told = phaseplane_command(command, "skyhook", "--json")
+    assert json.loads(told.stdout)["title"].endswith("; without the controller")
+
+
+def test_an_exercise_says_that_it_is_without_the_controller():
+    made = exercises.exercise(load_scene("skyhook"), 4, "A4")
+    assert made.drawing.title.endswith(", without the controller")
+
+
+@pytest.mark.parametrize("command", ["accuracy", "stability", "rules"])
+def test_studies_refuse_a_controller(command):
+    refused = phaseplane_command(command, "skyhook")
+    assert refused.exit_code == 2
+    assert "skyhook has a controller" in refused.stderr
