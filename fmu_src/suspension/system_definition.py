@@ -236,6 +236,11 @@ def _element(
         if both:
             raise ParameterError(f"{where}.{part}: give {both[0]} or table, not both")
 
+    if damper.keys() >= {"rate", "rebound_rate", "bump_rate"}:
+        raise ParameterError(
+            f"{where}.damper: give rate, or rebound_rate and bump_rate, not all three"
+        )
+
     def at(key: str, default: float = 0.0) -> float:
         """Return the value of a key such as `spring.rate`."""
         part, _, last = key.rpartition(".")
@@ -251,8 +256,12 @@ def _element(
 
     def from_table(part: str) -> Characteristic:
         """Return the law of a table, which must have no force at rest."""
-        key = f"{where}.{part}.table"
-        law = characteristics.table(points(key, str(said[part]["table"])))
+        key, text = f"{where}.{part}.table", said[part]["table"]
+        if not isinstance(text, str):
+            raise ParameterError(
+                f"{key} = {text!r}: must be a text of pairs, such as '-0.1:-1500, 0:0, 0.1:1500'"
+            )
+        law = characteristics.table(points(key, text))
         return through_zero(law, key)
 
     rate = at("damper.rate")

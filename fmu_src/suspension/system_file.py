@@ -200,7 +200,11 @@ def _declared_parameters(table: Mapping[str, Any]) -> Iterator[Variable]:
         check_word(name, "system.parameters")
         whole = said if isinstance(said, dict) else {"value": said}
         refuse_others(whole, ("value", "about", "min", "max"), f"system.parameters.{name}")
-        value = whole.get("value")
+        if "value" not in whole:
+            raise ParameterError(
+                f"system.parameters.{name} has no value; give one, such as {{ value = '80 kg' }}"
+            )
+        value = whole["value"]
         unit = "1"
         if isinstance(value, str):
             unit = next((unit for unit in UNITS if _fits(value, unit)), "")

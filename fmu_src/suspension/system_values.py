@@ -62,6 +62,8 @@ def _worked_out(node: ast.expr, values: Sequence[float]) -> float:
             found = (_worked_out(operand, values),)
         case _:
             raise ValueError(ast.unparse(node))
+    if type(operation) not in _OPERATIONS:
+        raise ValueError("the operators are + - * / ^")
     result: float = _OPERATIONS[type(operation)](*found)
     return result
 

@@ -170,7 +170,12 @@ def _packed(
 
 
 def _scenes_among(names: Iterable[str]) -> list[Scene]:
-    """Return the scenes among models and scenes."""
+    """Return the scenes among models and scenes.
+
+    Raises
+    ------
+    InputError : if there is no such scene, or two FMUs would have the same name.
+    """
     known = (*FILES, *case_names())
     for name in names:
         if name not in known and Path(name).suffix not in SCENE_FILES:
@@ -178,7 +183,16 @@ def _scenes_among(names: Iterable[str]) -> list[Scene]:
                 f"no model or scene {shown(name)}{nearest(name, known)}; models are "
                 f"{', '.join(FILES)}; or give the path of a .toml or .py file"
             )
-    return [load_scene(name, expect=False) for name in dict.fromkeys(names) if name not in FILES]
+    scenes = {n: load_scene(n, expect=False) for n in dict.fromkeys(names) if n not in FILES}
+    by_name = {name: name for name in names if name in FILES}
+    for name, scene in scenes.items():
+        other = by_name.setdefault(scene.name, name)
+        if other != name:
+            raise InputError(
+                f"{other} and {name}: both would be packed as {scene.name}.fmu; build them into "
+                "different folders"
+            )
+    return list(scenes.values())
 
 
 def _own_system(scene: Scene) -> dict[str, Path]:

@@ -359,6 +359,11 @@ def _read(path: Path, name: str) -> dict[str, Any]:
         content = tomllib.loads(text)
         if isinstance(content.pop("system", None), dict):
             content.setdefault("fmu", path.name)  # the scene of the system that it describes
+            if content["fmu"] != path.name:
+                raise SceneError(
+                    f"{name}: fmu = {shown(content['fmu'])} and a table [system] are given; leave out "
+                    "fmu to run the system of this file, or put one of them into another file"
+                )
         return dict(flattened(content, name))
     except SceneError:
         raise

@@ -434,6 +434,16 @@ def test_a_packed_scene_says_what_it_leaves_out() -> None:
     assert all(Path(file).exists() for file in done.stdout.split())
 
 
+def test_scenes_of_the_same_name_do_not_replace_each_other_in_a_folder() -> None:
+    for folder in ("one", "two"):
+        Path(folder).mkdir()
+        Path(folder, "scene.toml").write_text('extends = "ap57"\n')
+    refused = phaseplane("build", "one/scene.toml", "two/scene.toml", "-o", "fmus")
+    assert refused.exit_code == 2
+    assert "one/scene.toml and two/scene.toml: both would be packed as scene.fmu" in refused.stderr
+    assert not Path("fmus").exists()
+
+
 def test_a_construction_that_is_interrupted_leaves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt

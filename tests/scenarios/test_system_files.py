@@ -171,3 +171,12 @@ def test_changed_parameters_are_checked_too(folder):
     with pytest.raises(InputError) as refused:
         phaseplane.run("mass.toml")
     assert str(refused.value).count("mass.toml") == 1
+
+
+def test_a_file_with_a_system_and_another_model_is_refused(folder):
+    """It was the scene of that model, and its own system was not run."""
+    Path("two.toml").write_text('fmu = "QuarterCar"\n' + SYSTEM)
+    with pytest.raises(InputError, match=r"fmu = 'QuarterCar' and a table \[system\] are given"):
+        phaseplane.run("two.toml")
+    Path("own.toml").write_text('fmu = "own.toml"\n' + SYSTEM)
+    assert phaseplane.run("own.toml").scene.fmu.model == "OneMass"
