@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from textwrap import fill
 from typing import Any, cast
@@ -27,7 +27,7 @@ from phaseplane.picture.text import format_time
 from phaseplane.picture.views import frame_at, view_of, views_of
 
 from .canvas import Sheet, new_page
-from .style import PLAIN, Look, heading_lines, new_figure, printed
+from .style import PLAIN, Look, Printed, styled
 
 Pixels = npt.NDArray[np.uint8]
 
@@ -38,6 +38,7 @@ _LINE = 0.125  # inches of a line of a caption
 _HOLD = 3  # ticks that show the end
 
 
+@styled
 def animation(
     drawing: Drawing, path: str | os.PathLike[str],
     *, rate: float = 1.0, title: str = "", look: Look = PLAIN,
@@ -66,9 +67,10 @@ def animation(
     page = new_page(drawing, views_of(drawing, motions_of(drawing))[0], look)
     draw_axes(page)
     draw_curves(page)
-    sheet = Sheet(look)
+    ticks = list(story_of(page, arms_page(drawing), {}))
+    sheet = Sheet(look, [tick.caption for tick in ticks])
     sheet.made(page, title, typeset(drawing.title))
-    pictures = list(_pictures(sheet, story_of(page, arms_page(drawing), {})))
+    pictures = list(_pictures(sheet, ticks))
     pictures += pictures[-1:] * _HOLD
     with replace_file(target) as temporary:
         if program is not None and suffix == ".mp4":
@@ -78,6 +80,7 @@ def animation(
     return target
 
 
+@styled
 def storyboard(
     drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
 ) -> Figure:
@@ -107,43 +110,33 @@ def storyboard(
     captions = [fill(tick.caption, int(13.0 * wide)) for tick in ticks]
     below = 0.2 + _LINE * max(text.count("\n") + 1 for text in captions)
     step = f"Step {chosen.step}, {format_time(chosen.time)}, stage by stage"
-    words = heading_lines((title, step), width)
-    above = 0.35 + 0.18 * len(words) if look.headed else 0.05
-    tall = rows * (high + below) + above
     sheet = Sheet(look)
-    sheet.figure = whole = new_figure(width, tall, look.palette)
+    sheet.figure = whole = Printed(look, width, rows * (high + below) + 0.05, layout="none")
+    whole.finished(title, step)
     for number, (tick, caption) in enumerate(zip(ticks, captions, strict=True)):
         row, column = divmod(number, columns)
-        bottom = 1.0 - (above + row * (high + below) + high) / tall
-        sheet.place(stays.view, (column / columns, bottom, 1.0 / columns, high / tall))
+        corner = complex(column * wide, (rows - row) * (high + below) - high)
+        sheet.place(stays.view, corner, complex(wide, high))
         for item in (*stays.items, *tick.page.items):
             if item.role not in MOVING_POINT[:2]:  # nothing moves here
                 sheet.draw(item)
-        whole.text(
-            (column + 0.5) / columns, bottom - 0.05 / tall, caption, ha="center", va="top",
-            fontsize=7.5, color=look.palette.ink,
-        )  # fmt: skip
-    sheet.head(words, above)
-    return printed(whole, look)
+        sheet.axes.set_title(caption, y=0.0, pad=-4.0, va="top", fontsize=7.5)
+    return whole
 
 
-def _pictures(sheet: Sheet, ticks: Iterator[Tick]) -> Iterator[Pixels]:
+def _pictures(sheet: Sheet, ticks: Sequence[Tick]) -> Iterator[Pixels]:
     """Yield each tick as an image: what stays is drawn once, the rest over a copy of it."""
     figure = sheet.figure
     figure.set_dpi(_DPI)
     canvas = cast(FigureCanvasAgg, figure.canvas)
-    for legend in figure.legends:  # the caption takes its place
-        legend.set_visible(False)
-    caption = figure.text(
-        0.5, 0.28 / figure.get_figheight(), "", ha="center", va="center", color=sheet.palette.ink,
-        fontsize=9.0,
-    )  # fmt: skip
+    below = sheet.axes.get_position().y0
+    caption = figure.text(0.5, 0.9 * below, "", ha="center", va="top", fontsize=9.0)
     canvas.draw()
     ground = canvas.copy_from_bbox(figure.bbox)
     renderer = canvas.get_renderer()
-    for tick in ticks:
+    for tick, words in zip(ticks, sheet.captions, strict=True):
         canvas.restore_region(ground)
-        caption.set_text(fill(tick.caption, int(11 * figure.get_figwidth())))
+        caption.set_text(words)
         sheet.frame(tick.page)
         for artist in sorted(sheet.moving, key=lambda artist: artist.get_zorder()):
             artist.draw(renderer)
@@ -157,7 +150,10 @@ def _write_gif(pictures: list[Pixels], path: Path, rate: float) -> None:
     from PIL import Image  # noqa: PLC0415  (comes with matplotlib)
 
     # every colour counts once: few points of a picture have the colour of a thin line
-    some = np.concatenate([picture[::3, ::3].reshape(-1, 3) for picture in pictures])
+    parts = (
+        part for p in pictures for part in (p[::9], p[:, ::9])
+    )  # with all upright and level lines
+    some = np.concatenate([part.reshape(-1, 3) for part in parts])
     codes = np.unique(some @ np.array([1 << 16, 1 << 8, 1]))
     colours = (codes[:, None, None] >> np.array([16, 8, 0]) & 255).astype(np.uint8)
     palette = Image.fromarray(colours).quantize(256, Image.Quantize.MAXCOVERAGE)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import wraps
+from textwrap import fill
 from typing import Any
 
-import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -22,11 +22,11 @@ from phaseplane.picture.paper import Box, vertices
 from phaseplane.picture.styles import style_of
 from phaseplane.picture.subject import Subject
 
-from .style import HEADING, PLAIN, Look, heading_lines, new_figure, printed
+from .style import PLAIN, Look, Printed, styled
 
 _LARGEST = (11.0, 10.0)  # inches that the sheet may take up
 _BESIDE = 0.1  # inches
-_SMALL, _LETTER = 8.0, 0.6  # type of the legend: size, points, and width of a letter, em
+_LINE = 0.155  # inches of a line of a caption
 _ABOVE = {"trail": 3.0, "normal": 3.0, "arc": 3.5, "successor": 3.5}  # order of drawing; others 2
 _DASH_DOT_DOT = (0, (4, 2.5, 0.1, 2.5, 0.1, 2.5))
 _MONO: dict[str, Any] = {  # of lines with round ends; only the integral curve is solid
@@ -57,35 +57,34 @@ def _scale(view: Box, look: Look) -> float:
 
 
 class Sheet(Canvas):
-    """A figure of a page, and of the pages that follow it in an animation."""
+    """A figure of a page, and of the pages that follow it in an animation.
 
-    def __init__(self, look: Look) -> None:
+    The pages of an animation have captions, of which one at a time takes the place of the legend.
+    """
+
+    def __init__(self, look: Look, captions: Sequence[str] = ()) -> None:
         self.look = look
         self.palette = look.palette
-        self.figure: Figure
+        self.figure: Printed
         self.axes: Axes
         self.moving: list[Artist] = []
+        self.captions = captions
 
     def begin(self, page: Page) -> None:
         """Make the figure, with a heading above the page and a legend below."""
-        legend = page.legend()
-        size = 2.0 * page.view.half
-        scale = _scale(page.view, self.look)
-        width, height = size.real * scale, size.imag * scale
-        columns = self._columns([len(words) for _, words in legend], width)
-        rows = -(-len(legend) // columns)
-        heading = heading_lines((page.title, *page.words.split("\n")), width)
-        below, above = 0.3 + 0.2 * rows, 0.3 + 0.17 * len(heading) if self.look.headed else 0.1
-        full = (width + 2 * _BESIDE, height + below + above)
-        self.figure = new_figure(*full, self.palette)
-        self.place(
-            page.view, (_BESIDE / full[0], below / full[1], width / full[0], height / full[1])
-        )
+        size = 2.0 * page.view.half * _scale(page.view, self.look)
+        width, height = size.real + 2 * _BESIDE, size.imag + 2 * _BESIDE
+        self.figure = Printed(self.look, width, height, layout="none")
+        if self.captions:
+            self.captions = [fill(text, int(11 * width)) for text in self.captions]
+            self.figure.grow(_LINE * (1 + max(text.count("\n") + 1 for text in self.captions)))
+        else:
+            self.figure.key([self._handle(*entry) for entry in page.legend()])
+        below = self.figure.get_figheight() - height
+        self.figure.finished(page.title, *page.words.split("\n"))
+        self.place(page.view, complex(_BESIDE, _BESIDE + below), size)
         for item in page.items:
             self.draw(item)
-        self.head(heading, above)
-        self._legend(legend, columns)
-        printed(self.figure, self.look)
 
     def made(self, page: Page, title: str, words: str) -> Figure:
         """Return the figure of a page, with a title and other words above it."""
@@ -93,16 +92,12 @@ class Sheet(Canvas):
         self.begin(page)
         return self.figure
 
-    def head(self, lines: Sequence[str], above: float) -> None:
-        """Write lines in the middle of the room above the sheet, inches."""
-        self.figure.text(
-            0.5, 1.0 - 0.5 * above / self.figure.get_figheight(), "\n".join(lines), ha="center",
-            va="center", fontsize=10.0, color=self.palette.ink, gid=HEADING,
-        )  # fmt: skip
-
-    def place(self, view: Box, where: tuple[float, float, float, float]) -> None:
-        """Draw in a part of the figure from now on: left, bottom, width and height as fractions."""
-        self.axes = self.figure.add_axes(where)
+    def place(self, view: Box, corner: complex, size: complex) -> None:
+        """Draw in a part of the figure from now on, with this lower left corner and size, inches."""
+        width, height = self.figure.get_size_inches()
+        self.axes = self.figure.add_axes(
+            (corner.real / width, corner.imag / height, size.real / width, size.imag / height)
+        )
         self.axes.set_aspect("equal")
         self.axes.set_axis_off()
         low, high = view.corners
@@ -177,33 +172,12 @@ class Sheet(Canvas):
             gid="axis_name" if item.kind == "name" else item.kind,
         )  # fmt: skip
 
-    @property
-    def _handle(self) -> float:
-        """The length of lines in the legend, em: dashes need more."""
-        return 4.0 if self.palette.mono else 2.0
-
-    def _columns(self, letters: Sequence[int], width: float) -> int:
-        """Return the columns in which a legend with words of these lengths fits a width, inches."""
-        for columns in range(len(letters), 1, -1):
-            widest = [max(part) for part in np.array_split(letters, columns)]
-            if sum(self._handle + 2.8 + _LETTER * n for n in widest) * _SMALL / 72.0 <= width:
-                return columns
-        return 1
-
-    def _legend(self, entries: Sequence[tuple[str, str]], columns: int) -> None:
-        handles = [
-            Line2D(
-                [], [], color=self.colour(role), linestyle=self.dashes(role), label=words,
-                linewidth=style_of(role).width if self.palette.mono else 1.6,
-                dash_capstyle="round",
-            )
-            for role, words in entries
-        ]  # fmt: skip
-        if handles:
-            self.figure.legend(
-                handles=handles, loc="lower center", ncols=columns, frameon=False, fontsize=_SMALL,
-                labelcolor=self.palette.ink, handlelength=self._handle,
-            )  # fmt: skip
+    def _handle(self, role: str, words: str) -> Line2D:
+        """Return the line of an entry in the legend."""
+        return Line2D(
+            [], [], color=self.colour(role), linestyle=self.dashes(role), label=words,
+            linewidth=style_of(role).width if self.palette.mono else 1.6, dash_capstyle="round",
+        )  # fmt: skip
 
 
 def as_figure(draw: Callable[..., tuple[Page, str]]) -> Callable[..., Figure]:
@@ -212,6 +186,7 @@ def as_figure(draw: Callable[..., tuple[Page, str]]) -> Callable[..., Figure]:
     The title and the look of the figure are named arguments; by default there is no title.
     """
 
+    @styled
     @wraps(draw)
     def figure(
         drawing: Drawing, *args: Any, title: str = "", look: Look = PLAIN, **more: Any

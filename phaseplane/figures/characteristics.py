@@ -19,7 +19,7 @@ from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.systems import damper_family
 
-from .style import PLAIN, Look, Palette, dress, printed
+from .style import PLAIN, Look, Palette, draw_zero, styled
 
 _COLUMNS = 4
 
@@ -43,7 +43,8 @@ class Panel:
     argument: Literal["deflection", "rate"] = "deflection"
 
 
-def characteristics_sheet(look: Look = PLAIN) -> Figure:
+@styled
+def characteristics_sheet(*, look: Look = PLAIN) -> Figure:
     """Draw springs, dampers, stops, tyres, friction and yielding, one panel each.
 
     Dots mark corners, at which the integrator ends a step. Loops are results of runs.
@@ -53,30 +54,23 @@ def characteristics_sheet(look: Look = PLAIN) -> Figure:
     figure = look.blank(2.8 * _COLUMNS, 2.5 * rows)
     for k, panel in enumerate(panels, start=1):
         _draw(figure.add_subplot(rows, _COLUMNS, k), panel, look.palette)
-    figure.tight_layout(w_pad=1.2, h_pad=1.4)
-    return printed(figure, look)
+    return figure.finished()
 
 
 def _draw(axes: Axes, panel: Panel, palette: Palette) -> None:
     deflection = panel.argument == "deflection"
-    dress(axes, palette, 7.0)
-    axes.axhline(0.0, color=palette.faint, linewidth=0.7)
-    axes.axvline(0.0, color=palette.faint, linewidth=0.7)
+    draw_zero(axes, palette)
     factor = 1e3 if deflection else 1.0
     for number, line in enumerate(panel.lines):
         style = palette.curve(number)
         axes.plot(factor * line.x, 1e-3 * line.force, linewidth=1.5, label=line.name, **style)
         for x, force in line.corners:
             axes.plot(factor * x, 1e-3 * force, "o", color=style["color"], markersize=3.5)
-    axes.set_title(panel.title, fontsize=9)
-    axes.set_xlabel("deflection [mm]" if deflection else "rate [m/s]", fontsize=8)
-    axes.set_ylabel("force [kN]", fontsize=8)
+    axes.set_title(panel.title)
+    axes.set(xlabel="deflection [mm]" if deflection else "rate [m/s]", ylabel="force [kN]")
     axes.margins(x=0.0)
     if len(panel.lines) > 1:
-        axes.legend(
-            fontsize=7, labelcolor=palette.ink, facecolor=palette.paper, edgecolor=palette.grid,
-            handlelength=1.2, borderpad=0.3, loc="best",
-        )  # fmt: skip
+        axes.legend(fontsize=7, frameon=True, edgecolor=palette.grid, handlelength=1.2)
 
 
 def _line(name: str, curve: Characteristic, reach: float) -> Line:

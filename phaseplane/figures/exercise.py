@@ -27,7 +27,7 @@ from phaseplane.picture.styles import GREEN, RED
 from phaseplane.picture.subject import Subject, motions_of
 
 from .canvas import Sheet
-from .style import HEADING, PLAIN, new_figure
+from .style import PLAIN, Printed
 
 PAPERS = {"A4": (21.0, 29.7), "A3": (29.7, 42.0)}  # width and height of a sheet, cm
 
@@ -76,12 +76,12 @@ def exercise_sheet(
     """Draw the sheet of an exercise or its solution: heading, correct construction and filled table."""
     width, height = PAPERS[paper]
     canvas = Sheet(PLAIN)
-    canvas.figure = new_figure(width / _INCH, height / _INCH, PLAIN.palette)
+    canvas.figure = Printed(PLAIN, width / _INCH, height / _INCH, layout="none")
+    canvas.figure.set_label(title)
     view, room = sheet_view(drawing), sheet_room(paper, len(filled.rows))
     size = 2.0 * view.half / _CM
-    left = (width - size.real) / 2.0
     bottom = height - _EDGE - _HEAD - 0.5 * (room.imag / _CM + size.imag)
-    canvas.place(view, (left / width, bottom / height, size.real / width, size.imag / height))
+    canvas.place(view, complex(0.5 * (width - size.real), bottom) / _INCH, size / _INCH)
     _grid(canvas.axes, view)
     for item in _page(drawing, view, filled.solved).items:
         canvas.draw(item)
@@ -129,10 +129,7 @@ def _grid(axes: Axes, view: Box) -> None:
 def _heading(axes: Axes, title: str, lines: Sequence[str]) -> None:
     width, top = axes.get_xlim()[1], axes.get_ylim()[1] - _EDGE
     size = min(12.0, 900.0 / (1 + len(title)) * width / PAPERS["A4"][0])
-    axes.figure.text(
-        _EDGE, top - 0.1, title, transform=axes.transData, fontsize=size, va="top", weight="bold",
-        gid=HEADING,
-    )  # fmt: skip
+    axes.text(_EDGE, top - 0.1, title, fontsize=size, va="top", weight="bold", gid="heading")
     for i, line in enumerate(lines):
         axes.text(_EDGE, top - 0.75 - 0.48 * i, line, fontsize=8.5, va="top")
 

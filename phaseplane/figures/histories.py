@@ -9,12 +9,11 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.transforms import blended_transform_factory
 
 from phaseplane.picture.quantities import QUANTITIES, Quantity
 from phaseplane.picture.styles import hue_of
 
-from .style import PLAIN, Look, Palette, dress, heading_lines, new_figure, printed
+from .style import PLAIN, Look, Palette, Printed, name_up, styled
 
 _COLUMNS = {
     "displacement": {
@@ -42,7 +41,6 @@ _COLUMNS = {
 _KNOWN = {name for columns in _COLUMNS.values() for name in columns}
 _BODY = "body_acceleration"
 _OF_BODY = (_BODY, "body_centre_acceleration")
-_LABELS = 0.21  # in: from the left edge of the picture to the right edge of the labels of panels
 _FLAT = 0.1  # of the largest acceleration: below it, that of the body has a panel of its own
 _DASHES = {"road": "--", "centre": ":"}
 _MONO = {  # the dashes of black lines, besides
@@ -52,13 +50,14 @@ _MONO = {  # the dashes of black lines, besides
 _MARKERS = {"body": ("o", True), "wheel": ("s", False), "suspension": ("^", False)}
 _MONO_MARKED = 20  # times that are marked on black lines, whose dashes are seen between them
 _MOST_MARKED = 300  # times that are marked; more would be a blot
-_NARROW, _ABOVE = 5.0, 0.4  # in: a picture whose legends are above its panels, and their height
+_NARROW = 5.0  # in: a picture with one legend for all panels
 
 Table = dict[str, npt.NDArray[np.float64]]
 Row = tuple[str, Quantity, dict[str, str]]
 """The name of a panel, its quantity, and its columns with their labels."""
 
 
+@styled
 def time_histories(
     columns: Mapping[str, npt.ArrayLike],
     *, title: str = "", look: Look = PLAIN, points: bool = False,
@@ -81,6 +80,7 @@ def time_histories(
     return _histories({"": columns}, title, look, points)
 
 
+@styled
 def axle_histories(
     axles: Mapping[str, Mapping[str, npt.ArrayLike]], *, title: str = "", look: Look = PLAIN
 ) -> Figure:
@@ -106,28 +106,23 @@ def _histories(
     unit, factor = ("s", 1.0) if long else ("ms", 1e3)
     width = look.inches or (9.0 if across == 1 else 1.5 + 5.2 * across)
     narrow = width < _NARROW
-    height = 2.2 * min(1.0, 0.4 + width / across / 15.0) + (_ABOVE if narrow else 0.0)
-    heading = heading_lines(title.split("\n"), 0.9 * width) if title else []
-    more = (_ABOVE if narrow else 0.0) + 0.18 * max(0, len(heading) - 2)
-    figure = new_figure(width, 0.9 + len(rows) * height + more, palette)
+    between = "\n" if narrow else " "  # the name of an axis and its unit
+    height = 2.2 * min(1.0, 0.5 + width / across / 15.0)
+    figure = Printed(look, width, 0.5 + len(rows) * height)
     grid = figure.subplots(len(rows), across, sharex=True, sharey="row", squeeze=False)
     for k, (axle, (table, _)) in enumerate(checked.items()):
         panels = grid[:, k]
-        times = factor * table["time"]
         spans = airborne_spans(table["time"], table["airborne"]) if "airborne" in table else []
         for axes, row in zip(panels, rows, strict=True):
-            _panel(axes, row, table, times, palette, points=points, narrow=narrow)
+            _panel(axes, row, table, factor * table["time"], palette, points=points)
             for start, end in spans:
                 axes.axvspan(
                     factor * start, factor * end, color=palette.tint, zorder=0.0, gid="airborne"
                 )
-            if k + 1 < across:
-                axes.get_legend().remove()
-            if k:
-                axes.set_ylabel("")
-            # matplotlib would lay out the ticks of all panels once for each label to align them
-            place = blended_transform_factory(figure.transFigure, axes.transAxes)
-            axes.yaxis.set_label_coords(_LABELS / width, 0.5, place)
+            if k + 1 == across and not narrow:
+                axes.legend(reverse=True, loc="center left", bbox_to_anchor=(1.01, 0.5))
+            if not k:
+                name_up(axes, f"{row[0]}{between}[{row[1].unit}]")
         for start, end in spans[:1]:
             panels[0].annotate(
                 "airborne", (0.5 * factor * (start + end), 1.0), (0.0, -2.0 if narrow else 2.0),
@@ -137,16 +132,17 @@ def _histories(
             )  # fmt: skip
         panels[-1].set_xlabel(f"time [{unit}]")
         if axle:
-            panels[0].set_title(axle, color=palette.ink, fontsize=10.0, loc="right")
-    if title:
-        look.head(figure, "\n".join(heading))
-    above = (0.55 if title and look.headed else 0.3) + more
-    figure.subplots_adjust(
-        left=0.81 / width, right=1.0 - (0.2 if narrow else 1.53) / width,
-        bottom=0.55 / figure.get_figheight(),
-        top=1.0 - above / figure.get_figheight(), hspace=0.45 if narrow else 0.12, wspace=0.06,
-    )  # fmt: skip
-    return printed(figure, look)
+            panels[0].set_title(axle, loc="right")
+    if narrow:
+        lines = [line for axes in grid[:, 0] for line in axes.lines if line.get_gid()]
+        named = {_without_symbol(str(line.get_label())): line for line in reversed(lines)}
+        figure.key(list(named.values()), labels=list(named))
+    return figure.finished(*title.split("\n"))
+
+
+def _without_symbol(label: str) -> str:
+    """Return a label that goes with a part in all panels: body for body x₁."""
+    return " ".join(word for word in label.split() if len(word) > 2)
 
 
 def has_histories(columns: Mapping[str, object]) -> bool:
@@ -217,10 +213,9 @@ def _flat(table: Table, columns: Iterable[str]) -> bool:
 
 def _panel(
     axes: Axes, row: Row, table: Table, times: npt.NDArray[np.float64], palette: Palette, *,
-    points: bool, narrow: bool,
+    points: bool,
 ) -> None:  # fmt: skip
-    heading, quantity, columns = row
-    dress(axes, palette, 8.5)
+    _, quantity, columns = row
     dashes: dict[str, Any] = {**_DASHES, **(_MONO if palette.mono else {})}
     every = max(1, len(times) // _MONO_MARKED) if palette.mono else 1
     for name in (name for name in columns if name in table):
@@ -236,10 +231,3 @@ def _panel(
         )  # fmt: skip
     axes.axhline(0.0, color=palette.faint, linewidth=0.6, zorder=1.0)
     axes.set_xlim(times[0], times[-1])
-    axes.set_ylabel(f"{heading} [{quantity.unit}]")
-    handles, labels = axes.get_legend_handles_labels()
-    axes.legend(
-        handles[::-1], labels[::-1], loc="lower left" if narrow else "center left",
-        bbox_to_anchor=(-0.2, 1.0) if narrow else (1.01, 0.5), ncols=2 if narrow else 1,
-        frameon=False, fontsize=8.0 if narrow else 9.0, labelcolor=palette.ink,
-    )  # fmt: skip

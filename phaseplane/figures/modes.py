@@ -9,11 +9,12 @@ from matplotlib.figure import Figure
 
 from phaseplane.constructions.letters import typeset
 
-from .style import PLAIN, Look, draw_zero, dress, new_figure
+from .style import PLAIN, Look, Printed, draw_zero, styled
 
 _LEAST = 2.6  # inches of a plane
 
 
+@styled
 def modal_planes(
     motions: Sequence[np.ndarray], names: Sequence[str], *, title: str = "", look: Look = PLAIN
 ) -> Figure:
@@ -30,10 +31,10 @@ def modal_planes(
         columns = max(1, min(columns, int(look.inches / _LEAST)))
     rows = -(-count // columns)
     side = look.inches / columns if look.inches else 4.2
-    figure = new_figure(side * columns, (side + 0.3) * rows + 0.6, colours)
+    figure = Printed(look, side * columns, (side + 0.3) * rows)
     for plane, name in enumerate(names):
         axes = figure.add_subplot(rows, columns, plane + 1)
-        dress(axes, colours, 8.5, grid=False)
+        axes.grid(visible=False)
         for mode, motion in enumerate(motions):
             own = mode == plane
             axes.plot(
@@ -46,14 +47,7 @@ def modal_planes(
         half = 1.08 * max(float(np.abs(motion[:, plane]).max()) for motion in motions)
         axes.set(xlabel=f"η{index}", ylabel=f"η̇{index}/Ω{index}", aspect="equal")
         axes.set(xlim=(-half, half), ylim=(-half, half))
-        axes.set_title(name, fontsize=9.5)
+        axes.set_title(name)
         draw_zero(axes, colours)
-    look.entitled(figure, title)
-    handles, labels = figure.axes[0].get_legend_handles_labels()
-    figure.legend(
-        handles, labels, loc="lower center", ncols=columns, frameon=False, fontsize=8.5,
-        labelcolor=colours.ink,
-    )  # fmt: skip
-    below = 0.05 + 0.17 * -(-count // columns)
-    figure.tight_layout(rect=(0.0, below / figure.get_figheight(), 1.0, 0.98))
-    return figure
+    figure.key(figure.axes[0].get_legend_handles_labels()[0])
+    return figure.finished(title)

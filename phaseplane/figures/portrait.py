@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
-from textwrap import wrap
 from typing import Literal
 
 import numpy as np
@@ -16,10 +14,9 @@ from matplotlib.lines import Line2D
 from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, Hue
 from phaseplane.portrait import Portrait, Section, Window
 
-from .style import PLAIN, Look, Palette, draw_zero, dress, printed
+from .style import PLAIN, Look, Palette, draw_zero, styled
 
-_SIZE, _LINE = (9.0, 6.6), 95  # of a figure, inches, and the letters of its title on a line
-_ENTRY = 2.2  # inches of the legend
+_SIZE = (9.0, 5.3)  # of a figure without its legend and title, inches
 _KINDS = {
     "saddle": ("X", RED),
     "centre": ("o", BLUE),
@@ -51,18 +48,19 @@ _LINES: dict[str, tuple[Hue, float, Literal["-", "--", ":", "-."], str]] = {  # 
 }
 
 
+@styled
 def portrait(
     shown: Portrait, *, labels: tuple[str, str] = ("x", "x'"), title: str = "", look: Look = PLAIN
 ) -> Figure:
     """Draw a computed phase portrait, with these labels of its axes."""
     colours, figure = look.palette, look.blank(*_SIZE)
-    axes, window = figure.add_axes((0.1, 0.17, 0.86, 0.73)), shown.window
-    dress(axes, colours, 8.5, grid=False)
+    axes, window = figure.subplots(), shown.window
+    axes.grid(visible=False)
     axes.set(xlim=(window.left, window.right), ylim=(window.bottom, window.top))
     axes.set(xlabel=labels[0], ylabel=labels[1])
     draw_zero(axes, colours)
     if shown.field is not None:
-        _field(axes, window, shown.field, colours)
+        _field(axes, shown.field, colours)
     roles = {
         "energy": [curve for curves in shown.energy_curves for curve in curves],
         "orbit": shown.orbits,
@@ -77,49 +75,15 @@ def portrait(
             np.array([[at.x, 0.0], [at.until, 0.0]]) for at in shown.equilibria if at.stretches
         ],
     }
-    width = figure.get_figwidth()
-    _slopes(axes, shown, colours, np.array(_LABEL) * _SIZE[0] / width)
+    _slopes(axes, shown, colours, np.array(_LABEL) * _SIZE[0] / figure.get_figwidth())
     for role in _DIRECTED:
         _arrows(axes, roles[role], window, colours.chart(_LINES[role][0]))
     handles = [_lines(axes, role, curves, colours) for role, curves in roles.items() if curves]
     if shown.section is not None:
         handles += _section(axes, shown.section, colours)
     handles += _equilibria(axes, shown, colours)
-    columns = max(1, int(width / _ENTRY))
-    heading = _broken(title, int(_LINE * width / _SIZE[0])) if title else ""
-    _make_room(axes, -(-len(handles) // columns), heading.count("\n") + 1)
-    look.head(figure, heading)
-    figure.legend(
-        handles=handles, loc="lower center", ncols=columns, frameon=False, fontsize=8.5,
-        labelcolor=colours.ink,
-    )  # fmt: skip
-    return printed(figure, look)
-
-
-def _make_room(axes: Axes, rows: int, lines: int) -> None:
-    """Make the figure as high as the plane, the legend below it and the title above it need."""
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    width, height = figure.get_size_inches() * axes.get_position().size
-    left = max(0.1 * figure.get_figwidth(), 0.6)
-    below, above = max(1.12, 0.6 + 0.19 * rows), max(0.66, 0.3 + 0.18 * lines)
-    whole = below + height + above
-    figure.set_figheight(whole)
-    across = min(width, figure.get_figwidth() - left - 0.15) / figure.get_figwidth()
-    axes.set_position((left / figure.get_figwidth(), below / whole, across, height / whole))
-
-
-def _broken(title: str, most: int) -> str:
-    """Return a title in lines that end after a colon or before a list in brackets, if they can."""
-    lines = [""]
-    for part in re.split(r"(?<=:) | {3}(?=\()", title):
-        together = part.replace(" = ", "\u00a0=\u00a0")  # no line ends beside a sign
-        longer = f"{lines[-1]}   {together}" if part.startswith("(") else f"{lines[-1]} {together}"
-        if len(longer.strip()) <= most:
-            lines[-1] = longer.strip()
-        else:
-            lines += wrap(together, most)
-    return "\n".join(filter(None, lines))
+    figure.key(handles)
+    return figure.finished(title)
 
 
 def _slopes(axes: Axes, shown: Portrait, colours: Palette, room: np.ndarray) -> None:
@@ -215,15 +179,13 @@ def _section(axes: Axes, shown: Section, colours: Palette) -> list[Line2D]:
     return handles
 
 
-def _field(axes: Axes, window: Window, field: tuple[np.ndarray, ...], colours: Palette) -> None:
+def _field(axes: Axes, field: tuple[np.ndarray, ...], colours: Palette) -> None:
     """Draw arrows of equal length on paper."""
     x, v, dx, dv = field
-    width, height = axes.bbox.size
-    u, w = width * dx / (window.right - window.left), height * dv / (window.top - window.bottom)
-    size = np.hypot(u, w)
+    size = np.hypot(dx, dv)
     size[(size == 0.0) | ~np.isfinite(size)] = np.inf
     axes.quiver(
-        x, v, u / size, w / size, color=colours.faint, alpha=0.55, pivot="mid", angles="uv",
+        x, v, dx / size, dv / size, color=colours.faint, alpha=0.55, pivot="mid", angles="xy",
         scale=45.0, width=0.0016, headwidth=4.0, zorder=1.5, gid="field",
     )  # fmt: skip
 

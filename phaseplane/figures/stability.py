@@ -17,7 +17,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, VIOLET
 
-from .style import PLAIN, Look, Palette, dress, printed
+from .style import PLAIN, Look, Palette, styled
 
 Values = npt.NDArray[np.float64]
 
@@ -49,6 +49,7 @@ class GrowthMap:
     of_runs: bool = False
 
 
+@styled
 def stability_sheet(
     curves: Mapping[str, tuple[Values, Values]],
     limits: Mapping[str, float],
@@ -73,26 +74,18 @@ def stability_sheet(
     if not curves:
         raise ValueError("there is nothing to draw: no curves")
     palette, figure = look.palette, look.blank(12.0, 9.6)
-    top = figure.add_gridspec(1, 2, left=0.06, right=0.985, top=0.955, bottom=0.57, wspace=0.42)
-    low = figure.add_gridspec(1, 3, left=0.06, right=0.915, top=0.44, bottom=0.07, wspace=0.3)
+    places = figure.subplot_mosaic("RRRFFF;001122")
     colours = dict(zip(curves, map(palette.chart, cycle(_COLOURS)), strict=False))
-    _radii(figure.add_subplot(top[0, 0]), curves, limits, colours, palette)
-    _found(figure.add_subplot(top[0, 1]), found, colours, palette)
-    panels = [figure.add_subplot(low[0, k]) for k in range(3)]
+    _radii(places["R"], curves, limits, colours, palette)
+    _found(places["F"], found, colours, palette)
+    panels = [places[k] for k in "012"]
     image: QuadMesh | None = None
     for axes, one in zip(panels, growth, strict=False):
         image = _map(axes, one, palette)
     if image is not None:
-        bar = figure.colorbar(image, cax=figure.add_axes((0.932, 0.07, 0.012, 0.37)))
+        bar = figure.colorbar(image, ax=panels, label="growth")
         bar.set_ticks([-1, 0, 1, 2], labels=["0.1", "1", "10", "≥ 100"])
-        bar.ax.tick_params(colors=palette.ink, labelsize=8)
-        bar.set_label("growth", color=palette.ink, fontsize=8)
-    return printed(figure, look)
-
-
-def _style(axes: Axes, palette: Palette, title: str) -> None:
-    dress(axes, palette, 8.0)
-    axes.set_title(title, fontsize=9.5)
+    return figure.finished()
 
 
 def _radii(
@@ -102,19 +95,15 @@ def _radii(
     colours: Mapping[str, str],
     palette: Palette,
 ) -> None:
-    _style(axes, palette, "Spectral radius of one step, undamped")
+    axes.set_title("Spectral radius of one step, undamped")
     axes.axhline(1.0, color=palette.faint, linewidth=0.8)
     for name, (phase, radius) in curves.items():
         axes.plot(phase, radius, color=colours[name], linewidth=1.5, label=name)
     for name, limit in limits.items():
         axes.axvline(limit, color=palette.ink, linewidth=0.8, linestyle=":")
-        axes.text(limit - 0.06, 2.42, name, rotation=90, ha="right", va="top", fontsize=8,
-                  color=palette.ink)  # fmt: skip
-    axes.set_xlim(0.0, 8.0)
-    axes.set_ylim(0.5, 2.5)
-    axes.set_xlabel("ωΔt", fontsize=9)
-    axes.legend(fontsize=7.5, frameon=True, facecolor=palette.paper, edgecolor="none",
-                framealpha=0.85, loc="upper left", labelcolor=palette.ink)  # fmt: skip
+        axes.text(limit - 0.06, 2.42, name, rotation=90, ha="right", va="top", fontsize=8)
+    axes.set(xlim=(0.0, 8.0), ylim=(0.5, 2.5), xlabel="ωΔt")
+    axes.legend(frameon=True, edgecolor="none", framealpha=0.85, loc="upper left")
 
 
 def _found(
@@ -123,7 +112,7 @@ def _found(
     colours: Mapping[str, str],
     palette: Palette,
 ) -> None:
-    _style(axes, palette, "Largest stable step in runs, measured / theory (▸: none found)")
+    axes.set_title("Largest stable step in runs, measured / theory (▸: none found)")
     problems = list(dict.fromkeys(problem for problem, *_ in found))
     methods = list(dict.fromkeys(method for _, method, *_ in found))
     axes.axvline(1.0, color=palette.ink, linewidth=0.8, linestyle=":")
@@ -146,11 +135,11 @@ def _found(
     axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
     axes.set_yticks(range(len(problems)), labels=[p.replace("_", " ") for p in problems])
     axes.set_ylim(len(problems) - 0.5, -0.5)
-    axes.set_xlabel("measured / theory", fontsize=9)
+    axes.set_xlabel("measured / theory")
 
 
 def _map(axes: Axes, one: GrowthMap, palette: Palette) -> QuadMesh:
-    _style(axes, palette, one.title)
+    axes.set_title(one.title)
     axes.grid(visible=False)
     largest = 10.0**_LARGEST
     growth = np.log10(np.clip(np.nan_to_num(one.growth, posinf=largest), 0.1, largest))
@@ -162,8 +151,5 @@ def _map(axes: Axes, one: GrowthMap, palette: Palette) -> QuadMesh:
     axes.contour(one.across, one.up, growth, levels=[level], colors=palette.ink, linewidths=1)
     axes.axvline(one.limit, color="#222222", linewidth=0.9, linestyle=":")
     axes.set_yscale("log")
-    axes.set_ylim(one.up[0], one.up[-1])
-    axes.set_xlim(one.across[0], one.across[-1])
-    axes.set_xlabel("ωΔt", fontsize=9)
-    axes.set_ylabel(one.label, fontsize=8.5)
+    axes.set(xlim=one.across[[0, -1]], ylim=one.up[[0, -1]], xlabel="ωΔt", ylabel=one.label)
     return image

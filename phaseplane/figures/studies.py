@@ -10,11 +10,12 @@ from matplotlib.figure import Figure
 
 from phaseplane.picture.styles import BLUE, GREY, ORANGE, RED
 
-from .style import PLAIN, Look, dress
+from .style import PLAIN, Look, styled
 
 Pair = tuple[npt.ArrayLike, npt.ArrayLike]
 
 
+@styled
 def pareto(
     runs: Pair,
     labels: tuple[str, str],
@@ -63,8 +64,5 @@ def pareto(
         margin = 0.06 * (max(usual) - min(usual)) or 1.0
         ends = min(usual) - margin, max(usual) + margin
         axes.set(**{"xlim" if k == 0 else "ylim": ends})
-    dress(axes, palette, 8.5)
-    axes.legend(frameon=False, fontsize=8.5, labelcolor=palette.ink)
-    look.entitled(figure, title)
-    figure.tight_layout()
-    return figure
+    axes.legend()
+    return figure.finished(title)

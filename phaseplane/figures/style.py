@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
 from textwrap import wrap
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 from matplotlib import rc_context
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Figure  # noqa: PLC0414  (used in annotations elsewhere)
 from matplotlib.font_manager import findfont
 from matplotlib.patheffects import AbstractPathEffect, withStroke
 from matplotlib.text import Text
-from matplotlib.transforms import Bbox
+from matplotlib.transforms import ScaledTranslation
 
 from phaseplane.picture import styles as hues
 from phaseplane.picture.files import replace_file
@@ -35,16 +38,30 @@ _MATHS = {"serif": "dejavuserif", "STIXGeneral": "stix", "cmr10": "cm"}
 """The type of formulas that goes with a font."""
 _FALLBACK = "DejaVu Sans"  # has the subscripts, primes and bars that other fonts may lack
 
-_BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:ms|s|mm|cm|m|m/s|km/h|Hz)\b)")
-HEADING = "heading"
-"""The `gid` of the texts above a picture, which a publisher sets as its caption."""
+_AWAY = 0.5  # inches between an axis and its name, with its values
+_KEPT = "\N{NO-BREAK SPACE}"
+_TOGETHER = re.compile(r"(?<=\d) (?=(?:ms|s|mm|cm|m|m/s|km/h|Hz)\b)| (?==)|(?<= =) ")
+_PARTS = re.compile(r"(?<=:)(?= )|(?= {3}\()")  # of a title: an equation, a list in brackets
+
+P = ParamSpec("P")
+Made = TypeVar("Made")
 
 
 def heading_lines(texts: Iterable[str], width: float) -> list[str]:
-    """Return texts in lines that fit into the width of a figure, inches; numbers keep their units."""
-    most = max(20, int(13 * width))
-    joined = (_BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", text) for text in texts)
-    return [line.replace("\N{NO-BREAK SPACE}", " ") for text in joined for line in wrap(text, most)]
+    """Return texts in lines that fit into the width of a figure, inches.
+
+    If they can, lines end between the parts of a text. No line ends before a unit or beside a sign
+    of equality.
+    """
+    most, lines = max(20, int(13 * width)), []
+    for text in texts:
+        lines.append("")
+        for part in _PARTS.split(_TOGETHER.sub(_KEPT, text)):
+            if len(lines[-1] + part) <= most:
+                lines[-1] += part
+            else:
+                lines += wrap(part.strip(), most)
+    return [line.replace(_KEPT, " ") for line in lines if line]
 
 
 class Palette:
@@ -118,65 +135,109 @@ class Look:
         """Its width in inches."""
         return None if self.width is None else self.width / 0.0254
 
-    def blank(self, width: float, height: float) -> Figure:
+    @property
+    def settings(self) -> Any:
+        """The settings of matplotlib that give it."""
+        palette = self.palette
+        fonts = {
+            "font.family": [self.font, _FALLBACK],
+            "mathtext.fontset": _MATHS.get(self.font, "dejavusans"),
+        }
+        return {
+            "figure.dpi": 150, "figure.facecolor": palette.paper, "figure.titlesize": 10.0,
+            "text.color": palette.ink, "axes.facecolor": palette.paper,
+            "axes.edgecolor": palette.faint, "axes.labelcolor": palette.ink,
+            "axes.labelsize": 9.0, "axes.titlesize": 9.5,
+            "axes.axisbelow": True, "axes.grid": True,
+            "grid.color": palette.grid, "grid.linewidth": 0.6,
+            "xtick.color": palette.ink, "ytick.color": palette.ink,
+            "xtick.labelsize": 8.0, "ytick.labelsize": 8.0,
+            "figure.constrained_layout.w_pad": 0.08, "figure.constrained_layout.h_pad": 0.06,
+            "legend.frameon": False, "legend.fontsize": 8.0, "legend.title_fontsize": 8.0,
+            "legend.handlelength": 4.0 if self.mono else 2.0,  # dashes need more
+            **(fonts if self.font else {}),
+        }  # fmt: skip
+
+    def blank(self, width: float, height: float) -> Printed:
         """Return an empty figure of this size, inches, or of this shape in the width asked for."""
         inches = self.inches or width
-        return new_figure(inches, height * inches / width, self.palette)
-
-    def entitled(self, figure: Figure, title: str) -> Figure:
-        """Return a figure with a title above it, in lines that fit."""
-        if title:
-            self.head(figure, "\n".join(heading_lines([title], figure.get_figwidth())))
-        return printed(figure, self)
-
-    def head(self, figure: Figure, words: str, **where: Any) -> None:
-        """Write words above a figure."""
-        figure.suptitle(words, color=self.palette.ink, fontsize=11.0, gid=HEADING, **where)
+        return Printed(self, inches, height * inches / width)
 
 
 PLAIN = Look()
 """The look of a picture on a screen: in colour on white, as large as it needs to be."""
 
 
-def dress(axes: Axes, palette: Palette, label_size: float, *, grid: bool = True) -> None:
-    """Set background, title, labels, ticks, frame and grid of axes to the colours of the palette."""
-    axes.set_facecolor(palette.paper)
-    axes.set_axisbelow(True)
-    for text in (axes.title, axes.xaxis.label, axes.yaxis.label):
-        text.set_color(palette.ink)
-    axes.tick_params(colors=palette.ink, labelsize=label_size, which="both")
-    for spine in axes.spines.values():
-        spine.set_color(palette.faint)
-    if grid:
-        axes.grid(color=palette.grid, linewidth=0.6)
+def styled(draw: Callable[P, Made]) -> Callable[P, Made]:
+    """Return a function that draws in the look which is its argument of that name."""
+
+    @wraps(draw)
+    def drawn(*args: P.args, **named: P.kwargs) -> Made:
+        look: Any = named.get("look", PLAIN)
+        with rc_context(look.settings):
+            return draw(*args, **named)
+
+    return drawn
+
+
+class Printed(Figure):
+    """A figure in a look, of this size in inches, or higher if there is something around its panels.
+
+    Its look is in force again while it is drawn, because ticks are not made before. Its heading is its
+    label, whether it is written above the panels or left to the caption.
+    """
+
+    def __init__(
+        self, look: Look, width: float, height: float, layout: Any = "constrained"
+    ) -> None:
+        super().__init__(figsize=(width, height), layout=layout)
+        self.look = look
+        FigureCanvasAgg(self)
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw it."""
+        with rc_context(self.look.settings):
+            super().draw(renderer)
+
+    def finished(self, *heading: str) -> Printed:
+        """Write the heading in lines that fit, and lay the figure out, so that it is saved alike."""
+        lines = heading_lines(heading, self.get_figwidth())
+        self.set_label(" ".join(lines))
+        if lines and self.look.headed:
+            self.grow(0.1 + 0.17 * len(lines))
+            words = self.suptitle("\n".join(lines), gid="heading")
+            words.set_y(1.0 - 0.06 / self.get_figheight())
+        if (engine := self.get_layout_engine()) is not None:
+            engine.execute(self)
+            self.set_layout_engine("none")
+        return self
+
+    def key(self, handles: Sequence[Artist], **more: Any) -> None:
+        """Put a legend below the panels, in as many columns as fit."""
+        for columns in range(len(handles), 0, -1):
+            legend = self.legend(handles=handles, loc="outside lower center", ncols=columns, **more)
+            box = legend.get_window_extent()
+            if columns == 1 or box.width <= self.bbox.width:
+                self.grow(box.height / self.dpi)
+                return
+            legend.remove()
+
+    def grow(self, height: float) -> None:
+        """Make room for something around the panels, inches."""
+        self.set_figheight(self.get_figheight() + height)
+
+
+def name_up(axes: Axes, words: str) -> None:
+    """Name the axis that points up, as far from it in every panel."""
+    place = ScaledTranslation(-_AWAY, 0.0, axes.figure.dpi_scale_trans)
+    axes.yaxis.set_label_coords(0.0, 0.5, axes.transAxes + place)
+    axes.set_ylabel(words)
 
 
 def draw_zero(axes: Axes, palette: Palette) -> None:
     """Draw faint lines through the origin."""
     axes.axhline(0.0, color=palette.faint, linewidth=0.6, zorder=1.0)
     axes.axvline(0.0, color=palette.faint, linewidth=0.6, zorder=1.0)
-
-
-def new_figure(width: float, height: float, palette: Palette) -> Figure:
-    """Return an empty figure; width and height in inches."""
-    figure = Figure(figsize=(width, height), dpi=150, facecolor=palette.paper)
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def printed(figure: Figure, look: Look) -> Figure:
-    """Return a figure with the type and without the heading, if the look asks for it."""
-    for text in figure.findobj(Text) if look.font else ():
-        text.set_fontfamily([look.font, _FALLBACK])
-        text.set_math_fontfamily(_MATHS.get(look.font, "dejavusans"))
-    for text in headings(figure) if not look.headed else ():
-        text.set_visible(False)
-    return figure
-
-
-def headings(figure: Figure) -> list[Text]:
-    """Return the texts above a figure. Accessing its axes would create all ticks."""
-    return [text for text in figure.texts if text.get_gid() == HEADING]
 
 
 # Without dates and random names, equal figures give equal files.
@@ -208,26 +269,12 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     suffix = target.suffix.lower()
     if suffix not in _OPTIONS:
         raise ValueError(f"{target.name}: figures are written as {', '.join(_OPTIONS)}")
-    above = [text for text in headings(figure) if text.get_text()]
-    words = "; ".join(" ".join(text.get_text().split()) for text in above)
-    metadata = {**_OPTIONS[suffix].get("metadata", {}), **({"Title": words} if words else {})}
-    hidden = bool(above) and not any(text.get_visible() for text in above)
+    title = {"Title": figure.get_label()} if figure.get_label() else {}
+    options = {**_OPTIONS[suffix], "metadata": {**_OPTIONS[suffix].get("metadata", {}), **title}}
     plated = _with_plates(figure) if suffix != ".png" else nullcontext()
     with replace_file(target) as temporary, rc_context(_TYPE), plated:
-        figure.savefig(
-            temporary,
-            format=suffix[1:],
-            facecolor=figure.get_facecolor(),
-            bbox_inches=_without_room_above(figure) if hidden else None,
-            **{**_OPTIONS[suffix], "metadata": metadata},
-        )
+        figure.savefig(temporary, format=suffix[1:], facecolor="auto", **options)
     return target
-
-
-def _without_room_above(figure: Figure) -> Bbox:
-    """Return the part of a figure that its contents take up in height, and its whole width, inches."""
-    contents, margin = figure.get_tightbbox(), 0.02
-    return Bbox.from_extents(0.0, contents.y0 - margin, figure.get_figwidth(), contents.y1 + margin)
 
 
 @contextmanager

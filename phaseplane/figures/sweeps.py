@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import ceil
 from textwrap import fill
 from typing import Any, TypeAlias
 
@@ -11,23 +10,23 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.colorbar import Colorbar
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from phaseplane.picture.styles import BLUE
 from phaseplane.picture.text import bracketed
 
-from .style import COLOURS, PLAIN, Look, Palette, dress, printed
+from .style import COLOURS, PLAIN, Look, Palette, Printed, name_up, styled
 
 Values: TypeAlias = Sequence[float] | Sequence[str]
 Quantities = Mapping[str, tuple[str, Values]]
 _MOST = 6  # measures
 _LEVELS = 14
 _FAMILY = len(COLOURS)  # curves that can still be distinguished
-_LONGEST, _LEGEND = 36, 88  # most characters of an entry in the legend, and of a line of it
+_LONGEST = 36  # most characters of an entry in the legend
 
 
+@styled
 def sweep(
     varied: Quantities, measured: Quantities, *, title: str = "", look: Look = PLAIN
 ) -> Figure:
@@ -54,9 +53,7 @@ def sweep(
     else:
         numbers = {key: column for key, column in varied.items() if not _are_texts(column[1])}
         figure = (_maps if len(numbers) == 2 else _matrix)(numbers, shown, look)
-    if title:
-        look.head(figure, title, y=1.0 - 0.12 / figure.get_figheight())
-    return printed(figure, look)
+    return figure.finished(title)
 
 
 def _abscissa(varied: Quantities) -> str:
@@ -74,15 +71,12 @@ def _are_texts(values: Values) -> bool:
     return any(isinstance(value, str) for value in values)
 
 
-def _lines(abscissa: str, varied: Quantities, measured: Quantities, look: Look) -> Figure:
+def _lines(abscissa: str, varied: Quantities, measured: Quantities, look: Look) -> Printed:
     """Draw a panel for each measure, with a curve for each combination of the other parameters."""
     unit, x = varied[abscissa]
     others = {key: column for key, column in varied.items() if key != abscissa}
     family = list(_family(others, len(x)))
-    columns = max(1, min(4, _LEGEND // (4 + max(len(label) for label, _ in family))))
-    legend = 0.22 * (1 + ceil(len(family) / columns)) if len(family) > 1 else 0.0
-    height = 1.0 + 1.8 * len(measured) + legend
-    palette, figure = look.palette, look.blank(7.5, height)
+    palette, figure = look.palette, look.blank(7.5, 0.6 + 1.8 * len(measured))
     panels = figure.subplots(len(measured), 1, sharex=True, squeeze=False)[:, 0]
     texts = list(dict.fromkeys(x)) if _are_texts(x) else []
     places = np.array([texts.index(value) for value in x] if texts else x, float)
@@ -95,26 +89,15 @@ def _lines(abscissa: str, varied: Quantities, measured: Quantities, look: Look) 
                 markersize=5, marker="o" if texts else ".", label=label, clip_on=False, zorder=3,
                 **_style(palette, k, len(family)) | ({"linestyle": ""} if texts else {}),
             )  # fmt: skip
-        axes.set_ylabel(_words(name, measure_unit), fontsize=8.5)
-        _plain(axes, palette, counted=measure_unit == "count")
+        name_up(axes, _words(name, measure_unit))
+        _plain(axes, counted=measure_unit == "count")
     if texts:
         panels[-1].set_xticks(range(len(texts)), [_wrapped(str(text)) for text in texts])
         panels[-1].set_xlim(-0.5, len(texts) - 0.5)
     panels[-1].set_xlabel(_words(abscissa, unit, broken=False))
-    if legend:
-        box = figure.legend(
-            *panels[0].get_legend_handles_labels(), loc="upper left", frameon=False, fontsize=8.0,
-            bbox_to_anchor=(0.155, 1.0 - 0.3 / height), ncols=columns, title_fontsize=8.0,
-            title=", ".join(_words(k, u, broken=False) for k, (u, _) in others.items()),
-            labelcolor=palette.ink, alignment="left",
-        )  # fmt: skip
-        box.get_title().set_color(palette.ink)
-    figure.align_ylabels(list(panels))
-    lines = 1 + max((_wrapped(str(text)).count("\n") for text in texts), default=0)
-    figure.subplots_adjust(
-        left=0.16, right=0.97, bottom=(0.42 + 0.13 * lines) / height,
-        top=1.0 - (0.45 + legend) / height, hspace=0.12,
-    )  # fmt: skip
+    if len(family) > 1:
+        named = ", ".join(_words(k, u, broken=False) for k, (u, _) in others.items())
+        figure.key(panels[0].get_legend_handles_labels()[0], title=named, alignment="left")
     return figure
 
 
@@ -142,13 +125,12 @@ def _map_of(palette: Palette) -> str:
     return "Greys_r" if palette.mono else "viridis"
 
 
-def _maps(varied: Quantities, measured: Quantities, look: Look) -> Figure:
+def _maps(varied: Quantities, measured: Quantities, look: Look) -> Printed:
     """Draw a map with contours for each measure; only points if they are collinear."""
     (x_key, (x_unit, x)), (y_key, (y_unit, y)) = varied.items()
     columns = min(2, len(measured))
     rows = -(-len(measured) // columns)
-    width, height = 0.6 + 4.6 * columns, 0.7 + 3.6 * rows
-    palette, figure = look.palette, look.blank(width, height)
+    palette, figure = look.palette, look.blank(0.6 + 4.6 * columns, 0.4 + 3.6 * rows)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, (name, (unit, z)) in zip(panels, measured.items(), strict=False):
         px, py, pz = (np.asarray(v, float) for v in (x, y, z))
@@ -164,39 +146,35 @@ def _maps(varied: Quantities, measured: Quantities, look: Look) -> Figure:
                 px, py, pz, levels=levels, colors=palette.paper, linewidths=0.4, linestyles="-"
             )
             ticks = np.arange(pz.min(), pz.max() + 0.5) if counts else None
-            _scale(figure.colorbar(filled, ax=axes, ticks=ticks), palette)
+            figure.colorbar(filled, ax=axes, ticks=ticks)
         else:
             dots = axes.scatter(px, py, c=pz, cmap=_map_of(palette), clip_on=False, zorder=3)
-            _scale(figure.colorbar(dots, ax=axes), palette)
+            figure.colorbar(dots, ax=axes)
         axes.plot(px, py, ".", color=palette.ink, markersize=1.5, clip_on=False, zorder=4)
-        axes.set_title(words, fontsize=9.5)
+        axes.set_title(words)
         axes.set_xlabel(_words(x_key, x_unit, broken=False))
         axes.set_ylabel(_words(y_key, y_unit, broken=False))
-        _plain(axes, palette)
+        _plain(axes)
     for axes in panels[len(measured) :]:
         axes.set_axis_off()
-    figure.tight_layout(rect=(0.0, 0.0, 1.0, 1.0 - 0.35 / height))
     return figure
 
 
-def _matrix(varied: Quantities, measured: Quantities, look: Look) -> Figure:
+def _matrix(varied: Quantities, measured: Quantities, look: Look) -> Printed:
     rows, columns = len(measured), len(varied)
-    width, height = 0.8 + 2.1 * columns, 0.9 + 1.7 * rows
-    palette, figure = look.palette, look.blank(max(6.0, width), height)
+    figure = look.blank(max(6.0, 0.8 + 2.1 * columns), 0.6 + 1.7 * rows)
     panels = figure.subplots(rows, columns, squeeze=False, sharex="col", sharey="row")
     for i, (name, (unit, y)) in enumerate(measured.items()):
         for j, (key, (key_unit, x)) in enumerate(varied.items()):
             axes = panels[i, j]
-            blue = palette.chart(BLUE)
+            blue = look.palette.chart(BLUE)
             axes.plot(x, y, ".", color=blue, markersize=3, alpha=0.6, clip_on=False, zorder=3)
-            _plain(axes, palette, counted=unit == "count")
+            _plain(axes, counted=unit == "count")
             axes.xaxis.set_major_locator(MaxNLocator(4))
             if j == 0:
-                axes.set_ylabel(_words(name, unit), fontsize=8.0)
+                name_up(axes, _words(name, unit))
             if i == rows - 1:
-                axes.set_xlabel(_words(key, key_unit), fontsize=8.5)
-    figure.align_ylabels(list(panels[:, 0]))
-    figure.tight_layout(rect=(0.0, 0.0, 1.0, 1.0 - 0.35 / height), h_pad=0.4, w_pad=1.5)
+                axes.set_xlabel(_words(key, key_unit))
     return figure
 
 
@@ -217,14 +195,7 @@ def _wrapped(text: str) -> str:
     return fill(_short(text), _LONGEST // 2)
 
 
-def _scale(bar: Colorbar, palette: Palette) -> None:
-    bar.ax.tick_params(colors=palette.ink, labelsize=8.0)
-
-
-def _plain(axes: Axes, palette: Palette, *, counted: bool = False) -> None:
-    dress(axes, palette, 8.0)
+def _plain(axes: Axes, *, counted: bool = False) -> None:
     if counted:
         axes.yaxis.set_major_locator(MaxNLocator(5, integer=True))
     axes.ticklabel_format(scilimits=(-3, 5), useMathText=True)  # so that labels stay short
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.get_offset_text().set(color=palette.ink, fontsize=7.5)

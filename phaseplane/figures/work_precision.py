@@ -15,7 +15,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
 from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, VIOLET
 
-from .style import PLAIN, Look, Palette, dress, new_figure, printed
+from .style import PLAIN, Look, Palette, Printed, styled
 
 _LARGEST, _FAILED, _SMALLEST = 1.0, 10.0, 1e-13  # error: axis end, failed runs, axis start
 _COLOURS = (TEAL, ORANGE, RED, GREEN, PINK, OCHRE, VIOLET)
@@ -25,6 +25,7 @@ _GROUPS = {
     "this package": ("incremental", "FMU"), "constructions": ("construction",),
     "other solvers": ("peer",),
 }  # fmt: skip
+_PLACES: tuple[Any, ...] = ("outside lower left", "outside lower center", "outside lower right")
 _FIXED = {"extrapolated": BLUE, "construction": GREY}
 
 
@@ -49,6 +50,7 @@ Lines = dict[str, Any]
 """Colour, marker, dashes and width of a curve."""
 
 
+@styled
 def work_precision(
     panels: Sequence[tuple[str, Sequence[Curve]]], *, title: str = "", look: Look = PLAIN
 ) -> Figure:
@@ -72,54 +74,36 @@ def work_precision(
     names = list(dict.fromkeys((c.name, c.family) for _, curves in panels for c in curves))
     names.sort(key=lambda name: list(_DASHES).index(name[1]))
     lines = _lines(names, palette)
-    groups = {
-        heading: members
-        for heading, families in _GROUPS.items()
-        if (members := [name for name in names if name[1] in families])
-    }
-    legend = 0.16 * (max(map(len, groups.values())) + 1) + 0.2
-    height = 3.3 * rows + legend + 0.4
-    width = look.inches or max(4.0 * columns, 7.0)
-    figure = new_figure(width, height, palette)
-    figure.subplots_adjust(
-        left=0.75 / width, right=1.0 - 0.15 / width, bottom=(legend + 0.45) / height,
-        top=1.0 - (0.65 if title else 0.35) / height, wspace=0.22, hspace=0.32,
-    )  # fmt: skip
+    figure = Printed(look, look.inches or max(4.0 * columns, 7.0), 3.3 * rows)
     for k, (heading, curves) in enumerate(panels):
         axes = figure.add_subplot(rows, columns, k + 1)
         _style(axes, palette)
-        axes.set_title(heading, fontsize=9)
+        axes.set_title(heading)
         for curve in curves:
             _draw(axes, curve, lines[curve.name, curve.family])
         if k % columns == 0:
-            axes.set_ylabel("run time", fontsize=8)
+            axes.set_ylabel("run time")
         if k + columns >= len(panels):
-            axes.set_xlabel("largest error, relative to the peak", fontsize=8)
-    _legends(figure, groups, lines, palette, (legend - 0.05) / height)
-    if title:
-        look.head(figure, title, y=1.0 - 0.12 / height, va="top")
-    return printed(figure, look)
+            axes.set_xlabel("largest error, relative to the peak")
+    _legends(figure, lines)
+    return figure.finished(title)
 
 
-def _legends(
-    figure: Figure,
-    groups: Mapping[str, Sequence[tuple[str, str]]],
-    lines: Mapping[tuple[str, str], Lines],
-    palette: Palette,
-    top: float,
-) -> None:
-    for k, (heading, members) in enumerate(groups.items()):
-        made = figure.legend(
-            handles=[
-                Line2D([], [], label=f"FMU: {name}" if family == "FMU" else name, **lines[name, family])
-                for name, family in members
-            ],
-            loc="upper left", bbox_to_anchor=((k + 0.12) / len(groups), top), fontsize=7,
-            frameon=False, handlelength=3.2, labelcolor=palette.ink, borderpad=0.0,
-            title=heading, title_fontsize=7.5, alignment="left",
-        )  # fmt: skip
-        made.get_title().set_color(palette.ink)
-        made.set_in_layout(False)
+def _legends(figure: Printed, lines: Mapping[tuple[str, str], Lines]) -> None:
+    """Put legends of the groups side by side below the panels."""
+    made = []
+    for place, (heading, families) in zip(_PLACES, _GROUPS.items(), strict=True):
+        handles = [
+            Line2D([], [], label=f"FMU: {name}" if family == "FMU" else name, **line)
+            for (name, family), line in lines.items()
+            if family in families
+        ]
+        if handles:
+            made.append(figure.legend(
+                handles=handles, loc=place, fontsize=7, handlelength=3.2,
+                title=heading, alignment="left",
+            ))  # fmt: skip
+    figure.grow(max(legend.get_window_extent().height for legend in made) / figure.dpi)
 
 
 def _lines(names: Sequence[tuple[str, str]], palette: Palette) -> dict[tuple[str, str], Lines]:
@@ -153,7 +137,6 @@ def _package(name: str, family: str) -> str:
 
 
 def _style(axes: Axes, palette: Palette) -> None:
-    dress(axes, palette, 7.0)
     axes.set_axisbelow("line")
     axes.set_xscale("log")
     axes.set_yscale("log")

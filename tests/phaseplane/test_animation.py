@@ -14,7 +14,6 @@ from worked_example import STEP, ap57
 
 from phaseplane.constructions import Drawing, construct_motion
 from phaseplane.figures import Look, animation, storyboard
-from phaseplane.figures.style import HEADING
 from phaseplane.picture.story import told_steps
 from phaseplane.picture.styles import style_of
 
@@ -111,16 +110,16 @@ def test_a_storyboard_has_a_picture_for_each_stage(drawing: Drawing) -> None:
     figure = storyboard(drawing, 3, title="A bump")
     stages = drawing.schemes[drawing.frames[3].scheme].stages
     assert len(figure.axes) == len(stages)
-    captions = [text.get_text() for text in figure.texts]
+    captions = [axes.get_title() for axes in figure.axes]
     assert all(any(f"{i} of {len(stages)}" in c for c in captions) for i in range(1, len(stages)))
-    assert "Step 3" in captions[-1]
+    assert "Step 3" in figure.get_suptitle()
 
 
 def test_the_heading_of_a_narrow_storyboard_is_on_the_paper(drawing: Drawing) -> None:
     words = "A quarter car over a bump that is 5 cm high, with a wheel that lifts off"
     figure = storyboard(drawing, 3, title=words, look=Look(width=0.085))
     figure.draw_without_rendering()
-    (heading,) = (text for text in figure.texts if text.get_gid() == HEADING)
+    (heading,) = (text for text in figure.texts if text.get_gid() == "heading")
     box = heading.get_window_extent()
     assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
     assert box.y1 <= figure.bbox.y1

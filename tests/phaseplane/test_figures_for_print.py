@@ -112,7 +112,8 @@ def test_motions_over_time_fill_a_column_and_their_words_fit(drawing: Drawing) -
     assert axes.get_window_extent().width >= 0.65 * figure.bbox.width
     figure.draw_without_rendering()
     ticks = [t for t in axes.get_xticklabels() if t.get_position()[0] <= axes.get_xlim()[1]]
-    for text in [*figure.texts, *axes.get_legend().get_texts(), *ticks]:
+    (legend,) = figure.legends
+    for text in [*figure.texts, *legend.get_texts(), *ticks]:
         box = text.get_window_extent()
         assert figure.bbox.x0 <= box.x0 <= box.x1 <= figure.bbox.x1, text.get_text()
 
@@ -191,7 +192,7 @@ def test_formulas_have_the_type_of_the_figure(drawing: Drawing) -> None:
 def test_captions_of_a_storyboard_are_below_their_pictures(width, drawing: Drawing) -> None:
     figure = figures.storyboard(drawing, 8, look=Look(width=width))
     renderer = figure.canvas.get_renderer()
-    captions = [t.get_window_extent(renderer) for t in figure.texts if t.get_text()]
+    captions = [axes.title.get_window_extent(renderer) for axes in figure.axes]
     pictures = [axes.get_window_extent(renderer) for axes in figure.axes]
     assert len(pictures) == 9
     assert not any(one.overlaps(other) for one in captions for other in pictures)

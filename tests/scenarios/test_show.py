@@ -210,16 +210,16 @@ def test_measured_signals_that_cannot_be_compared(folders, first, second, conten
 
 
 @pytest.mark.parametrize("width", [None, 0.085])
-def test_heading_and_legend_keep_clear_of_each_other(width):
+def test_heading_and_legend_keep_clear_of_the_panels(width):
     time, title = [0.0, 1.0], "Quarter car over a 5 cm bump, with wheel lift-off; " * 2
     runs = {f"run {k}": (time, time) for k in range(5)}
     figure = figures.runs({"a": runs}, {}, title=title, look=figures.Look(width=width))
     figure.canvas.draw()
-    (heading,), legend = figure.texts, figure.axes[0].get_legend()
-    above, below = (one.get_window_extent() for one in (heading, legend))
-    assert above.y0 >= below.y1
-    assert below.y0 >= figure.axes[0].get_window_extent().y1
-    assert above.y1 <= figure.bbox.y1
+    (heading,), (legend,), (axes,) = figure.texts, figure.legends, figure.axes
+    above, panel, below = (one.get_tightbbox() for one in (heading, axes, legend))
+    assert figure.bbox.y1 >= above.y1 > above.y0 >= panel.y1
+    assert panel.y0 >= below.y1 > below.y0 >= figure.bbox.y0
+    assert figure.bbox.x0 <= below.x0 < below.x1 <= figure.bbox.x1
 
 
 def test_the_legend_names_every_run_though_a_panel_may_have_but_one():
@@ -227,7 +227,7 @@ def test_the_legend_names_every_run_though_a_panel_may_have_but_one():
     figure = figures.runs(
         {"a": {"one": (time, time)}, "b": {"one": (time, time), "other": (time, [1.0, 0.0])}}, {}
     )
-    (legend,) = [axes.get_legend() for axes in figure.axes if axes.get_legend()]
+    (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["one", "other"]
     lines = {line.get_linestyle() for line in legend.get_lines()}
     assert lines == {"-", "--"}
