@@ -168,7 +168,7 @@ class Sheet(Canvas):
             item.centre.real, item.centre.imag, item.text, color=self.colour(item.role),
             fontsize=TYPE * item.size, fontstyle="italic" if is_letter(item.text) else "normal",
             ha="center", va="center", rotation=90.0 if item.upright else 0.0,
-            path_effects=self.palette.halo(), alpha=item.strength, zorder=6.0,
+            bbox=self.palette.plate(), alpha=item.strength, zorder=6.0,
             gid="axis_name" if item.kind == "name" else item.kind,
         )  # fmt: skip
 

@@ -128,7 +128,7 @@ def _histories(
                 "airborne", (0.5 * factor * (start + end), 1.0), (0.0, -2.0 if narrow else 2.0),
                 xycoords=("data", "axes fraction"), textcoords="offset points", ha="center",
                 va="top" if narrow else "bottom", fontsize=8.0, color=palette.faint,
-                path_effects=palette.halo(),
+                bbox=palette.plate(),
             )  # fmt: skip
         panels[-1].set_xlabel(f"time [{unit}]")
         if axle:

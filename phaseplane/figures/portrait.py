@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -78,7 +79,9 @@ def portrait(
     _slopes(axes, shown, colours, np.array(_LABEL) * _SIZE[0] / figure.get_figwidth())
     for role in _DIRECTED:
         _arrows(axes, roles[role], window, colours.chart(_LINES[role][0]))
-    handles = [_lines(axes, role, curves, colours) for role, curves in roles.items() if curves]
+    handles: list[Artist] = [
+        _lines(axes, role, curves, colours) for role, curves in roles.items() if curves
+    ]
     if shown.section is not None:
         handles += _section(axes, shown.section, colours)
     handles += _equilibria(axes, shown, colours)
@@ -190,14 +193,13 @@ def _field(axes: Axes, field: tuple[np.ndarray, ...], colours: Palette) -> None:
     )  # fmt: skip
 
 
-def _lines(axes: Axes, role: str, curves: Sequence[np.ndarray], colours: Palette) -> Line2D:
+def _lines(axes: Axes, role: str, curves: Sequence[np.ndarray], colours: Palette) -> Artist:
     hue, width, dash, words = _LINES[role]
-    colour = colours.chart(hue)
     lines = LineCollection(
-        list(curves), colors=colour, linewidths=width, linestyles=dash, zorder=3.0, gid=role
-    )
-    axes.add_collection(lines, autolim=False)
-    return Line2D([], [], color=colour, linewidth=width, linestyle=dash, label=words)
+        list(curves), colors=colours.chart(hue), linewidths=width, linestyles=dash, zorder=3.0, gid=role,
+        label=words,
+    )  # fmt: skip
+    return axes.add_collection(lines, autolim=False)
 
 
 def _equilibria(axes: Axes, shown: Portrait, colours: Palette) -> list[Line2D]:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
@@ -19,8 +18,6 @@ from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Figure  # noqa: PLC0414  (used in annotations elsewhere)
 from matplotlib.font_manager import findfont
-from matplotlib.patheffects import AbstractPathEffect, withStroke
-from matplotlib.text import Text
 from matplotlib.transforms import ScaledTranslation
 
 from phaseplane.picture import styles as hues
@@ -88,9 +85,9 @@ class Palette:
         dashes = DASHES[number % len(DASHES)] if self.mono else "-"
         return {"color": self.chart(COLOURS[number % len(COLOURS)]), "linestyle": dashes}
 
-    def halo(self) -> list[AbstractPathEffect]:
-        """Return an outline in the colour of the paper that keeps text legible on lines."""
-        return [withStroke(linewidth=2.5, foreground=self.paper)]
+    def plate(self) -> dict[str, Any]:
+        """Return a ground that keeps text legible on lines; an outline would make it paths in SVG."""
+        return {"facecolor": self.paper, "edgecolor": "none", "pad": 0.4, "alpha": 0.85}
 
 
 @dataclass(frozen=True, slots=True)
@@ -271,24 +268,6 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
         raise ValueError(f"{target.name}: figures are written as {', '.join(_OPTIONS)}")
     title = {"Title": figure.get_label()} if figure.get_label() else {}
     options = {**_OPTIONS[suffix], "metadata": {**_OPTIONS[suffix].get("metadata", {}), **title}}
-    plated = _with_plates(figure) if suffix != ".png" else nullcontext()
-    with replace_file(target) as temporary, rc_context(_TYPE), plated:
+    with replace_file(target) as temporary, rc_context(_TYPE):
         figure.savefig(temporary, format=suffix[1:], facecolor="auto", **options)
     return target
-
-
-@contextmanager
-def _with_plates(figure: Figure) -> Iterator[None]:
-    """Replace the outlines of texts by plates, because outlined texts would be written as paths."""
-    outlined = [text for text in figure.findobj(Text) if text.get_path_effects()]
-    effects = [text.get_path_effects() for text in outlined]
-    plate = {"facecolor": figure.get_facecolor(), "edgecolor": "none", "pad": 0.4, "alpha": 0.75}
-    for text in outlined:
-        text.set_path_effects([])
-        text.set_bbox(plate)
-    try:
-        yield
-    finally:
-        for text, before in zip(outlined, effects, strict=True):
-            text.set_bbox(None)
-            text.set_path_effects(before)
