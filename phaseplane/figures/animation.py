@@ -69,7 +69,7 @@ def animation(
     draw_curves(page)
     ticks = list(story_of(page, arms_page(drawing), {}))
     sheet = Sheet(look, [tick.caption for tick in ticks])
-    sheet.made(page, title, typeset(drawing.title))
+    sheet.begin(page, title, typeset(drawing.title))
     pictures = list(_pictures(sheet, ticks))
     pictures += pictures[-1:] * _HOLD
     with replace_file(target) as temporary:

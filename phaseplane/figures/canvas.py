@@ -15,7 +15,6 @@ from matplotlib.lines import Line2D
 
 from phaseplane.constructions.letters import is_letter
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.picture.canvas import Canvas
 from phaseplane.picture.items import TYPE, Arrow, Dots, Item, Lines, Text
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, vertices
@@ -56,7 +55,7 @@ def _scale(view: Box, look: Look) -> float:
     return min(_LARGEST[0] / size.real, _LARGEST[1] / size.imag)
 
 
-class Sheet(Canvas):
+class Sheet:
     """A figure of a page, and of the pages that follow it in an animation.
 
     The pages of an animation have captions, of which one at a time takes the place of the legend.
@@ -70,8 +69,8 @@ class Sheet(Canvas):
         self.moving: list[Artist] = []
         self.captions = captions
 
-    def begin(self, page: Page) -> None:
-        """Make the figure, with a heading above the page and a legend below."""
+    def begin(self, page: Page, *heading: str) -> Figure:
+        """Return the figure of a page, with a heading above it and a legend below."""
         size = 2.0 * page.view.half * _scale(page.view, self.look)
         width, height = size.real + 2 * _BESIDE, size.imag + 2 * _BESIDE
         self.figure = Printed(self.look, width, height, layout="none")
@@ -81,15 +80,10 @@ class Sheet(Canvas):
         else:
             self.figure.key([self._handle(*entry) for entry in page.legend()])
         below = self.figure.get_figheight() - height
-        self.figure.finished(page.title, *page.words.split("\n"))
+        self.figure.finished(*heading)
         self.place(page.view, complex(_BESIDE, _BESIDE + below), size)
         for item in page.items:
             self.draw(item)
-
-    def made(self, page: Page, title: str, words: str) -> Figure:
-        """Return the figure of a page, with a title and other words above it."""
-        page.title, page.words = title, words
-        self.begin(page)
         return self.figure
 
     def place(self, view: Box, corner: complex, size: complex) -> None:
@@ -109,9 +103,6 @@ class Sheet(Canvas):
         for artist in self.moving:
             artist.remove()
         self.moving = [self.draw(item) for item in page.items]
-
-    def end(self) -> None:
-        """Leave the last page."""
 
     def colour(self, role: str) -> str:
         """Return the colour of a role."""
@@ -192,6 +183,6 @@ def as_figure(draw: Callable[..., tuple[Page, str]]) -> Callable[..., Figure]:
         drawing: Drawing, *args: Any, title: str = "", look: Look = PLAIN, **more: Any
     ) -> Figure:
         page, words = draw(drawing, *args, look=look, **more)
-        return Sheet(look).made(page, title, words)
+        return Sheet(look).begin(page, title, *words.split("\n"))
 
     return figure

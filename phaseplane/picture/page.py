@@ -32,8 +32,6 @@ class Page:
     em: float  # size of the type, m of paper
     items: list[Item] = field(default_factory=list)
     taken: list[Box] = field(default_factory=list)
-    title: str = ""  # above it, as the words
-    words: str = ""
     keyed: bool = True  # with a legend
     unled: float = NEAR  # farthest distance of a letter from its point without a leader, em
     _segments: Points = field(default_factory=lambda: np.zeros((0, 2), complex))

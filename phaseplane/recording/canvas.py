@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import rerun as rr
 
-from phaseplane.picture.canvas import Canvas
 from phaseplane.picture.items import Arrow, Dots, Lines
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Points, Strip
@@ -41,7 +40,7 @@ _FAINT = 0.35  # opacity of older steps
 _HEAD = 0.5  # length of the head of an arrow, em
 
 
-class Viewer(Canvas):
+class Viewer:
     """A canvas of the viewer, whose entities are under the path `root`."""
 
     def __init__(self, recording: rr.RecordingStream, root: str, clock: Clock) -> None:

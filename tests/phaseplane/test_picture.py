@@ -37,10 +37,8 @@ from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.sheet import Event
 from phaseplane.picture import subject
 from phaseplane.picture.axes import graduation_of
-from phaseplane.picture.canvas import Canvas
 from phaseplane.picture.items import Arrow, Dots, Lines, Text
 from phaseplane.picture.letters import NEAR, place, text_box
-from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, arcs, around, readings, telling_vertices
 from phaseplane.picture.quantities import QUANTITIES, display_unit, quantity_of, unit_text
 from phaseplane.picture.story import arms_page, story_of, told_steps
@@ -158,35 +156,10 @@ def test_letters_of_a_stage_are_nearer_to_their_points_than_to_others() -> None:
     assert nearer.count(False) < 0.013 * len(nearer)
 
 
-class Echo(Canvas):
-    """A canvas that keeps what it was given."""
-
-    def __init__(self) -> None:
-        self.frames: list[Page] = []
-        self.ended = False
-
-    def begin(self, page: Page) -> None:
-        self.stays = page
-
-    def frame(self, page: Page) -> None:
-        self.frames.append(page)
-
-    def end(self) -> None:
-        self.ended = True
-
-
 def test_a_story_in_order() -> None:
     stays = pages_of(content())[0]
-    canvas = Echo()
     ticks = list(story_of(stays, arms_page(drawing()), {}))
-    canvas.begin(stays)
-    for tick in ticks:
-        canvas.frame(tick.page)
-    canvas.end()
-    assert canvas.ended
-    assert canvas.stays is stays
-    assert len(canvas.frames) == len(ticks)
-    assert not canvas.frames[0].items  # the empty sheet
+    assert not ticks[0].page.items  # the empty sheet
     assert [tick.step for tick in ticks] == sorted(tick.step for tick in ticks)
     assert {25, 40} <= set(told_steps(drawing()))  # lift-off and touchdown
     assert "The wheel leaves the road (U)." in [t.caption.partition(": ")[2] for t in ticks]
