@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, Hue
+from phaseplane.picture.text import number
 from phaseplane.portrait import Portrait, Section, Window
 
 from .style import PLAIN, Look, Palette, draw_zero, styled
@@ -130,7 +131,7 @@ def _slopes(axes: Axes, shown: Portrait, colours: Palette, room: np.ndarray) -> 
             continue
         taken = np.vstack([taken, edge])
         axes.annotate(
-            f"{slope:g}", edge, fontsize=7.0, color=teal, ha="center", va="center", zorder=6.5,
+            number(slope), edge, fontsize=7.0, color=teal, ha="center", va="center", zorder=6.5,
             bbox={"boxstyle": "round,pad=0.1", "facecolor": axes.get_facecolor(), "linewidth": 0.0},
         )  # fmt: skip
 

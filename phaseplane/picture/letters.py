@@ -85,7 +85,7 @@ def place(
         cost = (
             0.7 * _GAPS
             + 100.0 * (over > 0.0)
-            + 40.0 * over / em**2
+            + 40.0 * (over / em) / em
             + 4.0 * (mine.overlap(Boxes(every, dots)) > 0.0).sum(axis=1)
             + 5.0 * (abs(every - centres[:, None]) < abs(away)[:, None]).sum(axis=1)
             + 200.0 * ~Boxes(centres, size).within(view)

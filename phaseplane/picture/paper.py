@@ -102,16 +102,16 @@ class Boxes:
         ways, begins = ends - starts, starts - self.centres
         low: Lengths = np.zeros(())
         high: Lengths = np.ones(())
-        for step, position, half in (
-            (ways.real, begins.real, self.halves.real),
-            (ways.imag, begins.imag, self.halves.imag),
-        ):
-            # a segment parallel to a side gives infinities: unbounded inside, empty outside
-            with np.errstate(divide="ignore", invalid="ignore"):
+        # a segment (nearly) parallel to a side gives infinities: unbounded inside, empty outside
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+            for step, position, half in (
+                (ways.real, begins.real, self.halves.real),
+                (ways.imag, begins.imag, self.halves.imag),
+            ):
                 one, other = (-half - position) / step, (half - position) / step
-            low = np.maximum(low, np.fmin(one, other))
-            high = np.minimum(high, np.fmax(one, other))
-        return abs(ways) * np.maximum(0.0, high - low)
+                low = np.maximum(low, np.fmin(one, other))
+                high = np.minimum(high, np.fmax(one, other))
+            return abs(ways) * np.maximum(0.0, high - low)
 
 
 def corners(points: Points) -> Points:

@@ -382,6 +382,11 @@ def test_length_of_a_line_in_a_box():
     assert box.inside(starts, ends) == pytest.approx([1.0, 0.0, 0.25, 0.0])
 
 
+def test_lines_far_shorter_than_their_distance_from_a_box_are_outside():
+    box = Boxes.of([Box(1e-1 + 1e-1j, 1e-3 + 1e-3j)])
+    assert box.inside(np.array([0j]), np.array([1e-310 + 2e-310j])) == 0.0
+
+
 # Work.
 
 
