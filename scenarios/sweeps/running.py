@@ -11,13 +11,14 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import (
+    FIRST_COMPLETED,
     BrokenExecutor,
     Executor,
     Future,
     ProcessPoolExecutor,
     ThreadPoolExecutor,
-    as_completed,
 )
+from concurrent.futures import wait as wait_for
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -53,6 +54,7 @@ _MOST_IN_CHUNK = 200
 _MOTION_IN_CHUNK = 400.0  # s of simulated time
 _PATIENCE = "10s"  # timeout of the Dask scheduler
 _STOPPING = Event()  # in a worker process: whether to stop after the current run
+_HEARD = 0.2  # s between two looks for an interrupt
 _CHECKED = 3  # runs through the FMU that are repeated in-process
 
 
@@ -127,14 +129,20 @@ def sweep(
             progress(len(rows) / len(plan.points))
 
         try:
-            # so that no chunk is submitted unnoticed, and a process starts without the caller's script
-            with deferred_interrupt() as came, _without_main(), _blocked_interrupt():
-                for chunk in chunks:
-                    waiting.add(executor.submit(run_chunk, plan, chunk, through))
-            if came():
+            # an interrupt is noted, and heeded between two waits: raised within one, it can leave a lock
+            # held, and if it comes just before one, it would not end it
+            with deferred_interrupt() as came:
+                # a process starts without the caller's script
+                with _without_main(), _blocked_interrupt():
+                    for chunk in chunks:
+                        waiting.add(executor.submit(run_chunk, plan, chunk, through))
+                left_over = set(waiting)
+                while left_over and not came():
+                    done, left_over = wait_for(left_over, _HEARD, FIRST_COMPLETED)
+                    for future in done:
+                        take_rows(future)
+            if left_over:
                 signal.raise_signal(came())
-            for future in as_completed(list(waiting)):
-                take_rows(future)
         except BaseException as error:
             stop()
             if isinstance(error, KeyboardInterrupt):
