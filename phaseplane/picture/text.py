@@ -158,9 +158,9 @@ def step_head(drawing: Drawing, frame: Frame) -> str:
 def step_text(
     drawing: Drawing, frame: Frame, quantities: Mapping[str, Quantity | None], note: str = ""
 ) -> str:
-    """Return the description and the readings of a step, and a note on all of them, in Markdown."""
-    read = readings_table(frame.readings, quantities)
-    return "\n\n".join(filter(None, (step_head(drawing, frame), read, note)))
+    """Return the description of a step, a note on all steps, and the readings, in Markdown."""
+    head = " ".join(filter(None, (step_head(drawing, frame), note)))
+    return f"{head}\n\n{readings_table(frame.readings, quantities)}"
 
 
 def end_text(drawing: Drawing, quantities: Mapping[str, Quantity | None], run: float = 0.0) -> str:

@@ -45,7 +45,7 @@ def blueprint(recorder: Recorder) -> rrb.Blueprint:
         left.append((below, rrb.StateTimelineView(origin=LANES, name="lanes", time_view=time)))
     right: list[tuple[float, rrb.View | rrb.Container]] = []
     if recorder.words:
-        right.append((6.6, rrb.TextDocumentView(origin=WORDS, name="construction step")))
+        right.append((6.7, rrb.TextDocumentView(origin=WORDS, name="construction step")))
     beside: list[rrb.View] = []
     vehicle = vehicle_of(content)
     if vehicle is not None:
