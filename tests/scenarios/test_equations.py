@@ -216,6 +216,7 @@ def test_an_instant_beside_the_end_is_the_end() -> None:
 
 
 NO_SYSTEMS = ["van_der_pol", *(f"h83_example{k}" for k in (23, 24, 25, 27))]
+CONTROLLED = ["groundhook", "skyhook", "woken_by_lift_off"]
 
 
 @pytest.mark.parametrize("name", NO_SYSTEMS)
@@ -224,8 +225,16 @@ def test_a_scene_that_draws_alone_is_no_problem_to_integrate(name: str) -> None:
         find_problem(name)
 
 
+@pytest.mark.parametrize("name", CONTROLLED)
+def test_a_scene_with_a_controller_is_no_problem_to_integrate(name: str) -> None:
+    with pytest.raises(
+        InputError, match=f"{name} has a controller, but problems are models without"
+    ):
+        find_problem(name)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted({*case_names()} - {*NO_SYSTEMS}))
+@pytest.mark.parametrize("name", sorted({*case_names()} - {*NO_SYSTEMS, *CONTROLLED}))
 def test_every_scene_is_the_same_motion_to_both(name: str) -> None:
     problem = find_problem(name)
     # the reference is explicit and slow for a wheel of a gram: it gets the bump alone
