@@ -149,11 +149,9 @@ def _pictures(sheet: Sheet, ticks: Sequence[Tick]) -> Iterator[Pixels]:
 def _write_gif(pictures: list[Pixels], path: Path, rate: float) -> None:
     from PIL import Image  # noqa: PLC0415  (comes with matplotlib)
 
-    # every colour counts once: few points of a picture have the colour of a thin line
-    parts = (
-        part for p in pictures for part in (p[::9], p[:, ::9])
-    )  # with all upright and level lines
-    some = np.concatenate([part.reshape(-1, 3) for part in parts])
+    # every colour counts once: few points of a picture have the colour of a thin line; whole rows and
+    # columns meet all lines that are level or upright
+    some = np.concatenate([s.reshape(-1, 3) for p in pictures for s in (p[::9], p[:, ::9])])
     codes = np.unique(some @ np.array([1 << 16, 1 << 8, 1]))
     colours = (codes[:, None, None] >> np.array([16, 8, 0]) & 255).astype(np.uint8)
     palette = Image.fromarray(colours).quantize(256, Image.Quantize.MAXCOVERAGE)

@@ -521,4 +521,4 @@ def test_the_empty_sheet_has_the_title_of_its_scene() -> None:
     scene = load_scene("h83_example28", [], expect=False)
     shown = of_scene(scene, drawing_of("h83_example28"))
     ticks = Recorder(rr.RecordingStream("pendulum"), shown).ticks
-    assert ticks[0].text.startswith("# Double pendulum at its antiresonance, as a half car: ")
+    assert ticks[0].text.startswith("# Double pendulum driven at its antiresonance: ")
