@@ -15,12 +15,28 @@ if TYPE_CHECKING:
 
 _ITERATIONS = 400
 _LAST = 6  # switches that are named
-# steps of a fixed length ignore the tolerance, so that it is no remedy
-_OF_FIXED_STEPS = (
-    ("increase solver.tolerance", "set solver.step to 0, so that it is chosen"),
-    (", or reduce solver.tolerance", ""),
-    ("a fixed solver.step", "solver.step"),
-)
+
+_EXTREMES = "look for extreme parameters"
+# what to try: with steps chosen from the tolerance, and with steps of a fixed length, which ignore it
+_REMEDIES = {
+    outcomes.DIVERGED: (
+        "look for forces that add energy",
+        "shorten solver.step, or look for forces that add energy",
+    ),
+    outcomes.STEP_TOO_SMALL: (
+        f"increase solver.tolerance, or {_EXTREMES}",
+        f"set solver.step to 0, so that it is chosen, or {_EXTREMES}",
+    ),
+    outcomes.NOT_CONVERGED: (_EXTREMES, f"shorten solver.step, or {_EXTREMES}"),
+    outcomes.NOT_POSITIVE: (_EXTREMES, f"shorten solver.step, or {_EXTREMES}"),
+    outcomes.UNSTABLE: 2 * ("shorten it, or set it to 0",),
+    outcomes.ENERGY_GROWS: ("reduce solver.tolerance", "shorten solver.step"),
+    outcomes.NO_TIME_PASSES: (_EXTREMES, f"shorten solver.step, or {_EXTREMES}"),
+    outcomes.TOO_MANY: 2 * (f"shorten the run, or {_EXTREMES}",),
+    outcomes.NO_MASS: 2 * ("check masses and inertias",),
+    outcomes.OUT_OF_BALANCE: ("reduce solver.tolerance", "shorten solver.step"),
+    outcomes.INTERRUPTED: 2 * ("run it to its end for complete results",),
+}
 
 
 def why_stopped(
@@ -40,18 +56,15 @@ def why_stopped(
     integrator, system : of the run that has ended; with them the sentence has numbers
     fixed : whether its steps have a fixed length
     """
-    cause = FAILURES[status].partition("; ")[0]
     found = _DETAILS.get(status)
     detail = found(integrator, system) if found and integrator is not None and system else ""
-    return f"{cause} {where}{f' ({detail})' if detail else ''}; {remedy_of(status, fixed=fixed)}"
+    said = f"{FAILURES[status]} {where}{f' ({detail})' if detail else ''}"
+    return f"{said}; {remedy_of(status, fixed=fixed)}"
 
 
 def remedy_of(status: int, *, fixed: bool) -> str:
     """Return what to try after a run ended early, for steps of a fixed length or of chosen ones."""
-    remedy = FAILURES.get(status, "").partition("; ")[2]
-    for words, instead in _OF_FIXED_STEPS if fixed else ():
-        remedy = remedy.replace(words, instead)
-    return remedy
+    return _REMEDIES[status][fixed]
 
 
 def _diverged(one: Integrator, system: System) -> str:

@@ -8,8 +8,9 @@ from typing import Any
 import pytest
 from phaseplane.suspension import characteristics
 from phaseplane.suspension.engine import FAILURES, Integrator
+from phaseplane.suspension.kernel import outcomes
 from phaseplane.suspension.models import build
-from phaseplane.suspension.reasons import _DETAILS, why_stopped
+from phaseplane.suspension.reasons import _DETAILS, remedy_of, why_stopped
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.systems import Element, System
 
@@ -78,21 +79,20 @@ def test_every_reason_has_numbers_or_names_of_a_run(status: int) -> None:
     system = build("QuarterCar", {"road.height": 0.08, "spring.cubic": 1e6})
     integrator = Integrator(system)
     assert integrator.advance(1.0) == 0
-    cause, _, remedy = FAILURES[status].partition("; ")
     said = why_stopped(status, "at 1 s", integrator, system)
-    assert said.startswith(f"{cause} at 1 s (")
-    assert said.endswith(f"); {remedy}")
-    inside = said[len(cause) :]
+    assert said.startswith(f"{FAILURES[status]} at 1 s (")
+    assert said.endswith(f"); {remedy_of(status, fixed=False)}")
+    inside = said[len(FAILURES[status]) :]
     assert re.search(r"\d (m|s|J|rad/s|1/s|N/m)\b", inside) or "of tyre" in inside
 
 
 @pytest.mark.parametrize("status", sorted(FAILURES))
-def test_fixed_steps_are_not_advised_a_tolerance(status: int) -> None:
-    """They ignore it."""
-    said = why_stopped(status, "at 1 s", fixed=True)
-    assert "tolerance" not in said
-    assert "a fixed" not in said
-    assert ("tolerance" in FAILURES[status]) <= ("solver.step" in said)
+def test_what_to_try_fits_the_steps(status: int) -> None:
+    """Steps of a fixed length ignore the tolerance; chosen ones have no length to shorten."""
+    fixed, chosen = (remedy_of(status, fixed=steps) for steps in (True, False))
+    assert "tolerance" not in fixed
+    assert status == outcomes.UNSTABLE or "step" not in chosen
+    assert ("tolerance" in chosen) <= ("solver.step" in fixed)
 
 
 def test_a_run_with_fixed_steps_says_so() -> None:
@@ -102,5 +102,5 @@ def test_a_run_with_fixed_steps_says_so() -> None:
 
 
 def test_without_a_run_the_sentence_has_no_numbers() -> None:
-    cause, _, remedy = FAILURES[2].partition("; ")
-    assert why_stopped(2, "at 1 s") == f"{cause} at 1 s; {remedy}"
+    said = f"{FAILURES[2]} at 1 s; {remedy_of(2, fixed=False)}"
+    assert why_stopped(2, "at 1 s") == said

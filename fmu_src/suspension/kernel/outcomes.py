@@ -7,25 +7,17 @@ INTERRUPTED = 12
 HALTED = -1  # at a switch or step that the host wants to see, before the time requested
 AT_SWITCHES, AT_STEPS = 1, 2  # where a run halts for the host; 0: nowhere
 
-# Why a run of steps ended early, and after the semicolon what to try.
+# Why a run of steps ended early; what to try is in `suspension.reasons`.
 FAILURES = {
-    DIVERGED: "the motion has diverged; "
-    "shorten a fixed solver.step, or look for forces that add energy",
-    STEP_TOO_SMALL: "the step has become too small; "
-    "increase solver.tolerance, or look for extreme parameters",
-    NOT_CONVERGED: "no equilibrium was found at the end of a step; "
-    "shorten a fixed solver.step, or look for extreme parameters",
-    NOT_POSITIVE: "the matrix of a step is not positive definite; "
-    "shorten a fixed solver.step, or look for extreme parameters",
-    UNSTABLE: "solver.step is longer than the largest stable step; shorten it, or set it to 0",
-    ENERGY_GROWS: "energy grows without external work; "
-    "shorten a fixed solver.step, or reduce solver.tolerance",
-    NO_TIME_PASSES: "switches follow one another without time between them; "
-    "shorten a fixed solver.step, or look for extreme parameters",
-    TOO_MANY: "the run needs more than 30 million steps; "
-    "shorten the run, or look for extreme parameters",
-    NO_MASS: "the mass matrix must be symmetric and positive definite; check masses and inertias",
-    OUT_OF_BALANCE: "the energy balance is off by more than all energy stored or supplied; "
-    "shorten a fixed solver.step, or reduce solver.tolerance",
-    INTERRUPTED: "the run was interrupted; run it to its end for complete results",
+    DIVERGED: "the motion has diverged",
+    STEP_TOO_SMALL: "the step has become too small",
+    NOT_CONVERGED: "no equilibrium was found at the end of a step",
+    NOT_POSITIVE: "the matrix of a step is not positive definite",
+    UNSTABLE: "solver.step is longer than the largest stable step",
+    ENERGY_GROWS: "energy grows without external work",
+    NO_TIME_PASSES: "switches follow one another without time between them",
+    TOO_MANY: "the run needs more than 30 million steps",
+    NO_MASS: "the mass matrix must be symmetric and positive definite",
+    OUT_OF_BALANCE: "the energy balance is off by more than all energy stored or supplied",
+    INTERRUPTED: "the run was interrupted",
 }

@@ -87,9 +87,10 @@ def tables(
               "static const struct {", "    const char *cause, *remedy, *of_fixed_steps;",
               "} failures[] = {"]  # fmt: skip
     for status in range(max(FAILURES) + 1):
-        cause = FAILURES.get(status, "").partition("; ")[0]
-        remedies = (quoted(remedy_of(status, fixed=fixed)) for fixed in (False, True))
-        lines.append(f"    {{{quoted(cause)}, {', '.join(remedies)}}},")
+        known = status in FAILURES
+        remedies = [remedy_of(status, fixed=fixed) if known else "" for fixed in (False, True)]
+        texts = ", ".join(map(quoted, (FAILURES.get(status, ""), *remedies)))
+        lines.append(f"    {{{texts}}},")
     return "\n".join([*lines, "};", ""])
 
 
