@@ -79,6 +79,19 @@ def test_a_bad_start_value_is_told_to_a_host_without_logging(
     assert "sprung_mass = -1: must be greater than 0 in kg" in capfd.readouterr().err
 
 
+def test_no_output_is_set(vehicle: Any) -> None:
+    """Initialisation fails, as after a bad start value; from Python 3.12 on, the first step."""
+    name = next(v.name for v in vehicle.description.modelVariables if v.causality == "output")
+    with vehicle.instance():
+        if sys.version_info < (3, 12):
+            with pytest.raises(FMICallException):
+                vehicle.start(**{name: 0.1})
+        else:
+            vehicle.start(**{name: 0.1})
+            refused_step(vehicle)
+        assert f"{name} = 0.1: an output cannot be set" in vehicle.texts
+
+
 def test_every_parameter_is_refused_out_of_its_range(model: str, vehicle: Any) -> None:
     """Before the run by its end of initialisation, during the run by the next step."""
     bounded = [

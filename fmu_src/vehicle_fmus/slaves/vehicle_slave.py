@@ -134,9 +134,12 @@ class VehicleSlave(Fmi2Slave):
 
         Raises
         ------
-        ParameterError : a parameter or input that is out of range or unreadable; see `_RAISES`.
+        ParameterError : a parameter or input that is out of range or unreadable, or an output that
+            was set; see `_RAISES`.
         """
         try:
+            if self._refusal:
+                raise ParameterError(self._refusal)
             self._session = self._new_session()
         except Exception as error:
             self._write(str(error))

@@ -8,7 +8,7 @@
 #define AT_REST 1e-12 /* s by which a communication point may precede the present, from rounding */
 #define PLACES 5 /* of a function whose derivative is that of the polynomial through them */
 #define APART 1e-3 /* distance of these places, of the size of what is varied */
-enum { FINE, WARNING, REFUSED = 3 }; /* what a message is, as in both versions of FMI */
+enum { FINE, WARNING }; /* what a message is, as in both versions of FMI */
 #define DUE 4 /* instants that can wait: at most two of one step, and one of the inputs */
 
 typedef struct State {
@@ -37,7 +37,7 @@ typedef struct Instance {
     int early_return; /* whether steps end on switches */
     double (*update)(struct Instance *, double); /* called within steps; see `go_on` */
     char reason[1024]; /* why the last call failed */
-    char refusal[512]; /* why the next step cannot be made */
+    char refusal[1024]; /* why the next step cannot be made */
     int quiet, forces_known, roads_known, energies_known;
     double roads[SIGNALS + 1][4];
     double row[ROW], fields[FIELDS]; /* as found last; those in use are in the state */
@@ -517,24 +517,23 @@ static int is_of_kind(Instance *one, unsigned k, int kind) {
     return 0;
 }
 
-static void refuse(Instance *one, const char *format, ...) {
+/* Note why a value cannot be set, and that no step follows it; return 1. */
+static int refuse(Instance *one, const char *format, ...) {
     va_list values;
-    if (one->refusal[0]) return;
     va_start(values, format);
-    vsnprintf(one->refusal, sizeof one->refusal, format, values);
+    vsnprintf(one->reason, sizeof one->reason, format, values);
     va_end(values);
-    tell(one, REFUSED, "logStatusError", one->refusal);
+    if (!one->refusal[0]) memcpy(one->refusal, one->reason, sizeof one->refusal);
+    return 1;
 }
 
-static void set_value(Instance *one, unsigned k, double value) {
+static int set_value(Instance *one, unsigned k, double value) {
     State *now = &one->now;
     const Variable *v = &variables[k];
-    if (v->causality == OUTPUT) {
-        refuse(one, "%s = %g: an output cannot be set", v->name, value);
-    } else if (v->causality == INPUT) {
+    if (v->causality == OUTPUT) return refuse(one, "%s = %g: an output cannot be set", v->name, value);
+    if (v->causality == INPUT) {
         if (now->initialised && !isfinite(value)) {
-            refuse(one, "input %s = %g: must be finite", v->name, value);
-            return;
+            return refuse(one, "input %s = %g: must be finite", v->name, value);
         }
         now->inputs[k] = value;
         now->is_set[k] = 1;
@@ -548,22 +547,22 @@ static void set_value(Instance *one, unsigned k, double value) {
         now->parameters[k] = value + 0.0; /* never -0 */
         now->ready = 0;
     } else if (!v->tunable || v->kind != REAL) {
-        refuse(one, "%s = %g: this parameter cannot change during a run", v->name, value);
+        return refuse(one, "%s = %g: this parameter cannot change during a run", v->name, value);
     } else if (!isfinite(value) || (v->positive && value <= 0.0) || value < v->minimum ||
                value > v->maximum) {
-        refuse(one, "%s = %g: must be %s", v->name, value, v->range);
+        return refuse(one, "%s = %g: must be %s", v->name, value, v->range);
     } else {
         now->parameters[k] = value + 0.0;
         now->tuned = 1;
     }
+    return 0;
 }
 
-static void set_text(Instance *one, unsigned k, const char *text) {
+static int set_text(Instance *one, unsigned k, const char *text) {
     const Variable *v = &variables[k];
-    if (strcmp(text, v->text) != 0) {
-        refuse(one, "%s = '%s': this FMU was packed for '%s', on which its structure depends; pack "
-               "another with --set %s=...", v->name, text, v->text, v->name);
-    }
+    if (strcmp(text, v->text) == 0) return 0;
+    return refuse(one, "%s = '%s': this FMU was packed for '%s', on which its structure depends; pack "
+                  "another with --set %s=...", v->name, text, v->text, v->name);
 }
 
 static void find_forces(Instance *one) {

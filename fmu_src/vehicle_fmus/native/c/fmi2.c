@@ -9,20 +9,28 @@ typedef struct Host {
     int logging;
 } Host;
 
+/* Hand a text to a logger: as its format, with percent signs doubled, as not every host formats. */
+static void hand_on(const fmi2CallbackFunctions *to, const char *name, int status, const char *category,
+        const char *text) {
+    char format[2 * sizeof((Instance *) 0)->reason];
+    size_t length = 0;
+    if (!to || !to->logger) return;
+    for (; *text && length < sizeof format - 2; text++) {
+        if (*text == '%') format[length++] = '%';
+        format[length++] = *text;
+    }
+    format[length] = 0;
+    to->logger(to->componentEnvironment, name, (fmi2Status) status, category, format);
+}
+
 static void tell(Instance *one, int status, const char *category, const char *text) {
     Host *host = one->host;
-    if (host->logging && host->callbacks && host->callbacks->logger) {
-        host->callbacks->logger(host->callbacks->componentEnvironment, host->name,
-                (fmi2Status) status, category, "%s", text);
-    }
+    if (host->logging) hand_on(host->callbacks, host->name, status, category, text);
 }
 
 static fmi2Status failed(Host *host, fmi2Status status) {
-    if (host->callbacks && host->callbacks->logger) {
-        host->callbacks->logger(host->callbacks->componentEnvironment, host->name, status,
-                status == fmi2Discard ? "logStatusDiscard" : "logStatusError", "%s",
-                host->instance.reason);
-    }
+    hand_on(host->callbacks, host->name, status,
+            status == fmi2Discard ? "logStatusDiscard" : "logStatusError", host->instance.reason);
     return status;
 }
 
@@ -41,11 +49,9 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     Host *host;
     (void) resources, (void) visible;
     if (type != fmi2CoSimulation || !guid || strcmp(guid, GUID) != 0) {
-        if (functions && functions->logger) {
-            functions->logger(functions->componentEnvironment, name, fmi2Error, "logStatusError", "%s",
-                    type != fmi2CoSimulation ? "this FMU is for co-simulation only"
-                    : "the GUID is not that of the model description");
-        }
+        hand_on(functions, name, fmi2Error, "logStatusError",
+                type != fmi2CoSimulation ? "this FMU is for co-simulation only"
+                : "the GUID is not that of the model description");
         return NULL;
     }
     host = malloc(sizeof *host);
@@ -109,8 +115,10 @@ fmi2Status fmi2Reset(fmi2Component c) {
             const Type value[]) {                                                                   \
         Host *host = c;                                                                             \
         for (size_t k = 0; k < count; k++) {                                                        \
-            if (!is_of_kind(&host->instance, vr[k], KIND)) return failed(host, fmi2Error);          \
-            set_value(&host->instance, vr[k], value[k]);                                            \
+            if (!is_of_kind(&host->instance, vr[k], KIND) ||                                        \
+                set_value(&host->instance, vr[k], value[k])) {                                      \
+                return failed(host, fmi2Error);                                                     \
+            }                                                                                       \
         }                                                                                           \
         return fmi2OK;                                                                              \
     }
@@ -136,8 +144,9 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
         const fmi2String value[]) {
     Host *host = c;
     for (size_t k = 0; k < count; k++) {
-        if (!is_of_kind(&host->instance, vr[k], STRING)) return failed(host, fmi2Error);
-        set_text(&host->instance, vr[k], value[k]);
+        if (!is_of_kind(&host->instance, vr[k], STRING) || set_text(&host->instance, vr[k], value[k])) {
+            return failed(host, fmi2Error);
+        }
     }
     return fmi2OK;
 }

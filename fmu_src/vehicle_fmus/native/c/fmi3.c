@@ -178,8 +178,10 @@ static int have_room(Host *host, size_t count, size_t values) {
             return failed(host);                                                                    \
         }                                                                                           \
         for (size_t k = 0; k < count; k++) {                                                        \
-            if (!is_of_kind(&host->instance, vr[k], KIND)) return failed(host);                     \
-            set_value(&host->instance, vr[k], value[k]);                                            \
+            if (!is_of_kind(&host->instance, vr[k], KIND) ||                                        \
+                set_value(&host->instance, vr[k], value[k])) {                                      \
+                return failed(host);                                                                \
+            }                                                                                       \
         }                                                                                           \
         return fmi3OK;                                                                              \
     }
@@ -207,8 +209,9 @@ fmi3Status fmi3SetString(fmi3Instance c, const fmi3ValueReference vr[], size_t c
     Host *host = c;
     if (!have_room(host, count, values)) return failed(host);
     for (size_t k = 0; k < count; k++) {
-        if (!is_of_kind(&host->instance, vr[k], STRING)) return failed(host);
-        set_text(&host->instance, vr[k], value[k]);
+        if (!is_of_kind(&host->instance, vr[k], STRING) || set_text(&host->instance, vr[k], value[k])) {
+            return failed(host);
+        }
     }
     return fmi3OK;
 }
