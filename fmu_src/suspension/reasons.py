@@ -32,7 +32,10 @@ _REMEDIES = {
     outcomes.UNSTABLE: 2 * ("shorten it, or set it to 0",),
     outcomes.ENERGY_GROWS: ("reduce solver.tolerance", "shorten solver.step"),
     outcomes.NO_TIME_PASSES: (_EXTREMES, f"shorten solver.step, or {_EXTREMES}"),
-    outcomes.TOO_MANY: 2 * (f"shorten the run, or {_EXTREMES}",),
+    outcomes.TOO_MANY: (
+        f"shorten the run, or {_EXTREMES}",
+        "lengthen solver.step, or shorten the run",
+    ),
     outcomes.NO_MASS: 2 * ("check masses and inertias",),
     outcomes.OUT_OF_BALANCE: ("reduce solver.tolerance", "shorten solver.step"),
     outcomes.INTERRUPTED: 2 * ("run it to its end for complete results",),
