@@ -20,7 +20,10 @@ def read_content(path: Path) -> dict[str, Any]:
     if path.is_dir():
         raise InputError(f"{path} is a folder; give the path of a .toml file")
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except UnicodeDecodeError as error:
+        why = f"not UTF-8 text (byte {error.start}); save it as UTF-8"
+        raise InputError(f"cannot read {path}: {why}") from None
     except (OSError, ValueError, RecursionError) as error:
         why = getattr(error, "strerror", None) or f"not TOML: {error}"
         raise InputError(f"cannot read {path}: {why}") from None

@@ -260,9 +260,9 @@ def _column(file: str, heading: Sequence[str], name: str) -> int:
     if not heading:
         raise ValueError(f"{file} is empty")
     columns = ", ".join(map(repr, heading))
-    raise ValueError(
-        f"{file} has no column {name!r}; its columns are {columns}{nearest(name, heading)}"
-    )
+    between = next((sign for sign in ",;\t" if len(heading) == 1 and sign in heading[0]), "")
+    hint = f"; give delimiter = {between!r}" if between else nearest(name, heading)
+    raise ValueError(f"{file} has no column {name!r}; its columns are {columns}{hint}")
 
 
 def _number(where: str, column: str, cell: str, decimal: str) -> float:

@@ -96,7 +96,8 @@ class Element:
             raise ValueError(f"{self.name}: only a linear spring can yield")
         if self.damper.corners or self.limit < inf or self.is_modulated:
             raise ValueError(
-                f"{self.name}: an element that yields must have a linear damper and no limit"
+                f"{self.name}: an element that yields must have a linear damper and no limit; make "
+                "another damper in parallel a second element"
             )
         if not (self.yield_force > 0.0 and 0.0 <= self.hardening < rate):
             raise ValueError(

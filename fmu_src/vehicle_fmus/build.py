@@ -138,7 +138,7 @@ def _script(model: str, own: Path | None) -> tuple[str, str]:
     about = ALL[model].summary
     if own is None:
         return FILES[model], _SCRIPT.format(name=model, key=model, about=about, before="")
-    text = own.read_text(encoding="utf-8")
+    text = own.read_text(encoding="utf-8-sig")
     key = hashed(model, text.encode())
     before = _LOADING.format(text=text, file=own.name, key=key)
     return model.lower(), _SCRIPT.format(name=model, key=key, about=about, before=before)

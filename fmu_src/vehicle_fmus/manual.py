@@ -63,7 +63,7 @@ def page(
 def _equations(model: str, own: Path | None) -> str:
     if own is None or ALL[model].page:
         return f"{ALL[model].page}\n"
-    return _OWN.substitute(file=escape(own.read_text(encoding="utf-8")))
+    return _OWN.substitute(file=escape(own.read_text(encoding="utf-8-sig")))
 
 
 def _part(name: str) -> str:

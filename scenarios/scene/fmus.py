@@ -171,7 +171,7 @@ def _of_system(path: Path) -> Fmu:
     from phaseplane.suspension.system_file import load  # noqa: PLC0415  (rarely needed)
 
     try:
-        name = load(path.read_text(encoding="utf-8"), path.name)
+        name = load(path.read_text(encoding="utf-8-sig"), path.name)
     except OSError as error:
         raise SystemFileError(f"{path}: cannot be read: {error.strerror or error}") from None
     except ValueError as error:

@@ -351,7 +351,7 @@ def _read(path: Path, name: str) -> dict[str, Any]:
     try:
         if path.stat().st_size > _LARGEST_FILE:
             raise SceneError(f"{name}: larger than {_LARGEST_FILE} bytes; not a scene file")
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
         if path.suffix == ".py":
             content = scene_in(text)
             content.setdefault("fmu", path.name)
@@ -372,7 +372,7 @@ def _read(path: Path, name: str) -> dict[str, Any]:
     except OSError as error:
         raise SceneError(f"cannot read {name}: {error.strerror or error}") from None
     except UnicodeDecodeError as error:
-        raise SceneError(f"{name}: not UTF-8 text (byte {error.start})") from None
+        raise SceneError(f"{name}: not UTF-8 text (byte {error.start}); save it as UTF-8") from None
     except RecursionError:
         raise SceneError(f"{name}: nested too deeply") from None
     except ValueError as error:

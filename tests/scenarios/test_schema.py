@@ -16,6 +16,7 @@ from phaseplane.scenarios.scene.loading import construction_settings, load_scene
 from phaseplane.scenarios.scene.names import case_names
 from phaseplane.scenarios.scene.schema import Scene
 from phaseplane.scenarios.scene.sections import DETAILS, FIGURES, RULES, Construction
+from phaseplane.scenarios.toml_files import read_content
 
 KGF = 9.80665  # N
 MINIMAL = 'fmu = "QuarterCar"\nduration = "1 s"\n'
@@ -272,7 +273,7 @@ def test_no_such_scene(reference: str, words: list[str]) -> None:
     ("content", "words"),
     [
         (b"fmu = QuarterCar", "not TOML"),
-        (b"\xff\xfe", "not UTF-8"),
+        (b"\xff\xfe", "not UTF-8 text (byte 0); save it as UTF-8"),
         (b"x = " + b"[" * 5000, "nested too deeply"),
         (b"x = " + b"9" * 5000, "not TOML"),
         (b"", "'fmu' is missing"),
@@ -285,6 +286,19 @@ def test_unreadable_file(tmp_path: Path, content: bytes, words: str) -> None:
     message = refusal(str(path))
     assert str(path) in message
     assert words in message
+
+
+def test_a_file_in_utf_8_may_begin_with_a_mark(tmp_path: Path) -> None:
+    """As editors on Windows write it; so may the file of a system, and of a sweep."""
+    system = (
+        '[system]\nname = "Ball"\n[system.coordinates]\nheight = { mass = 2 }\n'
+        "[system.elements.spring]\ndirection = { height = 1 }\nspring = { rate = 100 }\n"
+    )
+    files = {"ball": f'duration = "1 s"\n{system}', "sweep": 'scene = "ball.toml"\n'}
+    for name, text in files.items():
+        (tmp_path / f"{name}.toml").write_text(text, encoding="utf-8-sig")
+    assert load_scene(str(tmp_path / "ball.toml")).duration == 1.0
+    assert read_content(tmp_path / "sweep.toml") == {"scene": "ball.toml"}
 
 
 # -- what a scene refuses: key, value, what is allowed, nearest name -----------------------------

@@ -124,6 +124,11 @@ def test_the_schema_and_the_guide_know_of_files() -> None:
             "profil",
             "road.csv has no column 'profil'; its columns are .*; did you mean 'profile'",
         ),
+        (
+            '["m", "mm"]',
+            '["m", "mm"], delimiter = ";"',
+            "no column 'distance'; its columns are .*; give delimiter = ','",
+        ),
         ('"mm"', '"N"', "road.table: units: .*N"),
         ("units", "unit", "unknown key 'unit'; allowed: file, columns, .*; did you mean 'units'"),
         ('"table"', '"bump"', "road.table.file is given, but road.shape is bump"),
