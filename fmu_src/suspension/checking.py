@@ -342,5 +342,7 @@ def _motion(system: System) -> Iterator[str]:
     if status:
         where = f"at {integrator.time:.6g} s"
         yield f"a short run fails: {why_stopped(status, where, integrator, system)}"
-    elif abs(integrator.residual_end) > 1e-4 * energy:
+        return
+    _, _, dissipated, works = integrator.energies()
+    if abs(integrator.residual_end) > 1e-4 * (energy + sum(map(abs, (*dissipated, *works)))):
         yield f"a short run loses {integrator.residual_end:g} J that no element accounts for"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import doctest
 import re
 from dataclasses import dataclass, replace
-from math import inf, nan
+from math import inf, nan, pi
 
 import pytest
 from phaseplane.suspension import characteristics as law
@@ -13,7 +13,7 @@ from phaseplane.suspension import checking, roads
 from phaseplane.suspension.characteristics import Characteristic, Piece
 from phaseplane.suspension.checking import check_characteristic, check_system
 from phaseplane.suspension.models import build
-from phaseplane.suspension.systems import Axle, Element, Motion, System, damper_family
+from phaseplane.suspension.systems import Axle, Element, Load, Motion, System, damper_family
 from phaseplane.suspension.variables import MODELS
 
 RIGHT = {
@@ -157,6 +157,15 @@ def test_a_right_system_and_a_family_of_curves_pass() -> None:
     )
     assert check_system(strut()) == []
     assert check_system(strut(elements=(*strut().elements, *family))) == []
+
+
+def test_a_load_that_turns_over_much_more_energy_than_the_start_has_passes() -> None:
+    spring = Element("spring", (1.0,), law.linear(1.0), friction=0.5)
+    push = roads.sine(2.4, 2.0 * pi, 0.8)  # 1.2 sin 0.8 t, N
+    system = System(
+        ("x",), ((1.0,),), (spring,), {"push": push}, (Load((1.0,), "push"),), (1e-3,)
+    )
+    assert check_system(system) == []
 
 
 def test_the_example_in_the_description_runs() -> None:
