@@ -98,9 +98,10 @@ class Definition:
         for v in initial({name: name.replace("_", " ") for name in self._all_coordinates()}):
             angle = self.coordinates.get(v.name.split(".")[1].rsplit("_", 1)[0], ("", "", False))[2]
             yield replace(v, unit=v.unit.replace("m", "rad", 1)) if angle else v
-        for load in self.loads:
+        for load, said in self.loads.items():
             yield parameter(
-                f"{load}.table", "", f"{load.replace('_', ' ')} as 'time:force, ...' in s and N, joined "
+                f"{load}.table", _pairs(said.get("table", ""), f"system.loads.{load}.table"),
+                f"{load.replace('_', ' ')} as 'time:force, ...' in s and N, joined "
                 f"by straight lines, added to the input {load}; empty: none",
             )  # fmt: skip
         yield from SOLVER_PARAMETERS
@@ -256,12 +257,8 @@ def _element(
 
     def from_table(part: str) -> Characteristic:
         """Return the law of a table, which must have no force at rest."""
-        key, text = f"{where}.{part}.table", said[part]["table"]
-        if not isinstance(text, str):
-            raise ParameterError(
-                f"{key} = {text!r}: must be a text of pairs, such as '-0.1:-1500, 0:0, 0.1:1500'"
-            )
-        law = characteristics.table(points(key, text))
+        key = f"{where}.{part}.table"
+        law = characteristics.table(points(key, _pairs(said[part]["table"], key)))
         return through_zero(law, key)
 
     rate = at("damper.rate")
@@ -294,6 +291,15 @@ def _element(
         raise
     except ValueError as error:
         raise ParameterError(f"{where}: {error}") from None
+
+
+def _pairs(said: object, where: str) -> str:
+    """Return the text of a table."""
+    if not isinstance(said, str):
+        raise ParameterError(
+            f"{where} = {said!r}: must be a text of pairs, such as '-0.1:-1500, 0:0, 0.1:1500'"
+        )
+    return said
 
 
 def _road_name(said: Mapping[str, Any], where: str) -> str:

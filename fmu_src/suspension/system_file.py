@@ -149,7 +149,7 @@ def _read(content: Mapping[str, Any]) -> Definition:
     for key, allowed in (
         ("wheels", ("axle", "body", "load", "delay", "level")),
         ("elements", ("direction", "spring", "damper", "friction", "breakaway", "road")),
-        ("loads", ("direction", "sine")),
+        ("loads", ("direction", "sine", "table")),
     ):
         for part, said in tables[key].items():
             check_word(part, f"system.{key}")

@@ -91,6 +91,12 @@ def test_a_sine_drives_at_its_frequency():
     assert wave.derivatives(0.0)[1] == pytest.approx(4.0 * pi)
 
 
+def test_a_table_drives_unless_a_run_gives_another():
+    system_file.load(OSCILLATOR + 'table = "0:0, 1:8, 2:0"\n')
+    own, other = (build("OwnOscillator", p) for p in ({}, {"push.table": "0:0, 1:2"}))
+    assert [s.signals["push_table"].value(0.5) for s in (own, other)] == [4.0, 1.0]
+
+
 def test_power_laws_and_friction_that_breaks_away():
     more = (
         "friction = 10\nbreakaway = 15\ndamper = { rate = 1, power = 3, exponent = 2 }\nspring = {"
@@ -146,6 +152,10 @@ def test_a_file_that_changes_replaces_its_model():
         ("spring = {", "friction = 10\nbreakaway = 5\nspring = {", "breakaway = 5 must be at least"),
         ("[system.elements.spring]", "[system.loads.gust]\nsine = 3\n[system.elements.spring]",
          r"system.loads.gust.sine = 3: must be a table"),
+        ("[system.elements.spring]", "[system.loads.gust]\ntable = 3\n[system.elements.spring]",
+         r"system.loads.gust.table = 3: must be a text of pairs"),
+        ("[system.elements.spring]", "[system.loads.gust]\ntable = '0'\n[system.elements.spring]",
+         r"gust.table = '0': must be pairs of finite numbers"),
         ("spring = {", "damper = 5\nspring = {", r"damper = 5: must be a table"),
         ("spring = {", 'damper = { rate = "nosuch" }\nspring = {', r"damper.rate.*'nosuch'"),
         ("spring = {", 'spring = { table = "0:0, 1:5", ', "spring: give rate or table, not both"),
