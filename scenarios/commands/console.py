@@ -18,6 +18,7 @@ from types import FrameType
 from typing import Any, NamedTuple
 
 import click
+from phaseplane.suspension.units import UnitError, to_si
 
 from ..errors import InputError, RunError, one_line
 from ..progress import Progress, silent
@@ -223,6 +224,18 @@ class FiniteRange(click.FloatRange):
 
     def _describe_range(self) -> str:  # click's own says x<=None of a range without bounds
         return "" if self.min is self.max is None else super()._describe_range()
+
+
+class TimeRange(FiniteRange):
+    """A time within a range, in s, or a text with a unit."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if isinstance(value, str):
+            try:
+                value = to_si(value, "s")
+            except UnitError as error:
+                self.fail(f"{error}.", param, ctx)
+        return super().convert(value, param, ctx)
 
 
 def output_option(default: str) -> Callable[[Any], Any]:

@@ -15,7 +15,7 @@ from ..results.plain import as_json
 from ..scene.loading import load_scene
 from ..studies.ladder import format_ladder
 from ..studies.ladder import ladder as climb
-from .console import FiniteRange, figure_option, json_option, set_option, warn
+from .console import FiniteRange, TimeRange, figure_option, json_option, set_option, warn
 from .viewing import look_options
 
 
@@ -71,15 +71,16 @@ def ladder(
 )
 @click.option(
     "--period",
-    type=FiniteRange(min=0.0, min_open=True),
+    type=TimeRange(min=0.0, min_open=True),
     metavar="TIME",
-    help="Forcing period of an equation, s, for its Poincaré section. [default: from the equation]",
+    help="Forcing period of an equation, e.g. '2.5 s', for its Poincaré section. [default: that of the "
+    "equation]",
 )
 @click.option(
     "--frozen",
-    type=FiniteRange(),
+    type=TimeRange(),
     metavar="TIME",
-    help="Draw a forced system with its forcing frozen at this time, s. [default: draw its section]",
+    help="Draw a forced system with its forcing frozen at this time. [default: draw its section]",
 )
 @look_options
 @json_option

@@ -11,7 +11,6 @@ from typing import Any
 
 import click
 from phaseplane.suspension.units import counted
-from phaseplane.suspension.variables import ParameterError, refuse_unknown
 
 from phaseplane import recording
 
@@ -32,6 +31,7 @@ from ..results.folder import DAMAGED, read_results, read_summary
 from ..results.plain import as_json
 from ..results.report import format_drift
 from ..results.tables import read_table
+from ..scene.fields import one_of
 from ..scene.layers import Setting, find_scene
 from ..scene.loading import construction_settings, load_scene
 from ..scene.sections import CONSTRUCTION_FIGURES
@@ -149,9 +149,9 @@ def replay_construction(
     if figure is not None:
         check_picture(figure, PICTURES + MOVING)
     try:
-        refuse_unknown([kind], CONSTRUCTION_FIGURES, "--kind: there is no figure")
-    except ParameterError as error:
-        raise InputError(str(error)) from None
+        one_of(CONSTRUCTION_FIGURES).read(kind)
+    except ValueError as error:
+        raise InputError(f"--kind {kind!r}: {error}") from None
     started = perf_counter()
     if figure is not None and kind in RULES_SHOWN:
         overrides = (Setting("construction.rule", RULES_SHOWN[kind], "--kind"), *overrides)

@@ -84,7 +84,7 @@ def test_sections_through_switches_take_fewer_periods() -> None:
 
 
 def test_a_driven_equation_is_frozen_on_demand() -> None:
-    told = of_equation(DUFFING, "--frozen", "0").stdout
+    told = of_equation(DUFFING, "--frozen", "0 ms").stdout
     assert "frozen at t = 0 s" in told
     assert told.count("equilibrium") == 3
     assert "section" not in told
@@ -138,7 +138,8 @@ def test_sections_of_a_vehicle_in_words() -> None:
     [
         (("ap57", "--coordinate", "weel"), "did you mean 'wheel'?"),
         (("ap57", "--period", "1"), "--period is for equations"),
-        (("van_der_pol", "--period", "inf"), "'--period': inf must be a finite number"),
+        (("van_der_pol", "--period", "inf"), "'--period': 'inf' is not a number with a unit"),
+        (("van_der_pol", "--period", "-2 ms"), "'--period': -0.002 is not in the range"),
         (("van_der_pol", "--coordinate", "foo"), "an equation has only displacement"),
         (("van_der_pol", "--window", "1", "0", "0", "1"), "left must be below right"),
         (("van_der_pol", "--window", "1e300", "2e300", "-1", "1"), "all within 1e+150"),
