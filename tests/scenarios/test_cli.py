@@ -275,7 +275,10 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         ),
         (["run", "ap57", "--address", "0.0.0.0"], "give --serve, too"),
         (["replay", "ap57", "--figure", "x.png", "--kind", "figure77"], "did you mean 'figure7'?"),
-        (["replay", "ap57", "--figure", "x.png", "--kind", "x"], "'x': must be one of phase_planes"),
+        (
+            ["replay", "ap57", "--figure", "x.png", "--kind", "x"],
+            "'x': must be one of phase_planes",
+        ),
         (["replay", "ap57", "--figure", "x.png", "--kind", "figure12"], "half_car_rigid_tyres"),
         (["replay", "ap57", "--figure", "no/x.png"], "no folder no"),
         (["replay", "ap57", "--figure", "folder.png"], "folder.png is a folder"),

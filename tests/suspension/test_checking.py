@@ -162,9 +162,7 @@ def test_a_right_system_and_a_family_of_curves_pass() -> None:
 def test_a_load_that_turns_over_much_more_energy_than_the_start_has_passes() -> None:
     spring = Element("spring", (1.0,), law.linear(1.0), friction=0.5)
     push = roads.sine(2.4, 2.0 * pi, 0.8)  # 1.2 sin 0.8 t, N
-    system = System(
-        ("x",), ((1.0,),), (spring,), {"push": push}, (Load((1.0,), "push"),), (1e-3,)
-    )
+    system = System(("x",), ((1.0,),), (spring,), {"push": push}, (Load((1.0,), "push"),), (1e-3,))
     assert check_system(system) == []
 
 
