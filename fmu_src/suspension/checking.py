@@ -11,6 +11,7 @@ spring: the force jumps by -100 N at the corner 0.05; pieces must join
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 from math import inf, isfinite
@@ -137,9 +138,10 @@ def _tangents(
     stretches: Sequence[tuple[float, float]],
     size: float,
 ) -> Iterator[str]:
-    ends = [end for stretch in stretches for end in stretch]
+    starts = [a for a, _ in stretches]
     for x in points:
-        room = min(abs(x - end) for end in ends)
+        a, b = stretches[bisect_right(starts, x) - 1]
+        room = min(x - a, b - x)
         h = 1e-3 * room  # fourth-order difference, inside the piece
         slope = (
             8.0 * (law.force(x + h) - law.force(x - h))
@@ -181,8 +183,14 @@ def _work(
 def _hidden_corners(
     law: Characteristic, name: str, stretches: Sequence[tuple[float, float]], size: float
 ) -> Iterator[str]:
-    """Report intervals in which the change of slope does not vanish as the interval shrinks."""
-    for a, b in stretches:
+    """Report intervals in which the change of slope does not vanish as the interval shrinks.
+
+    Polynomials, as between the points of a table, have none.
+    """
+    made_of_pieces = type(law) is Characteristic
+    for (a, b), piece in zip(stretches, law.pieces, strict=True):
+        if made_of_pieces and piece.own is None and not piece.power:
+            continue
         width = (b - a) / 256
         low = max((a + (k + 0.25) * width for k in range(255)), key=lambda x: _bend(law, x, width))
         first = _bend(law, low, width)

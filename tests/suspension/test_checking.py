@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import doctest
 import re
+from cProfile import Profile
 from dataclasses import dataclass, replace
 from math import inf, nan, pi
 
@@ -35,6 +36,17 @@ RIGHT = {
 @pytest.mark.parametrize("name", RIGHT)
 def test_right_characteristics_pass(name: str) -> None:
     assert check_characteristic(RIGHT[name], name) == []
+
+
+def test_the_cost_of_a_check_grows_as_the_points_of_a_table() -> None:
+    """Counted in evaluations; it grew with their square, and a table of 20 000 took half an hour."""
+    counts = []
+    for points in (100, 400):
+        table = law.table([(x, x * abs(x)) for x in range(-points, points + 1)])
+        counter = Profile()
+        counter.runcall(check_characteristic, table)
+        counts.append(sum(entry.callcount for entry in counter.getstats()))
+    assert counts[1] < 5 * counts[0] < 5 * 201 * 2000
 
 
 @pytest.mark.parametrize("model", MODELS)
