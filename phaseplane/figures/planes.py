@@ -23,7 +23,7 @@ from .canvas import as_figure, new_page
 from .style import Look
 
 _MANY = 20  # steps with all auxiliary lines
-_MOVED = 0.02  # of the largest distance from the start: a motion that is seen
+_MOVED, _SEEN = 0.02, 0.4  # of the largest distance from the start: the motion begins, it is seen
 _ROOMY = 65.0  # em: larger side of a sheet on which every point may be numbered
 _NUMBERED = 80  # points beyond those with auxiliary lines, at the most
 
@@ -82,7 +82,7 @@ def construction_sheet(
     Parameters
     ----------
     frames : indices of the steps drawn with all lines; indices beyond the end are ignored. Default: the
-        first 20, or if nothing moves in them, 20 from the start of the motion
+        first 20, or if nothing moves in them, 20 from the start of a motion, or in which it is seen
     through : whether later points are also marked and numbered, or some of them if they are many
 
     Raises
@@ -99,7 +99,7 @@ def construction_sheet(
     draw_curves(page, None)
     for one in chosen:
         draw_step(page, one, turn=True, thin=0.6)
-    draw_trails(page)
+    draw_trails(page, recent=0)  # these steps are rarely the last
     draw_missed(page)
     mark_events(page)
     later = drawing.frames[wanted[-1] + 1 :] if through else []
@@ -117,9 +117,10 @@ def construction_sheet(
 
 
 def _first(drawing: Drawing) -> range:
-    """Return the first steps, or those from the start of the motion if nothing moves in them."""
+    """Return the first steps; if nothing moves in them, those after or until it is well seen to move."""
     motions = np.array(motions_of(drawing))
     away = abs(motions - motions[:, :1])
-    moved = (away > _MOVED * np.nanmax(away, initial=0.0, axis=1)[:, None]).any(axis=0)
-    begin = int(moved.argmax())
-    return range(_MANY) if begin <= _MANY else range(begin - 1, begin - 1 + _MANY)
+    most = np.nanmax(away, initial=0.0, axis=1)[:, None]
+    begin, seen = (int((away > part * most).any(axis=0).argmax()) for part in (_MOVED, _SEEN))
+    first = max(begin - 1, seen - _MANY) if begin > _MANY else 0
+    return range(first, first + _MANY)

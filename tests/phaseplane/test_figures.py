@@ -21,6 +21,7 @@ from phaseplane.constructions import (
     EquationPlane,
     OneDofPlane,
     construct_motion,
+    delta,
     family,
     tangent,
 )
@@ -179,6 +180,18 @@ def test_all_lines_of_the_first_steps_are_there(sheet, drawing):
     height = gathered(drawing, drawing.frames[:20])[1][0].points["W"].imag
     on_arm = [strip for strip in strips(sheet, "arc") if abs(strip[0][1] - height) < 1e-12]
     assert len(on_arm) == 2 * 20
+
+
+def test_a_sheet_of_a_motion_that_grows_slowly_shows_steps_that_can_be_seen():
+    """The first steps that move at all would be a blot in the middle of the whole motion."""
+    swing = EquationPlane(lambda v, x, t: x - 0.4 * v, autonomous=True, initial_displacement=1e-3)
+    figure = construction_sheet(construct_motion(swing, delta, step=0.05, steps=600))
+    first, last = map(int, re.findall(r"Points (\d+) to (\d+)", figure.get_suptitle())[0])
+    assert last - first == 20
+    assert first > 400
+    # steps at the end, which are not those, do not stand out
+    trails = [c.get_linewidths() for c in figure.axes[0].collections if c.get_gid() == "trail"]
+    assert len(trails) == 1
 
 
 def test_frames_beyond_the_end_are_left_out(drawing):
