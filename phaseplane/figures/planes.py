@@ -13,7 +13,7 @@ from phaseplane.constructions.storage import Frame
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import draw_curves, draw_missed, draw_trails
 from phaseplane.picture.page import Page
-from phaseplane.picture.paper import Box
+from phaseplane.picture.paper import Box, Points
 from phaseplane.picture.step import draw_step, mark_events, write_letters, write_numbers
 from phaseplane.picture.subject import motions_of
 from phaseplane.picture.text import format_time
@@ -57,12 +57,19 @@ def step_page(drawing: Drawing, frame: Frame, look: Look, beside: float = 0.0) -
     view = view_of(drawing, [frame], turn=False)
     room = beside * view.half.real
     page = new_page(drawing, Box(view.centre + room, view.half + room), look)
-    draw_axes(page)
+    draw_axes(page, step_lines(page, frame))
     draw_curves(page)
     draw_trails(page, recent=0)  # the lettered step is rarely one of the last
     draw_missed(page)
     draw_step(page, frame)
     return page
+
+
+def step_lines(page: Page, frame: Frame) -> Points:
+    """Return the segments of the lines of a step."""
+    beside = Page(page.subject, page.view, page.em)
+    draw_step(beside, frame)
+    return beside.segments
 
 
 def format_step(frame: Frame) -> str:

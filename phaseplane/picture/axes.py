@@ -16,8 +16,8 @@ from phaseplane.constructions.sheet import round_step
 
 from .items import TYPE, Lines, Text, value_text
 from .letters import text_box
-from .page import Page
-from .paper import Box, Boxes, Points, segments_of
+from .page import PLATE, Page
+from .paper import NOTHING, Box, Boxes, Points, segments_of
 from .quantities import display_unit
 from .subject import reach_of
 from .text import bracketed, number
@@ -25,8 +25,8 @@ from .text import bracketed, number
 # places of the name of an axis: up, em, and to the side, half-widths of the name
 _BESIDE = (0.0, 1.2, -1.2, 2.4, -2.4, 3.6, -3.6, 4.8, -4.8)
 _BACK = (0.0, 0.5, 1.0, 2.0)
-_PLATE = 0.25  # width of the viewer's plate around a text, em
-_SHIFTS = (0.0, -0.8, 0.8)  # of a value along its axis, em
+# places of a value: beside its tick, em, and along the axis; shifted and far it would name no tick
+_PLACES = ((0.0, 0.0), (0.0, -0.8), (0.0, 0.8), (0.8, 0.0))
 _MOTION = 2  # of what lies under a text, see `_struck`
 _WIDEST = 0.27  # part of the width that the name of an axis may take up
 
@@ -62,8 +62,8 @@ def graduation_of(
     return Graduation(values, unit, factor)
 
 
-def draw_axes(page: Page) -> None:
-    """Draw the axes with arrows, ticks, values and names."""
+def draw_axes(page: Page, clear: Points = NOTHING) -> None:
+    """Draw the axes with arrows, ticks, values and names, which keep clear of some segments, too."""
     known = [
         (plane, motion, graduation_of(plane.displacement, motion, 2.2 * page.em),
          graduation_of(plane.scaled_velocity, motion, 1.5 * page.em, plane.displacement))
@@ -78,7 +78,7 @@ def draw_axes(page: Page) -> None:
         for name, of_axis in (_vertical(page, plane, motion, up), _horizontal(page, plane, along)):
             names.append(name)
             values.append(of_axis)
-    ways = _ways(page)
+    ways = _ways(page, clear)
     for name in names:  # which keep clear of the axes of all planes
         _name(page, ways, *name)
     for of_axis in values:
@@ -110,7 +110,7 @@ def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> _Texts:
     if _in_columns(page) or text_box(0j, name, em).half.real > _WIDEST * page.view.half.real:
         name, rows = label, rows[:1]
     places = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
-    sides = [complex(x, y) for far, x in product((1.0, 1.8), _SHIFTS) for y in (-far, far)]
+    sides = [complex(along, way * (1.0 + far)) for far, along in _PLACES for way in (-1, 1)]
     values = [[value_text(z + side * em, text) for side in sides] for z, text in places]
     edge = tip + (0.6 + 0.6 * len(rows)) * 1j * em
     return ((start, tip), edge, name, sense), values
@@ -132,8 +132,8 @@ def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) 
     places = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
     values = [
         [
-            value_text(z + (way * (far + 0.2 * len(text)) + up * 1j) * em, text)
-            for far, up, way in product((0.7, 1.5), _SHIFTS, (side, -side))
+            value_text(z + (way * (0.7 + far + 0.2 * len(text)) + up * 1j) * em, text)
+            for (far, up), way in product(_PLACES, (side, -side))
         ]
         for z, text in places
     ]
@@ -169,17 +169,17 @@ def _room(page: Page, plane: Plane) -> tuple[float, float]:
     )
 
 
-def _ways(page: Page) -> list[Points]:
+def _ways(page: Page, clear: Points = NOTHING) -> list[Points]:
     """Return what texts keep clear of, each as segments: auxiliary curves, motions, straight lines.
 
-    The last are axes, and lines I and II, which may be close to them.
+    The last are axes, lines I and II, which may be close to them, and those given.
     """
     curves = page.drawing.curves
     lines = segments_of((c.vertices[0], c.vertices[-1]) for c in curves if c.role == "line")
     return [
         segments_of(c.vertices for c in curves if c.role == "auxiliary").T,
         segments_of(page.subject.motions if len(page.drawing.frames) else ()).T,
-        np.concatenate([page.segments, lines]).T,
+        np.concatenate([page.segments, lines, clear]).T,
     ]
 
 
@@ -218,7 +218,9 @@ def _name(
         box = Box(centre, half)
         if page.view.contains(box):
             far = line.gap(box) + (rows + 0.3 * other + 1.5 * back) * page.em
-            found.append((_struck(box, ways), far, replace(text, centre=centre)))
+            found.append(
+                (_struck(box.grown(PLATE * page.em), ways), far, replace(text, centre=centre))
+            )
     page.write_first(text for *_, text in sorted(found, key=itemgetter(0, 1)))
 
 
@@ -229,7 +231,7 @@ def _write_values(page: Page, values: list[list[Text]], ways: Sequence[Points]) 
     place remain. If no value had a place, all are written.
     """
     struck = [
-        [(_struck(text.box(page.em).grown(_PLATE * page.em), ways), text) for text in places]
+        [(_struck(text.box(page.em).grown(PLATE * page.em), ways), text) for text in places]
         for places in values
     ]
     free = [[of for of in places if not of[0] & _MOTION] for places in struck]

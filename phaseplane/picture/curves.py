@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +11,8 @@ from phaseplane.constructions.letters import MINUS, typeset
 from phaseplane.constructions.primitives import Curve, Drawing, Plane
 
 from .items import VALUE, Arrow, Text, value_text
-from .page import Page
+from .letters import away
+from .page import PLATE, Page
 from .paper import SEEN, Boxes, Strip, arcs, columns, telling_vertices
 from .subject import centre_of, joined
 from .text import level_text
@@ -34,10 +35,11 @@ def draw_curves(page: Page, roles: Sequence[str] | None = CURVES) -> None:
     for curve in reversed(chosen):  # the last value of an axis has its unit
         if curve.role == "axis" and curve.label:
             page.write_if_free(value_text(curve.vertices[-1] - 0.8j * page.em, curve.label))
-    highest = max((c.vertices[0].imag for c in chosen if c.role == "line"), default=0.0)
+    levels = {c.vertices[0].imag for c in chosen if c.role == "line"}
+    levels |= {plane.displacement.origin.imag for plane in page.drawing.planes}
     for curve in chosen:
         if curve.role == "line":
-            _name_line(page, curve, above=curve.vertices[-1].imag == highest)
+            _name_line(page, curve, levels)
         elif curve.role not in (*CURVES, "axis") and curve.label:
             _name_at_end(page, curve, words_at_end(curve, chosen))
     for curve in chosen:
@@ -77,9 +79,14 @@ def curve_through(drawing: Drawing, plane: Plane, point: complex) -> list[Strip]
     return [tuple(family[0] + shifts[0])]
 
 
-def _name_line(page: Page, curve: Curve, *, above: bool) -> None:
-    """Write the name of line I or II above or below it, as far right as no axis crosses it."""
-    end, side = curve.vertices[-1], 0.75j if above else -0.75j
+def _name_line(page: Page, curve: Curve, levels: Set[float]) -> None:
+    """Write the name of line I or II as far right as no axis crosses it.
+
+    It stands above or below the line, away from the nearest of the levels of other lines and of y axes.
+    """
+    end = curve.vertices[-1]
+    nearest = min((y - end.imag for y in levels if y != end.imag), key=abs, default=0.0)
+    side = -0.75j if nearest > 0.0 else 0.75j
     low, high = (z.real for z in page.view.corners)
     edge = min(high - 0.04 * (high - low), end.real - 0.5 * page.em)
     arrows = [(arrow.start, arrow.tip) for arrow in page.of(Arrow) if arrow.role == "axis"]
@@ -94,7 +101,7 @@ def _name_at_end(page: Page, curve: Curve, words: str) -> None:
     """Write words on the right of the end of a curve, or a little higher."""
     name = Text(curve.role, words, 0j)
     beside = curve.vertices[-1] + name.box(page.em).half.real + 0.5 * page.em
-    ups = (0.0, 0.4, 0.8, 1.2) if words else ()
+    ups = (0.0, 0.4, 0.8, 1.2, 1.4) if words else ()
     page.write_first(replace(name, centre=beside + up * 1j * page.em) for up in ups)
 
 
@@ -107,13 +114,17 @@ def words_at_end(curve: Curve, curves: Sequence[Curve]) -> str:
 
 
 def _along(page: Page, curve: Curve) -> None:
-    """Write the label of a curve on it, as near to its end as possible, if there is room."""
-    text = level_text(curve.label, *page.units[_plane_of(page, curve).name])
+    """Write the label of a curve beyond its end, or else on it, as near to its end as there is room."""
+    words = level_text(curve.label, *page.units[_plane_of(page, curve).name])
     ends = np.asarray(curve.vertices, complex)
     part = np.linspace(0.0, 1.0, _PLACES)[:, None]
     places = ends[:-1] + part * (ends[1:] - ends[:-1])
+    text = Text("auxiliary", words, 0j, VALUE)
+    plate = text.box(page.em).grown(PLATE * page.em).half
+    way = (ends[-1] - ends[-2]) / abs(ends[-1] - ends[-2])
+    beyond = ends[-1] + way * away(plate, way)
     backwards = reversed(places.T.ravel().tolist())
-    page.write_first(Text("auxiliary", text, z, VALUE) for z in backwards)
+    page.write_first(replace(text, centre=complex(z)) for z in (beyond, *backwards))
 
 
 def _plane_of(page: Page, curve: Curve) -> Plane:

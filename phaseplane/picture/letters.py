@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .paper import Box, Boxes, Points
+from .paper import Box, Boxes, Lengths, Points
 
 NEAR = 2.0  # farthest distance of a letter from its point without a leader, in em
 
@@ -20,6 +20,12 @@ _ANGLES = 16
 _MOST_CLOSE = 300  # lines about a letter that are looked at
 _GAPS = np.repeat(_RINGS, _ANGLES)
 _DIRECTIONS = np.tile(np.exp(1j * (np.arange(_ANGLES) + 0.5) * 2 * pi / _ANGLES), len(_RINGS))
+
+
+def away(half: complex, ways: Points) -> Lengths:
+    """Return how far the centres of boxes are from a point that they touch, in some directions."""
+    across, up = np.maximum(abs(ways.real), 1e-9), np.maximum(abs(ways.imag), 1e-9)
+    return np.minimum(half.real / across, half.imag / up)
 
 
 class Placed(NamedTuple):
@@ -72,12 +78,8 @@ def place(
     for done, i in enumerate(order):
         at, size = complex(points[i]), halves[i]
         # the gap is that between the point and the nearest edge of the letter
-        reach = np.minimum(
-            size.real / np.maximum(abs(_DIRECTIONS.real), 1e-9),
-            size.imag / np.maximum(abs(_DIRECTIONS.imag), 1e-9),
-        )
-        away = (reach + (_GAPS - 0.5) * em) * _DIRECTIONS
-        centres = at + away
+        ways = (away(complex(size), _DIRECTIONS) + (_GAPS - 0.5) * em) * _DIRECTIONS
+        centres = at + ways
         mine = Boxes(centres[:, None], size)
         before = order[:done]
         over = mine.overlap(Boxes(boxes[before], halves[before])).sum(axis=1)
@@ -87,7 +89,7 @@ def place(
             + 100.0 * (over > 0.0)
             + 40.0 * (over / em) / em
             + 4.0 * (mine.overlap(Boxes(every, dots)) > 0.0).sum(axis=1)
-            + 5.0 * (abs(every - centres[:, None]) < abs(away)[:, None]).sum(axis=1)
+            + 5.0 * (abs(every - centres[:, None]) < abs(ways)[:, None]).sum(axis=1)
             + 200.0 * ~Boxes(centres, size).within(view)
             + 6.0 * (_GAPS > NEAR)
         )

@@ -17,10 +17,12 @@ from phaseplane.constructions.primitives import Drawing, Plane
 
 from .items import LETTER, Arrow, Dots, Item, Kindred, Lines, Text
 from .letters import NEAR, place
-from .paper import Box, Points, Strip, segments_of
+from .paper import NOTHING, Box, Points, Strip, segments_of
 from .quantities import display_unit
 from .styles import style_of
 from .subject import Subject, reach_of
+
+PLATE = 0.25  # width of the viewer's plate around a text, em
 
 
 @dataclass
@@ -34,7 +36,7 @@ class Page:
     taken: list[Box] = field(default_factory=list)
     keyed: bool = True  # with a legend
     unled: float = NEAR  # farthest distance of a letter from its point without a leader, em
-    _segments: Points = field(default_factory=lambda: np.zeros((0, 2), complex))
+    _segments: Points = field(default_factory=lambda: NOTHING)
     _strips: list[Strip] = field(default_factory=list)  # whose segments are not among them yet
 
     @property
@@ -121,9 +123,10 @@ class Page:
         self.taken.append(text.box(self.em))
 
     def write_if_free(self, text: Text) -> bool:
-        """Write a text unless another is there or it is out of view; return whether it was written."""
+        """Write a text in view if its plate covers no other text; return whether it was written."""
         box = text.box(self.em)
-        free = self.view.contains(box) and not any(box.overlap(other) for other in self.taken)
+        plate = box.grown(PLATE * self.em)
+        free = self.view.contains(box) and not any(plate.overlap(other) for other in self.taken)
         if free:
             self.write(text)
         return free
@@ -144,7 +147,7 @@ class Page:
         if not named:
             return
         em = size * self.em
-        segments = self.segments if lines else np.zeros((0, 2), complex)
+        segments = self.segments if lines else NOTHING
         points = np.array([z for z, *_ in named])
         texts = [text for _, text, _ in named]
         placed = place(points, texts, em, self.view, segments, self.taken, others, self.unled)

@@ -19,6 +19,7 @@ from phaseplane.constructions.storage import StoredFrames
 Points = npt.NDArray[np.complex128]
 Lengths = npt.NDArray[np.floating]
 Strip = Sequence[complex] | Points
+NOTHING: Points = np.zeros((0, 2), complex)  # no segments
 SEEN = 2e-4  # distance of two points that are seen apart, m of paper
 
 
@@ -140,7 +141,7 @@ def segments_of(strips: Iterable[Strip]) -> Points:
     """Return the ends of the segments of all polylines, shape (segments, 2)."""
     each = (np.asarray(strip, complex) for strip in strips)
     ends = (np.stack((points[:-1], points[1:]), axis=1) for points in each)
-    return np.concatenate([np.zeros((0, 2), complex), *ends])
+    return np.concatenate([NOTHING, *ends])
 
 
 def arcs(

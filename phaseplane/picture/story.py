@@ -13,7 +13,7 @@ import numpy as np
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing, Mark, Plane, Scheme
 from phaseplane.constructions.sheet import events_of
-from phaseplane.constructions.storage import Frame
+from phaseplane.constructions.storage import Frame, StoredFrames
 from phaseplane.suspension.units import counted
 
 from . import dimensions
@@ -74,14 +74,15 @@ class Tick:
     time: float  # s
 
 
-def arms_page(drawing: Drawing) -> Page:
+def arms_page(drawing: Drawing, frames: StoredFrames | None = None) -> Page:
     """Return the common arm of the turn angles, divided in centimetres of paper.
 
-    It is for nearly all normals: at an impact a foot may be far away.
+    It is for nearly all normals, of some steps or of all: at an impact a foot may be far away.
     """
+    frames = drawing.frames if frames is None else frames
     if any(curve.role == "construction" for curve in drawing.curves):
-        feet = table(drawing.frames, [f"N{plane.number}" for plane in drawing.planes])
-        normals = (feet - table(drawing.frames, ["W"])).real.max(axis=1)
+        feet = table(frames, [f"N{plane.number}" for plane in drawing.planes])
+        normals = (feet - table(frames, ["W"])).real.max(axis=1)
         most = _FAR * np.quantile(normals, _NEARLY_ALL)
         drawing = with_arm(drawing, min(normals.max(), most))
     curves = [curve for curve in drawing.curves if curve.role not in CURVES]
@@ -90,10 +91,10 @@ def arms_page(drawing: Drawing) -> Page:
     names = [words_at_end(curve, curves) for curve in curves if curve.role != "axis"]
     room = max((2.0 * text_box(0j, name, 1.0).half.real for name in names), default=0.0) + 0.5
     size = 2.0 * arms.half
-    em = max(size.real / (_ARMS.real - room - 1.0), size.imag / (_ARMS.imag - 3.4))
+    em = max(size.real / (_ARMS.real - room - 1.0), size.imag / (_ARMS.imag - 3.6))
     # room for the names beside the arms, and for the values below them
     low, high = arms.corners
-    low, high = low - (0.5 + 1.6j) * em, high + (room + 0.5 + 1.8j) * em
+    low, high = low - (0.5 + 1.6j) * em, high + (room + 0.5 + 2j) * em
     page = Page(Subject(drawing), Box((low + high) / 2.0, (high - low) / 2.0), em)
     draw_curves(page, list(dict.fromkeys(c.role for c in curves)))
     return page

@@ -27,6 +27,7 @@ from worked_example import ap57
 from phaseplane.constructions import (
     Axis,
     Curve,
+    Drawing,
     EquationPlane,
     Mark,
     compare_with_motion,
@@ -35,11 +36,22 @@ from phaseplane.constructions import (
 )
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.sheet import Event
+from phaseplane.figures.planes import step_lines, step_page
+from phaseplane.figures.style import PLAIN
 from phaseplane.picture import subject
 from phaseplane.picture.axes import graduation_of
 from phaseplane.picture.items import Arrow, Dots, Lines, Text
 from phaseplane.picture.letters import NEAR, place, text_box
-from phaseplane.picture.paper import Box, arcs, around, readings, telling_vertices
+from phaseplane.picture.page import PLATE
+from phaseplane.picture.paper import (
+    Box,
+    Boxes,
+    arcs,
+    around,
+    readings,
+    segments_of,
+    telling_vertices,
+)
 from phaseplane.picture.quantities import QUANTITIES, display_unit, quantity_of, unit_text
 from phaseplane.picture.story import arms_page, story_of, told_steps
 from phaseplane.picture.styles import (
@@ -415,11 +427,44 @@ def test_the_end_of_a_motion_stands_out_from_its_trail() -> None:
     assert [discs.get(role) for role in MOVING_POINT] == [ends] * len(MOVING_POINT)
 
 
-def test_turn_angles_are_named_and_their_arm_has_a_unit() -> None:
-    half_car = load_scene("half_car_pitch")
-    four = draw_construction(
-        half_car.fmu.model, half_car.all_parameters, asdict(half_car.construction), 0.02
+def made_of(case: str, duration: float) -> Drawing:
+    """Return the first part of the construction of a case."""
+    scene = load_scene(case)
+    return draw_construction(
+        scene.fmu.model, scene.all_parameters, asdict(scene.construction), duration
     )
+
+
+@pytest.mark.parametrize(
+    ("case", "duration", "step"), [("half_car_pitch", 0.25, 61), ("speed_bump_20", 0.2, 20)]
+)
+def test_texts_of_a_sheet_can_be_told_to_belong_where_they_stand(
+    case: str, duration: float, step: int
+) -> None:
+    made = made_of(case, duration)
+    page = step_page(made, made.frames[step], PLAIN)
+    lines = {curve.label: curve for curve in made.curves if curve.role == "line"}
+    named = {text.text: text.centre.imag for text in page.texts if text.role == "line"}
+    assert set(named) == set(map(typeset, lines))
+    levels = {typeset(label): curve.vertices[0].imag for label, curve in lines.items()}
+    levels |= {f"axis {plane.number}": plane.displacement.origin.imag for plane in made.planes}
+    for name, height in named.items():
+        assert min(levels, key=lambda of: abs(levels[of] - height)) == name
+    steps = step_lines(page, made.frames[step])
+    fixed = segments_of(c.vertices for c in made.curves if c.role in ("auxiliary", "line"))
+    for text in page.texts:
+        plate = text.box(page.em).grown(PLATE * page.em)
+        around_it = Boxes(np.array(plate.centre), np.array(plate.half))
+        if text.kind == "name":
+            assert around_it.inside(*steps.T).sum() == 0.0
+        if text.role == "auxiliary" or text.kind == "name":
+            assert around_it.inside(*fixed.T).sum() < 0.01 * page.em  # their ends may touch it
+        others = [other.box(page.em) for other in page.texts if other is not text]
+        assert not any(plate.overlap(other) for other in others)
+
+
+def test_turn_angles_are_named_and_their_arm_has_a_unit() -> None:
+    four = made_of("half_car_pitch", 0.02)
     two, flat = (construct_motion(ap57(), delta, step=h, steps=10) for h in (0.0025, 0.00025))
     pair = ["Δτ₁", "Δτ₂"]
     for made, wanted in ((two, pair), (flat, pair), (four, ["Δτ₁₁, Δτ₂₁", "Δτ₁₂, Δτ₂₂"])):
