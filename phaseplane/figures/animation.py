@@ -20,6 +20,8 @@ from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import draw_curves
 from phaseplane.picture.files import replace_file
+from phaseplane.picture.items import TYPE
+from phaseplane.picture.page import Page
 from phaseplane.picture.story import Tick, arms_page, staged, story_of
 from phaseplane.picture.styles import MOVING_POINT
 from phaseplane.picture.subject import motions_of
@@ -27,6 +29,7 @@ from phaseplane.picture.text import format_time
 from phaseplane.picture.views import frame_at, view_of, views_of
 
 from .canvas import Sheet, new_page
+from .planes import step_lines
 from .style import PLAIN, Look, Printed, styled
 
 Pixels = npt.NDArray[np.uint8]
@@ -34,6 +37,7 @@ Pixels = npt.NDArray[np.uint8]
 MOVING = (".gif", ".mp4")
 _DPI = 84
 _NARROWEST = 1.6  # inches of a picture of a storyboard
+_GAP = 0.2  # inches between such pictures
 _LINE = 0.125  # inches of a line of a caption
 _HOLD = 3  # ticks that show the end
 
@@ -100,27 +104,39 @@ def storyboard(
     width = look.inches or 11.0
     columns = max(1, min(3, int(width / _NARROWEST)))
     rows = -(-len(stages) // columns)
-    wide = width / columns
+    cell = width / columns
+    wide = cell - _GAP
     high = min(wide * view.half.imag / view.half.real, 4.5)
     scale = min(wide / view.half.real, high / view.half.imag) / 2.0
-    stays = new_page(drawing, view, look, scale=1.2 * scale)
-    draw_axes(stays)
+    stays = new_page(drawing, view, look, scale=scale)
+    draw_axes(stays, step_lines(stays, chosen))
     draw_curves(stays)
-    ticks = list(staged(stays, arms_page(drawing), chosen.step))
+    arms = arms_page(drawing, drawing.frames.at([chosen.step]))
+    ticks = list(staged(stays, arms, chosen.step))
     captions = [fill(tick.caption, int(13.0 * wide)) for tick in ticks]
     below = 0.2 + _LINE * max(text.count("\n") + 1 for text in captions)
     step = f"Step {chosen.step}, {format_time(chosen.time)}, stage by stage"
+    turned = [(i, tick.arms) for i, tick in enumerate(ticks, 1) if tick.arms.items][:1]
+    arm = 2.0 * arms.view.half * TYPE / 72.0 / arms.em  # inches
+    foot = (arm.imag + 0.2 + _LINE) * len(turned)
     sheet = Sheet(look)
-    sheet.figure = whole = Printed(look, width, rows * (high + below) + 0.05, layout="none")
+    sheet.figure = whole = Printed(look, width, rows * (high + below) + foot + 0.05, layout="none")
     whole.finished(title, step)
-    for number, (tick, caption) in enumerate(zip(ticks, captions, strict=True)):
-        row, column = divmod(number, columns)
-        corner = complex(column * wide, (rows - row) * (high + below) - high)
-        sheet.place(stays.view, corner, complex(wide, high))
-        for item in (*stays.items, *tick.page.items):
+
+    def draw(page: Page, more: Page, corner: complex, size: complex, caption: str) -> None:
+        sheet.place(page.view, corner, size)
+        for item in (*page.items, *more.items):
             if item.role not in MOVING_POINT[:2]:  # nothing moves here
                 sheet.draw(item)
         sheet.axes.set_title(caption, y=0.0, pad=-4.0, va="top", fontsize=7.5)
+
+    for number, (tick, caption) in enumerate(zip(ticks, captions, strict=True)):
+        row, column = divmod(number, columns)
+        corner = complex(column * cell + _GAP / 2, foot + (rows - row) * (high + below) - high)
+        draw(stays, tick.page, corner, complex(wide, high), caption)
+    for number, more in turned:
+        corner = complex((width - arm.real) / 2, foot - arm.imag)
+        draw(arms, more, corner, arm, f"The arm of the turn angles in stage {number}")
     return whole
 
 

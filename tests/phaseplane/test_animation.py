@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 from worked_example import STEP, ap57
 
-from phaseplane.constructions import Drawing, construct_motion
+from phaseplane.constructions import Drawing, EquationPlane, construct_motion, delta
 from phaseplane.figures import Look, animation, storyboard
 from phaseplane.picture.story import told_steps
 from phaseplane.picture.styles import style_of
@@ -109,10 +109,33 @@ def test_mp4(drawing: Drawing, tmp_path: Path) -> None:
 def test_a_storyboard_has_a_picture_for_each_stage(drawing: Drawing) -> None:
     figure = storyboard(drawing, 3, title="A bump")
     stages = drawing.schemes[drawing.frames[3].scheme].stages
-    assert len(figure.axes) == len(stages)
-    captions = [axes.get_title() for axes in figure.axes]
-    assert all(any(f"{i} of {len(stages)}" in c for c in captions) for i in range(1, len(stages)))
+    *pictures, arm = figure.axes
+    captions = [axes.get_title() for axes in pictures]
+    assert len(captions) == len(stages)
+    assert all(f"Step 3, {i} of {len(stages)}: " in c for i, c in enumerate(captions, 1))
     assert "Step 3" in figure.get_suptitle()
+    # the stage that lays off lengths on the arm of the turn angles would be nothing without it
+    on_arm = next(i for i, words in enumerate(captions, 1) if "arm of" in words)
+    assert arm.get_title() == f"The arm of the turn angles in stage {on_arm}"
+    assert {"Δτ₁", "Δτ₂"} <= {text.get_text() for text in arm.texts}
+    assert sum(lines.get_gid() == "arc" for lines in arm.collections) == 1
+
+
+@pytest.mark.parametrize("equation", [False, True])
+def test_the_texts_of_a_storyboard_fit_their_pictures(*, equation: bool, drawing: Drawing) -> None:
+    """Neighbours would run into each other, and letters be placed for type of another size."""
+    cycle = EquationPlane(lambda v, x, t: (x * x - 1.0) * v + x, True, initial_displacement=0.5)
+    figure = storyboard(
+        construct_motion(cycle, delta, step=0.1, steps=160) if equation else drawing
+    )
+    renderer = figure.canvas.get_renderer()
+    for axes in figure.axes:
+        picture = axes.bbox.padded(0.05 * figure.dpi)
+        boxes = [text.get_window_extent(renderer) for text in axes.texts if text.get_text()]
+        assert len(boxes) > 4
+        assert all(picture.x0 <= box.x0 and box.x1 <= picture.x1 for box in boxes)
+    for one, other in pairwise(figure.axes[:3]):
+        assert other.bbox.x0 - one.bbox.x1 > 0.15 * figure.dpi
 
 
 def test_the_heading_of_a_narrow_storyboard_is_on_the_paper(drawing: Drawing) -> None:
