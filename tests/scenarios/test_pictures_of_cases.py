@@ -493,13 +493,6 @@ def distance(point: complex, strip: Sequence[complex]) -> float:
     return float(abs(point - (a + part * way)).min())
 
 
-def test_a_pendulum_is_not_shown_as_a_vehicle() -> None:
-    scene = load_scene("h83_example28", [], expect=False)
-    shown = of_scene(scene, drawing_of("h83_example28"))
-    assert shown.vehicle is None
-    assert shown.constructed is not None
-
-
 @pytest.mark.parametrize("name", ["groundhook", "skyhook", "woken_by_lift_off"])
 def test_the_title_of_a_sheet_says_in_its_pane_what_is_left_out(name: str) -> None:
     """The tab has room for 120 characters in a window of 1366 pixels."""
@@ -516,9 +509,17 @@ def test_an_introduction_counts_the_planes(name: str, planes: str) -> None:
     assert f"the axes of the phase {planes} and" in first.text
 
 
-def test_the_empty_sheet_has_the_title_of_its_scene() -> None:
-    """Not of a vehicle, where a half car stands for a double pendulum."""
+def test_a_sheet_has_the_views_of_its_scene() -> None:
+    scene = load_scene("ap57", ["show.views=['planes', 'words']"], expect=False)
+    shown = of_scene(scene, drawing_of("ap57"))
+    assert shown.vehicle is None
+    assert shown.constructed is not None
+
+
+def test_a_half_car_that_stands_for_a_pendulum_is_told_as_a_half_car() -> None:
+    """Its axes and stages name suspensions and roads, so the title and the side view must, too."""
     scene = load_scene("h83_example28", [], expect=False)
     shown = of_scene(scene, drawing_of("h83_example28"))
-    ticks = Recorder(rr.RecordingStream("pendulum"), shown).ticks
-    assert ticks[0].text.startswith("# Double pendulum driven at its antiresonance: ")
+    assert shown.vehicle is not None
+    ticks = Recorder(rr.RecordingStream("half car"), shown).ticks
+    assert ticks[0].text.startswith("# Half car on waves with the equations of a double pendulum")
