@@ -45,27 +45,28 @@ class Graduation:
 
 
 def graduation_of(
-    axis: Axis, motion: Points, least: float = 0.0, along: Axis | None = None
+    axis: Axis, motion: Points, least: float = 0.0, along: Axis | None = None, beyond: float = 0.6
 ) -> Graduation:
     """Return round values over the range of the motion, at least `least` m of paper apart.
 
     Parameters
     ----------
     along : the axis whose range decides on the display unit; default: this one
+    beyond : how far the last values may be outside of the range, in intervals
     """
     low, high = reach_of(axis, motion)
     unit, factor = display_unit(axis.unit, float(np.ptp(reach_of(along or axis, motion))))
     span = max((high - low) / 6.0, least / axis.scale) * factor
     interval = round_step(span or 1.0, 1)
-    first, last = ceil(low * factor / interval - 0.6), floor(high * factor / interval + 0.6)
+    first, last = ceil(low * factor / interval - beyond), floor(high * factor / interval + beyond)
     values = [i * interval / factor for i in range(first, last + 1) if i]
     return Graduation(values, unit, factor)
 
 
 def draw_axes(page: Page, clear: Points = NOTHING) -> None:
     """Draw the axes with arrows, ticks, values and names, which keep clear of some segments, too."""
-    known = [
-        (plane, motion, graduation_of(plane.displacement, motion, 2.2 * page.em),
+    known = [  # a y axis has values on both sides of a motion, which may cover all others
+        (plane, motion, graduation_of(plane.displacement, motion, 2.2 * page.em, beyond=1.0),
          graduation_of(plane.scaled_velocity, motion, 1.5 * page.em, plane.displacement))
         for plane in page.drawing.planes for motion in (page.motion(plane),)
     ]  # fmt: skip

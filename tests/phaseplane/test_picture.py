@@ -463,6 +463,17 @@ def test_texts_of_a_sheet_can_be_told_to_belong_where_they_stand(
         assert not any(plate.overlap(other) for other in others)
 
 
+def test_a_y_axis_has_values_on_both_sides_of_a_motion_that_covers_it() -> None:
+    """As on a random road; the others have no place there."""
+    swing = EquationPlane(lambda v, x, t: x + 0.01 * v, True, initial_displacement=1.14)
+    made = construct_motion(swing, delta, step=0.1, steps=1000)
+    page = pages_of(Content("c", made))[0]
+    (motion,) = page.subject.motions
+    values = [t.centre.real for t in page.texts if t.kind == "value" and abs(t.centre.imag) < 0.01]
+    assert min(values) < motion.real.min()
+    assert max(values) > motion.real.max()
+
+
 def test_turn_angles_are_named_and_their_arm_has_a_unit() -> None:
     four = made_of("half_car_pitch", 0.02)
     two, flat = (construct_motion(ap57(), delta, step=h, steps=10) for h in (0.0025, 0.00025))
