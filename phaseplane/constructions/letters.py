@@ -28,15 +28,16 @@ _SYMBOL = re.compile(
 def typeset(text: str) -> str:
     """Return a typeset letter or sentence: A1* becomes A₁*, xi''/Omega^2 becomes ξ̈/Ω², y1_bar ȳ₁.
 
-    The name of an axis, y1'/Ω1, becomes its definition, and the label of a level, y1 = 2 cm, its value.
+    The name of an axis, y1'/Ω1, becomes its definition, and the label of levels, y1 = 2 cm, their values.
     """
     speed = re.fullmatch(r"([a-z])(\d*)'/Ω(\d*)", text)
     if speed:
         bar, dot = (_accented(speed[1], accent) + speed[2] for accent in (_BAR, _DOT))
         return f"{bar} = {dot}/Ω{speed[3]}".translate(_INDICES)
-    level = LEVEL.fullmatch(text)
-    if level:
-        return " ".join(filter(None, level.groups())).replace("-", MINUS)
+    levels = [LEVEL.fullmatch(part) for part in text.split(" and ")]
+    if all(levels):
+        values = (" ".join(filter(None, level.groups())) for level in levels if level)
+        return ", ".join(values).replace("-", MINUS)
     barred = _BARRED.sub(lambda m: _accented(m[1], _BAR) + m[2].translate(_INDICES), text)
     return _SYMBOL.sub(_symbol, barred)
 

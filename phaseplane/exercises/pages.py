@@ -88,11 +88,12 @@ def protocol_page(drawing: Drawing) -> str:
 def exercise_page(drawing: Drawing, steps: int) -> str:
     """Return a page with the sheet of an exercise: points are clicked, and saved as readings."""
     whole = sheet_data(drawing, steps)
-    first = whole["steps"][0]
+    first, names = whole["steps"][0], columns(drawing.planes)
     shown = {
         **whole,
         "mode": "exercise",
-        "columns": columns(drawing.planes),
+        "columns": names,
+        "heads": [typeset(name) for name in names[: 1 + 2 * len(drawing.planes)]],
         "start": first["state"],
         "count": steps,
         # nothing that gives the solution away

@@ -100,7 +100,8 @@ def _read(axis: Axis, point: complex) -> str:
 
 def protocol_text(entries: Sequence[Entry]) -> str:
     """Return a protocol as a table for a terminal."""
-    lines = ["step  time s   point   length cm  value                         how it is found"]
+    wide = max((len(e.value) for e in entries), default=0)
+    lines = [f"step  time s   point   length cm  {'value':<{wide}}  how it is found"]
     before: tuple[int, int] | None = None
     for e in entries:
         first = before is None or before[0] != e.step
@@ -108,7 +109,7 @@ def protocol_text(entries: Sequence[Entry]) -> str:
         head = f"{e.step:4d}  {e.time:<8.5g}" if first else " " * 14
         length = "" if e.length is None else f"{e.length:9.2f}"
         found = e.found if new else ""
-        lines.append(f"{head} {e.point:<7} {length:>9}  {e.value:<28}  {found}".rstrip())
+        lines.append(f"{head} {e.point:<7} {length:>9}  {e.value:<{wide}}  {found}".rstrip())
         before = (e.step, e.stage)
     return "\n".join(lines) + "\n"
 

@@ -299,7 +299,8 @@ def _sheet(made: Exercise, *, solved: bool, read: Sequence[tuple[list[complex], 
         lines=[
             typeset(drawing.title),
             f"{made.extent}; scale {scale}; " + ", ".join(
-                f"Δτ{p.number} = {p.angular_frequency * made.scene.construction.step:.4g}" for p in planes
+                f"{typeset('dtau' + p.number)} = {p.angular_frequency * made.scene.construction.step:.4g}"
+                for p in planes
             ),
             *([told] if read else []),
         ],

@@ -153,6 +153,9 @@ def test_a_protocol_has_every_point_in_the_order_of_drawing():
 
 def test_protocols_of_two_planes_tell_each_point_in_its_plane():
     drawing = construct_motion(ap57(), step=2.5e-3, steps=8)
+    head, *lines = protocol_text(protocol(drawing)).splitlines()
+    found = head.index("how it is found")
+    assert all(line[found - 2 : found].isspace() for line in lines if len(line) > found)
     entries = {e.point: e for e in protocol(drawing) if e.step == 7}
     frame = drawing.frames[7]
     for number, plane in zip("12", drawing.planes, strict=True):
@@ -215,6 +218,7 @@ def test_pages_carry_the_construction_and_an_exercise_not_its_solution():
     sheet = exercise_page(drawing, 4)
     told = json.loads(re.search(r'"player"\), (\{.*\})\);', sheet)[1])  # type: ignore[index]
     assert told["steps"] == told["protocol"] == []
+    assert told["heads"] == ["point", "x", "x̄"]
     successor = f"{100.0 * drawing.frames[2].points['P'].real:.5f}"
     assert successor not in sheet
 

@@ -365,6 +365,8 @@ def test_pyplot_and_its_global_state_stay_out():
         ("Dm1", "Dₘ₁"),
         ("y1'/Ω1", "ȳ₁ = ẏ₁/Ω₁"),
         ("y = -2 cm", "\N{MINUS SIGN}2 cm"),
+        ("y1 = -5 cm and y1 = 5 cm", "\N{MINUS SIGN}5 cm, 5 cm"),
+        ("A and B", "A and B"),
         ("dtau", "Δτ"),
         ("y12_bar [cm]", "ȳ₁₂ [cm]"),
         ("40 cm", "40 cm"),

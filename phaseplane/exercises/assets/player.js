@@ -36,7 +36,7 @@ function phaseplanePlayer(root, data) {
   const width = Math.max(...xs) - left, height = Math.max(...ys) - top;
   const em = Math.max(width, height) / (window.innerWidth < 736 ? 28 : 48);  // larger letters on a phone
   const svg = document.createElementNS(NS, "svg");
-  const view = [left - 2 * em, top - 2 * em, width + 4 * em, height + 4 * em];
+  const view = [left - 2 * em, top - 2 * em, width + 6 * em, height + 4 * em];  // room on the right for names
   svg.setAttribute("viewBox", view.join(" "));
   svg.setAttribute("role", "img");
   svg.setAttribute("aria-label", data.title);
@@ -84,7 +84,7 @@ function phaseplanePlayer(root, data) {
   for (const axes of data.axes) for (const key of ["v", "x"]) {
     const axis = axes[key], [x, y] = axis.ends[1];
     line(still, "axis", axis.ends, 1.2);
-    beside(still, "axis", axis.label, key === "x" ? [x - 3 * em, y] : [x, y], fixed);
+    beside(still, "axis", axis.label, [x, y], fixed);
     for (const [x, y, words] of axis.ticks) {
       const across = key === "x" ? [[x, y - em / 4], [x, y + em / 4]] : [[x - em / 4, y], [x + em / 4, y]];
       line(still, "axis", across);
@@ -184,8 +184,7 @@ function phaseplanePlayer(root, data) {
     const undo = html("button", buttons, "Undo"), save = html("button", buttons, "Save readings");
     const box = html("div", side, undefined, "table"), table = html("table", box);
     const head = html("tr", html("thead", table));
-    const names = data.columns.slice(0, 1 + 2 * data.planes.length);
-    for (const name of names) html("th", head, name);
+    for (const name of data.heads) html("th", head, name);
     const body = html("tbody", table);
     const values = p => p.flatMap(([x, y], n) => {
       const plane = data.planes[n];
@@ -200,7 +199,7 @@ function phaseplanePlayer(root, data) {
       half.forEach(z => dot(moving, "successor", z));
       const left = data.count + 1 - points.length;
       const plane = data.planes.length > 1 ? ` in plane ${data.planes[half.length].number}` : "";
-      words.textContent = left > 0 ? `Click the point ${points.length}${plane}; ${left} left. Backspace removes the last one.` : "All points are complete: save the readings.";
+      words.textContent = left > 0 ? `Click point ${points.length}${plane} (${left} to go). Backspace removes the last one.` : "All points are complete: save the readings.";
       body.replaceChildren();
       for (const row of rows()) { const tr = html("tr", body); row.forEach(cell => html("td", tr, minus(String(cell)))); }
     }
