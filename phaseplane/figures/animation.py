@@ -49,7 +49,8 @@ def animation(
 ) -> Path:  # fmt: skip
     """Write a construction as an animation, completely or not at all.
 
-    It shows the empty sheet, some steps stage by stage, lift-off and touchdown, and the whole motion.
+    It shows the empty sheet, some steps stage by stage, lift-off and touchdown, and the whole motion,
+    with the arm of the turn angles below.
 
     Parameters
     ----------
@@ -71,10 +72,15 @@ def animation(
     page = new_page(drawing, views_of(drawing, motions_of(drawing))[0], look)
     draw_axes(page)
     draw_curves(page)
-    ticks = list(story_of(page, arms_page(drawing), {}))
-    sheet = Sheet(look, [tick.caption for tick in ticks])
-    sheet.begin(page, title, typeset(drawing.title))
-    pictures = list(_pictures(sheet, ticks))
+    arms = arms_page(drawing)
+    ticks = list(story_of(page, arms, {}))
+    size = _size_of(arms)
+    sheet, below = Sheet(look, [tick.caption for tick in ticks], size.imag), Sheet(look)
+    below.figure = sheet.begin(page, title, typeset(drawing.title))
+    below.place(arms.view, complex((below.figure.get_figwidth() - size.real) / 2, 0.0), size)
+    for item in arms.items:
+        below.draw(item)
+    pictures = list(_pictures(sheet, below, ticks))
     pictures += pictures[-1:] * _HOLD
     with replace_file(target) as temporary:
         if program is not None and suffix == ".mp4":
@@ -117,7 +123,7 @@ def storyboard(
     below = 0.2 + _LINE * max(text.count("\n") + 1 for text in captions)
     step = f"Step {chosen.step}, {format_time(chosen.time)}, stage by stage"
     turned = [(i, tick.arms) for i, tick in enumerate(ticks, 1) if tick.arms.items][:1]
-    arm = 2.0 * arms.view.half * TYPE / 72.0 / arms.em  # inches
+    arm = _size_of(arms)
     foot = (arm.imag + 0.2 + _LINE) * len(turned)
     sheet = Sheet(look)
     sheet.figure = whole = Printed(look, width, rows * (high + below) + foot + 0.05, layout="none")
@@ -140,13 +146,18 @@ def storyboard(
     return whole
 
 
-def _pictures(sheet: Sheet, ticks: Sequence[Tick]) -> Iterator[Pixels]:
+def _size_of(arms: Page) -> complex:
+    """Return the size of the arm of the turn angles with type of its size, inches."""
+    return 2.0 * arms.view.half * TYPE / 72.0 / arms.em
+
+
+def _pictures(sheet: Sheet, arms: Sheet, ticks: Sequence[Tick]) -> Iterator[Pixels]:
     """Yield each tick as an image: what stays is drawn once, the rest over a copy of it."""
     figure = sheet.figure
     figure.set_dpi(_DPI)
     canvas = cast(FigureCanvasAgg, figure.canvas)
-    below = sheet.axes.get_position().y0
-    caption = figure.text(0.5, 0.9 * below, "", ha="center", va="top", fontsize=9.0)
+    top = sheet.axes.get_position().y0 - 0.1 * _LINE / figure.get_figheight()
+    caption = figure.text(0.5, top, "", ha="center", va="top", fontsize=9.0)
     canvas.draw()
     ground = canvas.copy_from_bbox(figure.bbox)
     renderer = canvas.get_renderer()
@@ -154,7 +165,9 @@ def _pictures(sheet: Sheet, ticks: Sequence[Tick]) -> Iterator[Pixels]:
         canvas.restore_region(ground)
         caption.set_text(words)
         sheet.frame(tick.page)
-        for artist in sorted(sheet.moving, key=lambda artist: artist.get_zorder()):
+        arms.frame(tick.arms)
+        moving = (*sheet.moving, *arms.moving)
+        for artist in sorted(moving, key=lambda artist: artist.get_zorder()):
             artist.draw(renderer)
         caption.draw(renderer)
         image = np.asarray(canvas.buffer_rgba())[..., :3].copy()

@@ -58,25 +58,27 @@ def _scale(view: Box, look: Look) -> float:
 class Sheet:
     """A figure of a page, and of the pages that follow it in an animation.
 
-    The pages of an animation have captions, of which one at a time takes the place of the legend.
+    The pages of an animation have captions, of which one at a time takes the place of the legend; there
+    may be room below them, inches.
     """
 
-    def __init__(self, look: Look, captions: Sequence[str] = ()) -> None:
+    def __init__(self, look: Look, captions: Sequence[str] = (), below: float = 0.0) -> None:
         self.look = look
         self.palette = look.palette
         self.figure: Printed
         self.axes: Axes
         self.moving: list[Artist] = []
-        self.captions = captions
+        self.captions, self.below = captions, below
 
-    def begin(self, page: Page, *heading: str) -> Figure:
+    def begin(self, page: Page, *heading: str) -> Printed:
         """Return the figure of a page, with a heading above it and a legend below."""
         size = 2.0 * page.view.half * _scale(page.view, self.look)
         width, height = size.real + 2 * _BESIDE, size.imag + 2 * _BESIDE
         self.figure = Printed(self.look, width, height, layout="none")
         if self.captions:
             self.captions = [fill(text, int(11 * width)) for text in self.captions]
-            self.figure.grow(_LINE * (1 + max(text.count("\n") + 1 for text in self.captions)))
+            rows = 1 + max(text.count("\n") + 1 for text in self.captions)
+            self.figure.grow(self.below + _LINE * rows)
         else:
             self.figure.key([self._handle(*entry) for entry in page.legend()])
         below = self.figure.get_figheight() - height

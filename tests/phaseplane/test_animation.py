@@ -14,6 +14,8 @@ from worked_example import STEP, ap57
 
 from phaseplane.constructions import Drawing, EquationPlane, construct_motion, delta
 from phaseplane.figures import Look, animation, storyboard
+from phaseplane.figures.canvas import Sheet
+from phaseplane.picture.page import Page
 from phaseplane.picture.story import told_steps
 from phaseplane.picture.styles import style_of
 
@@ -44,6 +46,17 @@ def test_a_gif_tells_the_story_and_does_not_give_the_end_away(
     assert bright[0] < min(bright[1:])  # the empty sheet
     differ = [np.abs(a - b).max() > 30.0 for a, b in pairwise(pictures)]
     assert all(differ)  # each stage differs from the one before
+
+
+def test_a_gif_shows_the_arm_of_the_turn_angles(
+    drawing: Drawing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A stage lays off the normals on it."""
+    drawn: list[Page] = []
+    frame = Sheet.frame
+    monkeypatch.setattr(Sheet, "frame", lambda self, page: [drawn.append(page), frame(self, page)])
+    animation(drawing, tmp_path / "a.gif")
+    assert any({item.role for item in page.items} == {"arc"} for page in drawn)
 
 
 def test_a_gif_keeps_the_colours_of_what_is_drawn_late(drawing: Drawing, tmp_path: Path) -> None:
