@@ -66,7 +66,7 @@ def graduation_of(
 def draw_axes(page: Page, clear: Points = NOTHING) -> None:
     """Draw the axes with arrows, ticks, values and names, which keep clear of some segments, too."""
     known = [  # a y axis has values on both sides of a motion, which may cover all others
-        (plane, motion, graduation_of(plane.displacement, motion, 2.2 * page.em, beyond=1.0),
+        (plane, motion, graduation_of(plane.displacement, motion, 2.2 * page.em, beyond=1.4),
          graduation_of(plane.scaled_velocity, motion, 1.5 * page.em, plane.displacement))
         for plane in page.drawing.planes for motion in (page.motion(plane),)
     ]  # fmt: skip

@@ -463,9 +463,10 @@ def test_texts_of_a_sheet_can_be_told_to_belong_where_they_stand(
         assert not any(plate.overlap(other) for other in others)
 
 
-def test_a_y_axis_has_values_on_both_sides_of_a_motion_that_covers_it() -> None:
-    """As on a random road; the others have no place there."""
-    swing = EquationPlane(lambda v, x, t: x + 0.01 * v, True, initial_displacement=1.14)
+@pytest.mark.parametrize("start", [0.98, 1.14])
+def test_a_y_axis_has_values_on_both_sides_of_a_motion_that_covers_it(start: float) -> None:
+    """As on a random road; the others have no place there, nor has a value just beyond."""
+    swing = EquationPlane(lambda v, x, t: x + 0.01 * v, True, initial_displacement=start)
     made = construct_motion(swing, delta, step=0.1, steps=1000)
     page = pages_of(Content("c", made))[0]
     (motion,) = page.subject.motions
