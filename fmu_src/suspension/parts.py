@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache, reduce
 from itertools import pairwise
 from math import inf, isfinite
 from operator import add
-from typing import NamedTuple
 
 from . import characteristics, roads
 from .characteristics import Characteristic
@@ -54,6 +53,7 @@ class blaming:  # noqa: N801  (a context, written as one)
 
 
 _FASTEST = 100.0  # m/s, up to which a damper is checked
+_STOPS = {"bump_stop": -1.0, "rebound_stop": 1.0}  # the sign of the deflection where they act
 _JOINED = {"linear": characteristics.table, "monotone": characteristics.monotone_table}
 
 
@@ -160,8 +160,29 @@ def _unloaded(
     p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str = ""
 ) -> tuple[Element, ...]:
     """Return the elements of a suspension measured from its rest without payload."""
-    made = (make(p, direction, axle, road) for make in _SUSPENSION)
-    return tuple(element for element in made if element is not None)
+    return tuple(_suspension(p, direction, axle, road))
+
+
+def _suspension(
+    p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
+) -> Iterator[Element]:
+    """Yield the elements of a suspension that may act."""
+    of, prefix = _prefixes(axle)
+    spring = _spring(p, of)
+    if not spring.is_zero:
+        yield Element(f"{prefix}spring", direction, spring, road=road)
+    table = f"{of}damper.deflection_table"
+    modulation = _modulation(table, str(p[table]))
+    damper = _damper(p, of).scaled(number(p, f"{of}damper.scale"))
+    if not damper.is_zero:
+        yield Element(f"{prefix}damper", direction, damper=damper, road=road, modulation=modulation)
+    for name, side in _STOPS.items():
+        stop = _stop(p, f"{of}{name}", side)
+        if not stop.is_zero:
+            yield Element(f"{prefix}{name}", direction, stop, road=road)
+    friction = number(p, f"{of}friction")
+    if friction:
+        yield Element(f"{prefix}friction", direction, road=road, friction=friction)
 
 
 def _sink(p: Mapping[str, Value], axle: str, elements: Iterable[Element]) -> float:
@@ -208,10 +229,9 @@ def format_payload(p: Mapping[str, Value], axle: str = "") -> str:
     weight = number(p, f"{of}payload") * gravity(p)
     on_tyre = -_unloaded_tyre(p, of).argument(-weight) if f"{of}tyre.damping" in p else 0.0
     gaps = [
-        f"{stop.name.replace('_', ' ')} "
-        f"{_format_gap(number(p, f'{of}{stop.gap}') + stop.side * sink)}"
-        for stop in _STOPS
-        if p[f"{of}{stop.stiffness}"] or p[f"{of}{stop.table}"]
+        f"{stop.replace('_', ' ')} {_format_gap(number(p, f'{of}{stop}.gap') + side * sink)}"
+        for stop, side in _STOPS.items()
+        if p[f"{of}{stop}.stiffness"] or p[f"{of}{stop}.table"]
     ]
     total = sink + on_tyre
     return "; ".join(
@@ -223,68 +243,13 @@ def format_payload(p: Mapping[str, Value], axle: str = "") -> str:
     )
 
 
-def _spring_element(
-    p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
-) -> Element | None:
-    of, prefix = _prefixes(axle)
-    spring = _spring(p, of)
-    return None if spring.is_zero else Element(f"{prefix}spring", direction, spring, road=road)
-
-
-def _damper_element(
-    p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
-) -> Element | None:
-    of, prefix = _prefixes(axle)
-    table = f"{of}damper.deflection_table"
-    modulation, damper = _modulation(table, str(p[table])), _damper(p, of)
-    damper = damper.scaled(number(p, f"{of}damper.scale"))
-    if damper.is_zero:
-        return None
-    return Element(f"{prefix}damper", direction, damper=damper, road=road, modulation=modulation)
-
-
-class _Stop(NamedTuple):
-    """An end stop: names of its element and parameters, how it is made, and where it acts.
-
-    Parameters
-    ----------
-    name : of its element
-    gap, stiffness, table : names of its parameters
-    make : returns its characteristic from gap and stiffness
-    side : the sign of the deflection at which it acts
-    """
-
-    name: str
-    gap: str
-    stiffness: str
-    table: str
-    make: Callable[[float, float], Characteristic]
-    side: float
-
-    def element(
-        self, p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
-    ) -> Element | None:
-        """Return the stop of an axle; None if it has no stiffness."""
-        of, prefix = _prefixes(axle)
-        gap, text = number(p, f"{of}{self.gap}"), str(p[f"{of}{self.table}"])
-        stop = (
-            _progressive(f"{of}{self.table}", text, gap, self.side)
-            if text
-            else self.make(gap, number(p, f"{of}{self.stiffness}"))
-        )
-        return None if stop.is_zero else Element(f"{prefix}{self.name}", direction, stop, road=road)
-
-
-_STOPS = (
-    _Stop(
-        "bump_stop", "bump_stop.gap", "bump_stop.stiffness", "bump_stop.table",
-        characteristics.bump_stop, -1.0,
-    ),
-    _Stop(
-        "rebound_stop", "rebound_stop.gap", "rebound_stop.stiffness", "rebound_stop.table",
-        characteristics.rebound_stop, 1.0,
-    ),
-)  # fmt: skip
+def _stop(p: Mapping[str, Value], name: str, side: float) -> Characteristic:
+    """Return the end stop of this name; without a table or stiffness it is zero."""
+    gap, text = number(p, f"{name}.gap"), str(p[f"{name}.table"])
+    if text:
+        return _progressive(f"{name}.table", text, gap, side)
+    make = characteristics.rebound_stop if side > 0.0 else characteristics.bump_stop
+    return make(gap, number(p, f"{name}.stiffness"))
 
 
 def _progressive(name: str, text: str, gap: float, side: float) -> Characteristic:
@@ -298,25 +263,6 @@ def _progressive(name: str, text: str, gap: float, side: float) -> Characteristi
     if side > 0.0:
         return characteristics.polyline(curve, 0.0, beyond)
     return characteristics.polyline(curve[::-1], beyond, 0.0)
-
-
-def _friction_element(
-    p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
-) -> Element | None:
-    of, prefix = _prefixes(axle)
-    friction = number(p, f"{of}friction")
-    return (
-        Element(f"{prefix}friction", direction, road=road, friction=friction) if friction else None
-    )
-
-
-_Make = Callable[[Mapping[str, Value], tuple[float, ...], str, str], Element | None]
-_SUSPENSION: tuple[_Make, ...] = (
-    _spring_element,
-    _damper_element,
-    *(stop.element for stop in _STOPS),
-    _friction_element,
-)
 
 
 def tyre_element(

@@ -123,6 +123,21 @@ def number(value: float) -> str:
     return text if isfinite(value) else {"inf": "INFINITY", "-inf": "-INFINITY"}.get(text, "NAN")
 
 
+_Operator = Callable[["Number", Any], Any]
+
+
+def _arithmetic(text: str) -> tuple[_Operator, _Operator]:
+    """Return an operation of a number on its left, and of one on its right."""
+    return (
+        lambda number, other: number._result(text, number, other),
+        lambda number, other: number._result(text, other, number),
+    )
+
+
+def _comparison(text: str) -> _Operator:
+    return lambda number, other: number._compared(text, other)
+
+
 class Number:
     """A number on a tape."""
 
@@ -143,32 +158,11 @@ class Number:
         value = _ARITHMETIC[text](a.value, b.value)
         return Number(self.tape, self.tape.noted(text, (a, b), value))
 
-    def __add__(self, other: Any) -> Any:
-        return self._result("+", self, other)
-
-    def __radd__(self, other: Any) -> Any:
-        return self._result("+", other, self)
-
-    def __sub__(self, other: Any) -> Any:
-        return self._result("-", self, other)
-
-    def __rsub__(self, other: Any) -> Any:
-        return self._result("-", other, self)
-
-    def __mul__(self, other: Any) -> Any:
-        return self._result("*", self, other)
-
-    def __rmul__(self, other: Any) -> Any:
-        return self._result("*", other, self)
-
-    def __truediv__(self, other: Any) -> Any:
-        return self._result("/", self, other)
-
-    def __rtruediv__(self, other: Any) -> Any:
-        return self._result("/", other, self)
-
-    def __pow__(self, other: Any) -> Any:
-        return self._result("pow", self, other)
+    __add__, __radd__ = _arithmetic("+")
+    __sub__, __rsub__ = _arithmetic("-")
+    __mul__, __rmul__ = _arithmetic("*")
+    __truediv__, __rtruediv__ = _arithmetic("/")
+    __pow__ = _arithmetic("pow")[0]
 
     def __neg__(self) -> Number:
         return Number(self.tape, self.tape.noted("neg", (self.node,), -self.value))
@@ -186,23 +180,9 @@ class Number:
         holds = _COMPARISONS[text](self.value, b.value)
         return self.tape.guard(text, self.node, b, bool(holds))
 
-    def __lt__(self, other: Any) -> Any:
-        return self._compared("<", other)
-
-    def __le__(self, other: Any) -> Any:
-        return self._compared("<=", other)
-
-    def __gt__(self, other: Any) -> Any:
-        return self._compared(">", other)
-
-    def __ge__(self, other: Any) -> Any:
-        return self._compared(">=", other)
-
-    def __eq__(self, other: Any) -> Any:
-        return self._compared("==", other)
-
-    def __ne__(self, other: Any) -> Any:
-        return self._compared("!=", other)
+    __lt__, __le__ = _comparison("<"), _comparison("<=")
+    __gt__, __ge__ = _comparison(">"), _comparison(">=")
+    __eq__, __ne__ = _comparison("=="), _comparison("!=")
 
     def __hash__(self) -> int:
         """Return a hash of the operations: caches must not confuse it with a plain number."""
