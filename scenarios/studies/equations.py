@@ -47,13 +47,7 @@ class Equations:
 
     Attributes
     ----------
-    source : `rhs(t, y, dy, p)` fills dy; `guards(t, y, g, p)` fills g, one entry per guard;
-        `forces(t, y, f, p)` fills f, one entry per element
-    sampled_source : the same functions of u instead of t, which holds value, rate and second derivative
-        of each signal in turn
-    choosing_source : `rhs(t, y, dy, p)` in which the elements choose their branches from the state;
-        empty if an element has memory
-    memory : why `choosing_source` is empty, or ""
+    memory : why elements cannot choose their branches from the state, or ""
 
     Raises
     ------
@@ -80,11 +74,8 @@ class Equations:
         self.sticking = self._take(len(self.rubbing) ** 2)
         self.guards = tuple(self._guards())
         self.bounds = self._take(2 * len(self.guards))  # factor and constant of each guard
-        self.source = self._written(choosing=False)
-        self.sampled_source = self._written(choosing=False, sampled=True)
         memory = [e.name for e in system.elements if e.yield_force < inf or e.friction > 0.0]
         self.memory = f"{', '.join(memory)}: the force depends on the past" if memory else ""
-        self.choosing_source = "" if memory else self._written(choosing=True)
 
     # -- layout of p ---------------------------------------------------------------------------------
 
@@ -131,7 +122,7 @@ class Equations:
 
     # -- source text -------------------------------------------------------------------------------
 
-    def _written(self, *, choosing: bool, sampled: bool = False) -> str:
+    def _written(self, *, choosing: bool, sampled: bool) -> str:
         """Return the source of the functions; with `choosing`, that of `rhs` only."""
         signals = self._sampled_lines() if sampled else self._signal_lines()
         shared = [*signals, *self._force_lines(choosing=choosing)]
@@ -248,10 +239,22 @@ class Equations:
     def functions(
         self, *, choosing: bool = False, sampled: bool = False, **names: Any
     ) -> dict[str, Callable[[Any, Any, Any, Any], None]]:
-        """Return the functions of a source in Python; `names` may replace `cos`, `sin`, `tanh`."""
+        """Return the functions in Python.
+
+        `rhs(t, y, dy, p)` fills dy; `guards(t, y, g, p)` fills g, one entry per guard;
+        `forces(t, y, f, p)` fills f, one entry per element.
+
+        Parameters
+        ----------
+        choosing : whether to return `rhs` only, in which the elements choose their branches from the
+            state; not if `memory` forbids it
+        sampled : whether they are functions of u instead of t, which holds value, rate and second
+            derivative of each signal in turn
+        names : replacements of `cos`, `sin`, `tanh`
+        """
         space: dict[str, Any] = {"cos": math.cos, "sin": math.sin, "tanh": math.tanh, **names}
-        source = self.choosing_source if choosing else self.source
-        exec(compile(self.sampled_source if sampled else source, "<equations>", "exec"), space)
+        source = self._written(choosing=choosing, sampled=sampled)
+        exec(compile(source, "<equations>", "exec"), space)
         return {name: space[name] for name in ("rhs", "guards", "forces") if name in space}
 
 

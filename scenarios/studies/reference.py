@@ -34,6 +34,12 @@ class Stretch:
     switched: bool
 
 
+Rates = Callable[[float, "Vector", "Vector"], "Vector"]
+"""y' at (t, y, p)."""
+
+Margin = Callable[[float, "Vector", "Vector"], float]
+"""The smallest guard at (t, y, p), whose zero ends a stretch."""
+
 Advance = Callable[[float, float, "Vector", "Vector", "Vector"], Stretch]
 """Advances from t to t_end or the first switch: (t, t_end, state y, numbers p, output times)."""
 
@@ -87,18 +93,12 @@ def until(times: Vector, end: float) -> Vector:
     return wanted
 
 
-def by_scipy(
-    rhs: Callable[[float, Vector, Vector], Vector],
-    margin: Callable[[float, Vector, Vector], float] | None,
-    method: str,
-    **options: Any,
-) -> Advance:
+def by_scipy(rhs: Rates, margin: Margin | None, method: str, **options: Any) -> Advance:
     """Return a function that advances by `scipy.integrate.solve_ivp`.
 
     Parameters
     ----------
-    rhs : y' at (t, y, p)
-    margin : smallest guard at (t, y, p), whose zero ends a stretch; None if there are no guards
+    margin : None if there are no guards
     """
     from scipy.integrate import solve_ivp  # noqa: PLC0415  (heavy)
 
@@ -133,11 +133,7 @@ def by_scipy(
     return advance
 
 
-def plain(
-    equations: Equations,
-) -> tuple[
-    Callable[[float, Vector, Vector], Vector], Callable[[float, Vector, Vector], float] | None
-]:
+def plain(equations: Equations) -> tuple[Rates, Margin | None]:
     """Return the right-hand side and the smallest guard in plain Python."""
     functions = equations.functions()
     size, guards = 2 * equations.n, len(equations.guards)

@@ -18,7 +18,7 @@ import numpy as np
 from .branches import Branches
 from .equations import Equations, Vector
 from .problems import Problem
-from .reference import plain, until
+from .reference import Margin, Rates, plain, until
 
 Run = Callable[[], "Vector"]
 """One whole run: returns the displacements at the output times, (len(times), n), m."""
@@ -113,17 +113,12 @@ class Workbench:
         from numba import njit  # noqa: PLC0415  (heavy, optional)
 
         made = {name: njit(f) for name, f in self.equations.functions().items()}
-        if self.equations.choosing_source:
+        if not self.equations.memory:
             made["choosing"] = njit(self.equations.functions(choosing=True)["rhs"])
         return made
 
     @cached_property
-    def returning(
-        self,
-    ) -> tuple[
-        Callable[[float, Vector, Vector], Vector],
-        Callable[[float, Vector, Vector], float] | None,
-    ]:
+    def returning(self) -> tuple[Rates, Margin | None]:
         """Right-hand side and smallest guard as functions that return their result."""
         if not self.compiled:
             return plain(self.equations)
