@@ -16,7 +16,7 @@ import numpy as np
 from .branches import Branches
 from .equations import Vector
 from .reference import Stretch, by_scipy, drive, until
-from .workbench import Prepared, Run, Workbench
+from .workbench import Prepared, Run, Segmented, Workbench
 
 _MOST_STEPS = 1_000_000
 
@@ -155,6 +155,30 @@ def heyoka(bench: Workbench, tolerance: float) -> Run:
 # -- without events ------------------------------------------------------------------------------
 
 
+def _from_joint_to_joint(bench: Workbench, advance: Callable[[Vector, Segmented], Vector]) -> Run:
+    """Return a run that is advanced from joint to joint of the road.
+
+    Parameters
+    ----------
+    bench : the problem
+    advance : returns the states at the instants after the first of a stretch; may change the state given
+    """
+    stretches, n = bench.stretches(), bench.equations.n
+    times, start = bench.problem.times, bench.problem.start
+
+    def run() -> Vector:
+        out = np.empty((len(times), n))
+        y = start.copy()
+        out[0], k = y[:n], 1
+        for stretch in stretches:
+            rows = advance(y, stretch)
+            out[k : k + stretch.wanted] = rows[: stretch.wanted, :n]
+            k, y = k + stretch.wanted, rows[-1].copy()
+        return out
+
+    return run
+
+
 def numbalsoda(name: str, bench: Workbench, tolerance: float) -> Run:
     """Return a run of `lsoda` or `dop853` of numbalsoda, split at the joints of the road."""
     from numba import carray, cfunc  # noqa: PLC0415  (heavy, optional)
@@ -162,30 +186,21 @@ def numbalsoda(name: str, bench: Workbench, tolerance: float) -> Run:
 
     choosing = bench.choosing()
     solve = {"lsoda": lsoda, "dop853": dop853}[name]
-    n, size, numbers = bench.equations.n, 2 * bench.equations.n, max(bench.equations.size, 1)
+    size, numbers = 2 * bench.equations.n, max(bench.equations.size, 1)
 
     @cfunc(lsoda_sig)
     def rhs(t, y, dy, p):  # type: ignore[no-untyped-def]
         choosing(t, carray(y, (size,)), carray(dy, (size,)), carray(p, (numbers,)))
 
-    address = rhs.address
-    stretches = bench.stretches()
     rtol, atol = tolerance, tolerance * float(bench.scale[0])
-    times, start = bench.problem.times, bench.problem.start
 
-    def whole() -> Vector:
-        out = np.empty((len(times), n))
-        out[0], y, k = start[:n], start, 1
-        for stretch in stretches:
-            rows, success = solve(address, y, stretch.instants, stretch.p, rtol, atol, _MOST_STEPS)
-            if not success:
-                raise ArithmeticError(f"gave up before {stretch.end:.6g} s")
-            out[k : k + stretch.wanted] = rows[1 : 1 + stretch.wanted, :n]
-            k, y = k + stretch.wanted, rows[-1].copy()
-        return out
+    def advance(y: Vector, stretch: Segmented) -> Vector:
+        rows, success = solve(rhs.address, y, stretch.instants, stretch.p, rtol, atol, _MOST_STEPS)
+        if not success:
+            raise ArithmeticError(f"gave up before {stretch.end:.6g} s")
+        return rows[1:]
 
-    whole.keep = rhs  # type: ignore[attr-defined]  # its address must stay valid
-    return whole
+    return _from_joint_to_joint(bench, advance)
 
 
 def runge_kutta(bench: Workbench, step: float) -> Run:
@@ -193,7 +208,7 @@ def runge_kutta(bench: Workbench, step: float) -> Run:
     from numba import njit  # noqa: PLC0415  (heavy, optional)
 
     rhs = bench.choosing()
-    size, n = 2 * bench.equations.n, bench.equations.n
+    size = 2 * bench.equations.n
 
     @njit
     def go(y: Vector, instants: Vector, p: Vector, out: Vector, longest: float) -> None:
@@ -220,18 +235,9 @@ def runge_kutta(bench: Workbench, step: float) -> Run:
             for m in range(size):
                 out[i, m] = y[m]
 
-    stretches = bench.stretches()
-    times, start = bench.problem.times, bench.problem.start
+    def advance(y: Vector, stretch: Segmented) -> Vector:
+        rows = np.empty((len(stretch.instants) - 1, size))
+        go(y, stretch.instants, stretch.p, rows, step)
+        return rows
 
-    def whole() -> Vector:
-        found = np.empty((len(times), n))
-        y = start.copy()
-        found[0], k = y[:n], 1
-        for stretch in stretches:
-            rows = np.empty((len(stretch.instants) - 1, size))
-            go(y, stretch.instants, stretch.p, rows, step)
-            found[k : k + stretch.wanted] = rows[: stretch.wanted, :n]
-            k += stretch.wanted
-        return found
-
-    return whole
+    return _from_joint_to_joint(bench, advance)
