@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -108,10 +108,7 @@ def run_with(fmu: OpenFmu, scene: Scene, build_time: float | None = None, **how:
         if drive.complaint and at_end and not interrupted():
             # after a failure it tells nothing more; this time they are read with every row
             drive = fmu.drive(scene, [*outputs, *at_end], interrupted=interrupted)
-    results = _results(scene, drive, build_time)
-    if interrupted():
-        raise Interrupted(results, interrupted())
-    return results
+    return _finished(scene, drive, interrupted, build_time)
 
 
 def solve(scene: Scene, *, progress: Progress = silent) -> Results:
@@ -141,10 +138,7 @@ def solve(scene: Scene, *, progress: Progress = silent) -> Results:
         drive, own = _driven(scene, going_on)
         if interrupted():
             drive = replace(drive, complaint=INTERRUPTED)
-        results = _results(scene, drive, None, own)
-        if interrupted():
-            raise Interrupted(results, interrupted())
-    return results
+        return _finished(scene, drive, interrupted, own=own)
 
 
 def _driven(scene: Scene, going_on: GoingOn) -> tuple[Drive, Solution]:
@@ -176,14 +170,27 @@ def _driven(scene: Scene, going_on: GoingOn) -> tuple[Drive, Solution]:
     return Drive(rows, seconds, own.failure, uncompiled=not engine.compiled), own
 
 
-def _results(
-    scene: Scene, drive: Drive, build_time: float | None, own: Solution | None = None
+def _finished(
+    scene: Scene,
+    drive: Drive,
+    interrupted: Callable[[], int],
+    build_time: float | None = None,
+    own: Solution | None = None,
 ) -> Results:
+    """Return the results of a run.
+
+    Raises
+    ------
+    Interrupted : if it was interrupted, with its results.
+    """
     wanted = {"time", *scene.columns}
-    return Results(
+    results = Results(
         {name: column for name, column in drive.columns.items() if name in wanted},
         _summary(scene, drive, build_time, own),
     )
+    if interrupted():
+        raise Interrupted(results, interrupted())
+    return results
 
 
 def _solved(scene: Scene, progress: Progress = silent) -> Results:
@@ -208,10 +215,7 @@ def _solved(scene: Scene, progress: Progress = silent) -> Results:
     )  # fmt: skip
     at = own.rows(parts)
     rows = {name: column[at] for name, column in columns.items()}
-    results = _results(scene, Drive(rows, seconds, complaint, False), None, own)
-    if interrupted():
-        raise Interrupted(results, interrupted())
-    return results
+    return _finished(scene, Drive(rows, seconds, complaint, False), interrupted, own=own)
 
 
 def _read_in(scene: Scene) -> tuple[list[str], list[str]]:
