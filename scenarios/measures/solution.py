@@ -193,12 +193,13 @@ def stepped(
     model: str,
     given: Mapping[str, object],
     time: Column,
-    outputs: set[str],
+    outputs: Collection[str],
     going_on: GoingOn | None = None,
 ) -> Solution:
     """Return a run stepped from time to time, for outputs that one call does not return."""
     rows: list[list[Value]] = []
-    failure, switches = "", []
+    failure = ""
+    switches: list[float] = []
     try:
         session = Session(model, given, float(time[0]))
         read, places = session.many(tuple(outputs)), list(range(len(outputs)))
@@ -211,9 +212,21 @@ def stepped(
         switches = [event.time for event in session.events]
     except (SimulationError, ArithmeticError, ValueError) as error:
         failure = str(error)
-    columns = dict(zip(outputs, np.array(rows, float).reshape(len(rows), -1).T, strict=True))
-    columns["time"] = time[: len(rows)]
-    return Solution(columns, {n: c[-1] for n, c in columns.items() if len(c)}, failure, switches)
+    return by_rows(time, outputs, rows, failure, switches)
+
+
+def by_rows(
+    time: Column,
+    outputs: Collection[str],
+    rows: Sequence[Sequence[Value]],
+    failure: str,
+    switches: Sequence[float],
+) -> Solution:
+    """Return a run of which the outputs were read row by row, up to its failure if it failed."""
+    table = np.array(rows, float).reshape(len(rows), len(outputs))
+    columns = dict(zip(outputs, table.T, strict=True))
+    ends = {name: float(column[-1]) for name, column in columns.items() if len(column)}
+    return Solution({"time": time[: len(rows)], **columns}, ends, failure, switches)
 
 
 def hiding_places(solution: Solution, hidden: Iterable[tuple[str, str]]) -> Column:

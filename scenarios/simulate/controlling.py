@@ -6,10 +6,9 @@ from collections.abc import Collection, Mapping
 from math import inf, isfinite
 from typing import TYPE_CHECKING
 
-import numpy as np
 from phaseplane.suspension.session import Session, SimulationError
 
-from ..measures.solution import Column, GoingOn, Solution
+from ..measures.solution import Column, GoingOn, Solution, by_rows
 from ..scene.controller import Controller
 
 if TYPE_CHECKING:
@@ -43,7 +42,7 @@ def controlled(
     going_on : called after each instant with its time, s; whether to go on
     """
     laws = controller.laws()
-    names, rows, failure = list(outputs), [], ""
+    rows, failure = [], ""
     session = Session(model, given)
 
     def evaluate() -> None:
@@ -64,16 +63,14 @@ def controlled(
             if acts is not None:
                 evaluate()
             if acts is not True:
-                rows.append([session.value(name) for name in names])
+                rows.append([session.value(name) for name in outputs])
             if not going_on(instant):
                 failure = f"the run was interrupted at {instant:.6g} s"
                 break
     except SimulationError as error:
         failure = str(error)
-    columns = dict(zip(names, np.array(rows, float).reshape(len(rows), len(names)).T, strict=True))
     switches = sorted(event.time for event in session.events)
-    ends = {name: float(column[-1]) for name, column in columns.items() if len(column)}
-    return Solution({"time": time[: len(rows)], **columns}, ends, failure, switches)
+    return by_rows(time, outputs, rows, failure, switches)
 
 
 def _instants(time: Column, period: float) -> Iterator[tuple[float, bool | None]]:

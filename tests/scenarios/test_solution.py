@@ -12,7 +12,7 @@ from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.measures import Run, catalogue, take
 from phaseplane.scenarios.measures.ride import _weighting, response, weighted
 from phaseplane.scenarios.measures.road import roughness_index
-from phaseplane.scenarios.measures.solution import apart, instants, refinement, solved
+from phaseplane.scenarios.measures.solution import apart, instants, refinement, solved, stepped
 from phaseplane.scenarios.results.report import report
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate.runner import run
@@ -215,6 +215,15 @@ def test_what_must_hold_is_looked_at_between_the_rows(tmp_path: Path) -> None:
 
 
 # -- FMUs ------------------------------------------------------------------------------------------
+
+
+def test_a_run_that_cannot_start_has_no_rows_and_says_why() -> None:
+    found = stepped("QuarterCar", {"body_mass": -1.0}, instants(1.0, 0.01), ["body_velocity"])
+    assert "body_mass" in found.failure
+    assert {name: len(column) for name, column in found.columns.items()} == {
+        "time": 0,
+        "body_velocity": 0,
+    }
 
 
 def test_the_rows_of_the_fmu_lie_on_the_solution() -> None:
