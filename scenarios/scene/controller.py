@@ -19,7 +19,7 @@ from phaseplane.suspension.units import nearest
 from phaseplane import equations
 
 from ..errors import shown
-from .fields import FLAG, SECONDS, Kind, RefusedError
+from .fields import FLAG, SECONDS, RefusedError, read_value
 
 if TYPE_CHECKING:
     from .fmus import Fmu
@@ -97,16 +97,9 @@ def read_controller(given: Mapping[str, Any], fmu: Fmu) -> Controller | None:
         raise RefusedError(
             "controller", f"controller: give a formula for one of {', '.join(inputs)}"
         )
-    period = _read("period", SECONDS, given.get("period", _PERIOD))
-    events = _read("events", FLAG, given.get("events", False))
+    period = read_value(SECONDS, given.get("period", _PERIOD), "controller.period")
+    events = read_value(FLAG, given.get("events", False), "controller.events")
     return Controller(period, events, formulas, constants)
-
-
-def _read(name: str, kind: Kind, value: object) -> Any:
-    try:
-        return kind.read(value)
-    except ValueError as error:
-        raise RefusedError.value(f"controller.{name}", value, str(error)) from None
 
 
 def _constants(given: Mapping[str, Any]) -> dict[str, float]:

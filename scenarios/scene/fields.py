@@ -102,7 +102,10 @@ def read_table(kind: type[_Table], content: object, where: str = "") -> _Table:
     read = {}
     for name, field in known.items():
         if name in content:
-            read[field.name] = _read(field, f"{prefix}{name}", content[name])
+            value = content[name]
+            if value is None and field.default is None:  # as stored with results
+                continue
+            read[field.name] = read_value(field.metadata["kind"], value, f"{prefix}{name}")
         elif field.default is MISSING:
             required = (n for n, one in known.items() if one.default is MISSING)
             has = f"[{where}]" if where else "the file"
@@ -118,15 +121,19 @@ def read_table(kind: type[_Table], content: object, where: str = "") -> _Table:
         raise RefusedError.value(where, content, str(error)) from None
 
 
-def _read(field: Field[Any], name: str, value: object) -> Any:
-    if value is None and field.default is None:  # as stored with results
-        return None
+def read_value(kind: Kind, value: object, key: str) -> Any:
+    """Read one value.
+
+    Raises
+    ------
+    RefusedError : if it is not allowed; names the dotted key.
+    """
     try:
-        return field.metadata["kind"].read(value)
+        return kind.read(value)
     except RefusedError:
         raise
     except ValueError as error:
-        raise RefusedError.value(name, value, str(error)) from None
+        raise RefusedError.value(key, value, str(error)) from None
 
 
 def schema_of(table: type) -> dict[str, Any]:

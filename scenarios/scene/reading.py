@@ -20,7 +20,7 @@ from ..results.tables import read_table as read_columns
 from .controller import read_controller
 from .equation import EQUATION, check_equation, outputs_of_starts
 from .expectations import Bounds, During, Reference, bounds_from
-from .fields import SECONDS, TEXT, Kind, RefusedError, read_table
+from .fields import SECONDS, TEXT, Kind, RefusedError, read_table, read_value
 from .fmus import Fmu, find_fmu
 from .schema import Scene
 from .sections import Construction, Show
@@ -54,7 +54,10 @@ def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path
     def fmu_of(value: object) -> Fmu:
         if not isinstance(value, str):
             raise ValueError("must be a model's name or the path of an .fmu, .toml or .py file")
-        return find_fmu(value, folders.get("fmu"), content.get("parameters"))
+        try:
+            return find_fmu(value, folders.get("fmu"), content.get("parameters"))
+        except SystemFileError as error:  # tells the file itself
+            raise RefusedError("fmu", str(error)) from None
 
     fmu = _required("fmu", content, Kind(fmu_of, {}))
     duration = _required("duration", content, SECONDS)
@@ -105,14 +108,7 @@ def _required(key: str, content: Mapping[str, Any], kind: Kind) -> Any:
 
 
 def _value(key: str, content: Mapping[str, Any], kind: Kind, default: Any = None) -> Any:
-    if key not in content:
-        return default
-    try:
-        return kind.read(content[key])
-    except SystemFileError as error:  # tells the file itself
-        raise RefusedError(key, str(error)) from None
-    except ValueError as error:
-        raise RefusedError.value(key, content[key], str(error)) from None
+    return read_value(kind, content[key], key) if key in content else default
 
 
 def _table(key: str, content: Mapping[str, Any]) -> Mapping[str, Any]:
