@@ -73,13 +73,15 @@ def refuse_unknown_keys(given: Iterable[str], known: Collection[str]) -> None:
             )
 
 
-def check_picture(path: Path, allowed: Sequence[str] = PICTURES) -> None:
+def check_picture(path: Path | None, allowed: Sequence[str] = PICTURES) -> None:
     """Reject a picture's file name before anything is computed.
 
     Raises
     ------
     InputError : if its ending is not allowed, its folder does not exist, or it is a folder.
     """
+    if path is None:
+        return
     if path.suffix not in allowed:
         raise InputError(f"--figure {path}: must end in {', '.join(allowed)}")
     _check_place(path)

@@ -146,8 +146,7 @@ def replay_construction(
     RunError : if the construction diverges, or the viewer refuses the recording.
     """
     check_recording(save)
-    if figure is not None:
-        check_picture(figure, PICTURES + MOVING)
+    check_picture(figure, PICTURES + MOVING)
     try:
         one_of(CONSTRUCTION_FIGURES).read(kind)
     except ValueError as error:

@@ -36,8 +36,7 @@ def modes(
     """
     from ..measures.modal_planes import modal_planes  # noqa: PLC0415  (scipy)
 
-    if figure is not None:
-        check_picture(figure)
+    check_picture(figure)
     scene = load_scene(reference, overrides, expect=False)
     if scene.fmu.model not in MODELS:
         what = (

@@ -82,8 +82,7 @@ def portrait(
     ------
     InputError : if the scene has no portrait, or the coordinate or the window is not valid.
     """
-    if figure is not None:
-        check_picture(figure)
+    check_picture(figure)
     scene = load_scene(reference, overrides, expect=False)
     try:
         subject = _of_scene(scene, coordinate, period)

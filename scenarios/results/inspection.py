@@ -49,8 +49,7 @@ def contents(
     ------
     InputError : if there are no results or no such column, or a file name is not valid.
     """
-    if figure is not None:
-        check_picture(figure)
+    check_picture(figure)
     results = results_in(what)
     columns = _chosen(results, names, what)
     units = results.summary.get("units", {})
@@ -184,8 +183,7 @@ def difference(
     InputError : if there are no results, nothing in common or no such column, or a file name is not
         valid.
     """
-    if figure is not None:
-        check_picture(figure)
+    check_picture(figure)
     first = results_in(ours)
     second = results_in(other, first)
     for results, path in ((first, ours), (second, other)):
