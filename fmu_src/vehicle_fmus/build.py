@@ -54,8 +54,8 @@ def build(
     parameters : start values for each model that replace the defaults, as accepted by `Session`
     own : the file of each user-defined system that has been loaded
     references : whether to write a reference result beside each FMU
-    ssp : whether to write a system `<model>.ssp` for each vehicle, in which the FMU `Road` provides
-        its road
+    ssp : whether to write a system `<model>.ssp` for each vehicle that is not user-defined, in which the
+        FMU `Road` provides its road
 
     Returns
     -------
@@ -74,7 +74,7 @@ def build(
         files[f"{model}.fmu"] = _packed(model, start, own.get(model))
         if references:
             files |= reference_files(model, start)
-        if ssp and systems.connections(model):
+        if ssp and model not in own and systems.connections(model):
             files[f"{model}.ssp"] = _system(model, accepted, roads)
     return write_into(folder, files)
 

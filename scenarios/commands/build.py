@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 from phaseplane.suspension.models import FILES
@@ -103,11 +103,7 @@ def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list
     InputError : if there is no such model, or the folder cannot be written to.
     RunError : if an FMU could not be packed.
     """
-
-    def pack(*given: Any, own: Mapping[str, Path] | None = None, **more: Any) -> list[Path]:
-        return vehicle_fmus.build.build(*given, own=own, ssp=ssp and not own, **more)
-
-    return _packed(models, folder, pack)
+    return _packed(models, folder, partial(vehicle_fmus.build.build, ssp=ssp))
 
 
 def build_native(
