@@ -9,8 +9,8 @@ from math import isfinite, nan
 
 from .models.road import signals
 from .reading import ReadMany
-from .session import SimulationError
-from .variables import ParameterError, Value, checked_parameters, refuse_unknown
+from .session import Session, SimulationError
+from .variables import SOURCES, ParameterError, Value, checked_parameters, refuse_unknown
 
 
 class RoadSource:
@@ -103,3 +103,14 @@ class RoadSource:
         """Return to a snapshot of the same road."""
         kept = json.loads(state)
         self.time, self.ok = kept["time"], kept["ok"]
+
+
+def session_of(
+    model: str,
+    parameters: Mapping[str, object],
+    start_time: float = 0.0,
+    tolerance: float | None = None,
+) -> Session | RoadSource:
+    """Return what the FMU of a model steps and reads; see both for parameters and errors."""
+    kind: type[Session | RoadSource] = RoadSource if model in SOURCES else Session
+    return kind(model, parameters, start_time, tolerance)

@@ -6,15 +6,8 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement, register_namespace
 
 from phaseplane.suspension.models import FILES
-from phaseplane.suspension.road_source import RoadSource
-from phaseplane.suspension.session import Session
-from phaseplane.suspension.variables import (
-    SOLVER_OUTPUTS,
-    SOURCES,
-    Value,
-    refuse_unknown,
-    variables,
-)
+from phaseplane.suspension.road_source import session_of
+from phaseplane.suspension.variables import SOLVER_OUTPUTS, Value, refuse_unknown, variables
 
 from .model_description import written
 
@@ -84,17 +77,6 @@ def declared_inside(files: Mapping[str, bytes]) -> dict[str, bytes]:
     )  # fmt: skip
     members[f"{_LAYER}/fmi-ls-manifest.xml"] = written(root)
     return members
-
-
-def session_of(model: str, parameters: Mapping[str, object]) -> Session | RoadSource:
-    """Return a session that computes the results of the FMU from time zero, without the FMU.
-
-    Raises
-    ------
-    ParameterError : unknown model or parameter, or a value that is refused.
-    """
-    kind: type[Session | RoadSource] = RoadSource if model in SOURCES else Session
-    return kind(model, parameters)
 
 
 def accepted_parameters(

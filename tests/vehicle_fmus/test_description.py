@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 from fmpy.validation import validate_fmu
+from phaseplane.suspension.road_source import session_of
 from phaseplane.suspension.units import UNITS
 from phaseplane.suspension.variables import variables
-from phaseplane.vehicle_fmus.reference import session_of
 
 
 def test_fmpy_finds_no_fault(model: str, fmus: dict[str, Path]) -> None:

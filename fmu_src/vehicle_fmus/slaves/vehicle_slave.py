@@ -20,10 +20,9 @@ from typing import Any, ClassVar
 from phaseplane.suspension import trace as _trace  # noqa: F401  (needed when parameters are tuned)
 from phaseplane.suspension.engine import why_uncompiled
 from phaseplane.suspension.extent import remarks
-from phaseplane.suspension.road_source import RoadSource
+from phaseplane.suspension.road_source import RoadSource, session_of
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.variables import (
-    SOURCES,
     ParameterError,
     Value,
     Variable,
@@ -112,8 +111,7 @@ class VehicleSlave(Fmi2Slave):
     # -- initialisation ----------------------------------------------------------------------------
 
     def _new_session(self) -> Session | RoadSource:
-        kind = RoadSource if self.model in SOURCES else Session
-        session = kind(self.model, self._parameters, self._start_time, self._tolerance)
+        session = session_of(self.model, self._parameters, self._start_time, self._tolerance)
         for name, value in self._inputs.items():
             session.set_input(name, value)
         session.advance(self._start_time)  # outputs follow the inputs already at the start
