@@ -21,10 +21,8 @@ _ROUNDING = 1e-13  # of the state: margins no further below zero do not end a mo
 _COARSEST = 1e-6  # the same, where motions chatter
 _LEAST, _MOST = 0.2, 5.0  # factors by which a step may change
 _MOST_STEPS = 4_000_000
-_CROWD, _CROWDED = (
-    60,
-    1e-6,
-)  # so many switches in so small a part of the motion: it has come to rest
+# so many switches in so small a part of the motion: it has come to rest
+_CROWD, _CROWDED = 60, 1e-6
 
 
 class MotionError(ArithmeticError):

@@ -9,12 +9,13 @@ sliding on v = 0.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 from math import isfinite
 
 Signs = Sequence[float]
+_Function = Callable[..., float]
 
 Mode = tuple[int, ...]
 """The sign of each guard; 0 of one on which the motion slides. Two zeros or more are rest."""
@@ -36,8 +37,8 @@ class Switching:
     jumps : whether f may jump on a guard, rather than have a corner there
     """
 
-    function: Callable[..., float]
-    guards: tuple[Callable[..., float], ...] = ()
+    function: _Function
+    guards: tuple[_Function, ...] = ()
     autonomous: bool = False
     jumps: bool = True
 
@@ -52,31 +53,16 @@ class Switching:
     @cached_property
     def reversed(self) -> Switching:
         """The equation in reversed time, in which velocities have the other sign."""
-        function = self.function
-
-        def mirrored(guard: Callable[..., float]) -> Callable[..., float]:
-            return lambda v, x, t, signs: guard(-v, x, -t, signs)
-
-        return Switching(
-            lambda v, x, t, signs: function(-v, x, -t, signs),
-            tuple(mirrored(guard) for guard in self.guards),
-            self.autonomous,
-            self.jumps,
-        )
+        return self._changed(lambda f: lambda v, x, t, signs: f(-v, x, -t, signs))
 
     def frozen(self, time: float) -> Switching:
         """Return the equation with t held at a time, s."""
-        function = self.function
+        held = self._changed(lambda f: lambda v, x, _t, signs: f(v, x, time, signs))
+        return replace(held, autonomous=True)
 
-        def held(guard: Callable[..., float]) -> Callable[..., float]:
-            return lambda v, x, _t, signs: guard(v, x, time, signs)
-
-        return Switching(
-            lambda v, x, _t, signs: function(v, x, time, signs),
-            tuple(held(guard) for guard in self.guards),
-            autonomous=True,
-            jumps=self.jumps,
-        )
+    def _changed(self, change: Callable[[_Function], _Function]) -> Switching:
+        """Return the equation with f and all guards changed alike."""
+        return replace(self, function=change(self.function), guards=tuple(map(change, self.guards)))
 
     def value(self, v: float, x: float, t: float) -> float:
         """Return f by the signs that hold at a state."""
