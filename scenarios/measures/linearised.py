@@ -1,6 +1,6 @@
-"""A system linearised about rest: natural frequencies, damping ratios, transfer functions.
+"""A system linearised about rest on a level road: natural frequencies and damping ratios.
 
-    M q'' + B q' + K q = sum b (c u' + k u)
+    M q'' + B q' + K q = 0
 
 with the tangents at static equilibrium. At a corner of a law (a damper with different rates) the mean
 of the slopes on both sides is used. Dry friction is left out.
@@ -52,7 +52,6 @@ class Linearised:
     ----------
     coordinates : names of the coordinates
     mass, damping, stiffness : shape (n, n), kg, N s/m, N/m
-    road_damping, road_stiffness : force per velocity and per elevation of each road, shape (n,)
     series : of each spring in series with a damper: direction b, shape (n,); its rate k, N/m; and k/c,
         1/s, with the rate c of the damper
     """
@@ -61,8 +60,6 @@ class Linearised:
     mass: Matrix
     damping: Matrix
     stiffness: Matrix
-    road_damping: dict[str, Matrix]
-    road_stiffness: dict[str, Matrix]
     series: tuple[tuple[Matrix, float, float], ...] = ()
 
     def modes(self) -> list[Mode]:
@@ -92,29 +89,6 @@ class Linearised:
                 modes.append(Mode(size / (2.0 * pi), ratio, shape))
         return sorted(modes, key=lambda mode: mode.frequency)
 
-    def transfer(self, road: str, frequencies: Matrix) -> npt.NDArray[np.complex128]:
-        """Return the displacements of the coordinates for a unit sine of a road's elevation.
-
-        (K + i w B - w^2 M) q = sum b (k + i w c)
-
-        A spring k in series with a damper c adds b i w k / (k/c + i w) b' on the left.
-
-        Parameters
-        ----------
-        road : name of the road's signal
-        frequencies : Hz, shape (m,)
-
-        Returns
-        -------
-        Complex amplitudes, m/m, shape (m, n).
-        """
-        w = 2.0 * pi * np.asarray(frequencies)[:, None, None]
-        dynamic = self.stiffness + 1j * w * self.damping - w**2 * self.mass
-        for b, k, rate in self.series:
-            dynamic = dynamic + 1j * w * k / (rate + 1j * w) * np.outer(b, b)
-        excitation = self.road_stiffness[road] + 1j * w[..., 0] * self.road_damping[road]
-        return np.linalg.solve(dynamic, excitation[..., None])[..., 0].astype(complex)
-
 
 def about_rest(model: str, parameters: Mapping[str, Value]) -> Linearised:
     """Linearise a model on a level road, as `linearised`."""
@@ -132,8 +106,6 @@ def linearised(system: System) -> Linearised:
     n = len(system.mass)
     rest = static_equilibrium(system)
     damping, stiffness = np.zeros((n, n)), np.zeros((n, n))
-    roads = {e.road for e in system.elements if e.road}
-    road_damping, road_stiffness = ({road: np.zeros(n) for road in roads} for _ in range(2))
     series = []
     for e in system.elements:
         b = np.array(e.direction)
@@ -145,13 +117,7 @@ def linearised(system: System) -> Linearised:
         c = _tangent(e.damper, 0.0) * e.modulation.force(deflection)
         stiffness += k * np.outer(b, b)
         damping += c * np.outer(b, b)
-        if e.road:
-            road_stiffness[e.road] += k * b
-            road_damping[e.road] += c * b
-    return Linearised(
-        system.coordinates, np.array(system.mass), damping, stiffness, road_damping, road_stiffness,
-        tuple(series),
-    )  # fmt: skip
+    return Linearised(system.coordinates, np.array(system.mass), damping, stiffness, tuple(series))
 
 
 def _tangent(law: Characteristic, x: float) -> float:

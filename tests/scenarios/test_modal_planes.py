@@ -19,7 +19,7 @@ from phaseplane.suspension.models import build
 def chain(alpha: float, beta: float) -> Linearised:
     """Two masses on springs with Rayleigh damping B = alpha M + beta K."""
     mass, stiffness = np.array([[2.0, 0.3], [0.3, 1.0]]), np.array([[30.0, -10.0], [-10.0, 15.0]])
-    return Linearised(("a", "b"), mass, alpha * mass + beta * stiffness, stiffness, {}, {})
+    return Linearised(("a", "b"), mass, alpha * mass + beta * stiffness, stiffness)
 
 
 def test_modes_are_normed_and_solve_their_equation() -> None:
@@ -96,7 +96,7 @@ def test_what_has_no_modes_is_refused_in_a_line() -> None:
     assert refused.exit_code == 2
     assert "an equation has no modes; 'phaseplane portrait' shows" in refused.stderr
     with pytest.raises(ValueError, match="a mode without stiffness"):
-        modal_planes(Linearised(("a",), np.eye(1), np.zeros((1, 1)), np.zeros((1, 1)), {}, {}))
+        modal_planes(Linearised(("a",), np.eye(1), np.zeros((1, 1)), np.zeros((1, 1))))
 
 
 def test_what_is_rounding_in_a_shape_is_zero() -> None:

@@ -6,11 +6,9 @@ import json
 import os
 from pathlib import Path
 
-import numpy as np
 import pytest
 from command_line import phaseplane
 from phaseplane.scenarios.errors import InputError
-from phaseplane.scenarios.measures.linearised import linearised
 from phaseplane.scenarios.scene.names import SWEEPS, sweep_titles
 from phaseplane.scenarios.sweeps import running
 from phaseplane.scenarios.sweeps.plan import load_plan
@@ -19,6 +17,7 @@ from phaseplane.suspension import engine
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
 from small_sweep import GRID, SCENE, rows, written
+from transfer import transfer
 
 pytestmark = pytest.mark.usefixtures("scene_of_a_sweep")
 
@@ -128,10 +127,8 @@ def test_a_stepped_sine_follows_the_transfer_function(tmp_path: Path) -> None:
     text = (SWEEPS / "four_post.toml").read_text().replace("four_post_sine", "linear.toml")
     plan = load_plan(written(text.replace("count = 79", "count = 14")))
     found, _ = sweep(plan, tmp_path / "journal", workers=1)
-    system = linearised(build(plan.scene.fmu.model, plan.scene.all_parameters))
-    frequencies = np.array([point[0] for point in plan.points], float)
-    (road,) = system.road_stiffness
-    gain = abs(system.transfer(road, frequencies))
+    system = build(plan.scene.fmu.model, plan.scene.all_parameters)
+    gain = abs(transfer(system, [float(point[0]) for point in plan.points]))
     for row, (body, wheel) in zip(found, gain, strict=True):
         assert row.values[0] == pytest.approx(1e-3 * body, rel=5e-3)
         assert row.values[1] == pytest.approx(1e-3 * wheel, rel=5e-3)
