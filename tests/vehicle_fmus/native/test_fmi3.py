@@ -386,6 +386,10 @@ def test_calls_out_of_place_are_refused(native_fmu: Packer, tmp_path: Path, capf
     said = capfd.readouterr().out
     assert "fmi3UpdateDiscreteStates cannot be called in step mode" in said
     assert "fmi3DoStep cannot be called in event mode" in said
+    host.one.terminate()
+    with pytest.raises(Exception, match="status 3"):
+        host.one.setString([0], ["gap"])
+    assert "fmi3SetString cannot be called" in capfd.readouterr().out
 
 
 def test_output_derivatives(native_fmu: Packer, tmp_path: Path) -> None:

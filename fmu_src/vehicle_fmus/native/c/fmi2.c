@@ -99,57 +99,38 @@ fmi2Status fmi2Reset(fmi2Component c) {
 
 /* ---- variables ----------------------------------------------------------------------------- */
 
-#define GET(Name, Type, KIND, TEST)                                                                 \
+#define GET(Name, Type, KIND, VALUE)                                                                \
     fmi2Status fmi2Get##Name(fmi2Component c, const fmi2ValueReference vr[], size_t count,          \
             Type value[]) {                                                                         \
         Host *host = c;                                                                             \
         for (size_t k = 0; k < count; k++) {                                                        \
             if (!is_of_kind(&host->instance, vr[k], KIND)) return failed(host, fmi2Error);          \
-            value[k] = (Type) (get_value(&host->instance, vr[k]) TEST);                             \
+            value[k] = (Type) (VALUE);                                                              \
         }                                                                                           \
         return fmi2OK;                                                                              \
     }
 
-#define SET(Name, Type, KIND)                                                                       \
+#define SET(Name, Type, KIND, set)                                                                  \
     fmi2Status fmi2Set##Name(fmi2Component c, const fmi2ValueReference vr[], size_t count,          \
             const Type value[]) {                                                                   \
         Host *host = c;                                                                             \
         for (size_t k = 0; k < count; k++) {                                                        \
             if (!is_of_kind(&host->instance, vr[k], KIND) ||                                        \
-                set_value(&host->instance, vr[k], value[k])) {                                      \
+                set(&host->instance, vr[k], value[k])) {                                      \
                 return failed(host, fmi2Error);                                                     \
             }                                                                                       \
         }                                                                                           \
         return fmi2OK;                                                                              \
     }
 
-GET(Real, fmi2Real, REAL, )
-GET(Integer, fmi2Integer, INTEGER, )
-GET(Boolean, fmi2Boolean, BOOLEAN, != 0.0)
-SET(Real, fmi2Real, REAL)
-SET(Integer, fmi2Integer, INTEGER)
-SET(Boolean, fmi2Boolean, BOOLEAN)
-
-fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t count,
-        fmi2String value[]) {
-    Host *host = c;
-    for (size_t k = 0; k < count; k++) {
-        if (!is_of_kind(&host->instance, vr[k], STRING)) return failed(host, fmi2Error);
-        value[k] = variables[vr[k]].text;
-    }
-    return fmi2OK;
-}
-
-fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t count,
-        const fmi2String value[]) {
-    Host *host = c;
-    for (size_t k = 0; k < count; k++) {
-        if (!is_of_kind(&host->instance, vr[k], STRING) || set_text(&host->instance, vr[k], value[k])) {
-            return failed(host, fmi2Error);
-        }
-    }
-    return fmi2OK;
-}
+GET(Real, fmi2Real, REAL, get_value(&host->instance, vr[k]))
+GET(Integer, fmi2Integer, INTEGER, get_value(&host->instance, vr[k]))
+GET(Boolean, fmi2Boolean, BOOLEAN, get_value(&host->instance, vr[k]) != 0.0)
+GET(String, fmi2String, STRING, variables[vr[k]].text)
+SET(Real, fmi2Real, REAL, set_value)
+SET(Integer, fmi2Integer, INTEGER, set_value)
+SET(Boolean, fmi2Boolean, BOOLEAN, set_value)
+SET(String, fmi2String, STRING, set_text)
 
 /* ---- steps --------------------------------------------------------------------------------- */
 
@@ -181,26 +162,21 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Rea
     return fmi2OK;
 }
 
-fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value) {
-    (void) c, (void) kind, (void) value;
-    return fmi2Discard;
-}
-
-fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value) {
-    (void) c, (void) kind, (void) value;
-    return fmi2Discard;
-}
-
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
     if (kind != fmi2Terminated) return fmi2Discard;
     *value = !((Host *) c)->instance.now.ok;
     return fmi2OK;
 }
 
-fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {
-    (void) c, (void) kind, (void) value;
-    return fmi2Discard;
-}
+#define NO_STATUS(Name, Type)                                                                       \
+    fmi2Status fmi2Get##Name(fmi2Component c, const fmi2StatusKind kind, Type *value) {             \
+        (void) c, (void) kind, (void) value;                                                        \
+        return fmi2Discard;                                                                         \
+    }
+
+NO_STATUS(Status, fmi2Status)
+NO_STATUS(IntegerStatus, fmi2Integer)
+NO_STATUS(StringStatus, fmi2String)
 
 /* ---- whole state --------------------------------------------------------------------------- */
 

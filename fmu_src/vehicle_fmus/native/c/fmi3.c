@@ -152,24 +152,29 @@ static int have_room(Host *host, size_t count, size_t values) {
     return 0;
 }
 
-#define GET(Name, KIND, TEST)                                                                       \
+static int is_readable(Host *host, fmi3ValueReference k, int kind) {
+    return (kind == REAL && k == TIME) || is_of_kind(&host->instance, k, kind);
+}
+
+static double value_of(Host *host, fmi3ValueReference k) {
+    const State *now = &host->instance.now;
+    if (k == TIME) return now->initialised ? now->conduct.run.time : now->start;
+    return get_value(&host->instance, k);
+}
+
+#define GET(Name, KIND, VALUE)                                                                      \
     fmi3Status fmi3Get##Name(fmi3Instance c, const fmi3ValueReference vr[], size_t count,           \
             fmi3##Name value[], size_t values) {                                                    \
         Host *host = c;                                                                             \
         if (!have_room(host, count, values)) return failed(host);                                   \
         for (size_t k = 0; k < count; k++) {                                                        \
-            if (KIND == REAL && vr[k] == TIME) {                                                    \
-                const State *now = &host->instance.now;                                             \
-                value[k] = now->initialised ? now->conduct.run.time : now->start;                   \
-                continue;                                                                           \
-            }                                                                                       \
-            if (!is_of_kind(&host->instance, vr[k], KIND)) return failed(host);                     \
-            value[k] = get_value(&host->instance, vr[k]) TEST;                                      \
+            if (!is_readable(host, vr[k], KIND)) return failed(host);                               \
+            value[k] = VALUE;                                                                       \
         }                                                                                           \
         return fmi3OK;                                                                              \
     }
 
-#define SET(Name, KIND)                                                                             \
+#define SET(Name, KIND, set)                                                                        \
     fmi3Status fmi3Set##Name(fmi3Instance c, const fmi3ValueReference vr[], size_t count,           \
             const fmi3##Name value[], size_t values) {                                              \
         Host *host = c;                                                                             \
@@ -179,42 +184,21 @@ static int have_room(Host *host, size_t count, size_t values) {
         }                                                                                           \
         for (size_t k = 0; k < count; k++) {                                                        \
             if (!is_of_kind(&host->instance, vr[k], KIND) ||                                        \
-                set_value(&host->instance, vr[k], value[k])) {                                      \
+                set(&host->instance, vr[k], value[k])) {                                      \
                 return failed(host);                                                                \
             }                                                                                       \
         }                                                                                           \
         return fmi3OK;                                                                              \
     }
 
-GET(Float64, REAL, )
-GET(Int32, INTEGER, )
-GET(Boolean, BOOLEAN, != 0.0)
-SET(Float64, REAL)
-SET(Int32, INTEGER)
-SET(Boolean, BOOLEAN)
-
-fmi3Status fmi3GetString(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
-        fmi3String value[], size_t values) {
-    Host *host = c;
-    if (!have_room(host, count, values)) return failed(host);
-    for (size_t k = 0; k < count; k++) {
-        if (!is_of_kind(&host->instance, vr[k], STRING)) return failed(host);
-        value[k] = variables[vr[k]].text;
-    }
-    return fmi3OK;
-}
-
-fmi3Status fmi3SetString(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
-        const fmi3String value[], size_t values) {
-    Host *host = c;
-    if (!have_room(host, count, values)) return failed(host);
-    for (size_t k = 0; k < count; k++) {
-        if (!is_of_kind(&host->instance, vr[k], STRING) || set_text(&host->instance, vr[k], value[k])) {
-            return failed(host);
-        }
-    }
-    return fmi3OK;
-}
+GET(Float64, REAL, value_of(host, vr[k]))
+GET(Int32, INTEGER, value_of(host, vr[k]))
+GET(Boolean, BOOLEAN, value_of(host, vr[k]) != 0.0)
+GET(String, STRING, variables[vr[k]].text)
+SET(Float64, REAL, set_value)
+SET(Int32, INTEGER, set_value)
+SET(Boolean, BOOLEAN, set_value)
+SET(String, STRING, set_text)
 
 fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
         fmi3Clock value[]) {
