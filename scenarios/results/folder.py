@@ -96,11 +96,6 @@ class Results:
     summary: Mapping[str, Any]
 
     @property
-    def scene(self) -> str:
-        """Name of the scene."""
-        return str(self.summary["scene"])
-
-    @property
     def stopped(self) -> Mapping[str, Any] | None:
         """When (`time`, s) and why (`reason`) the run stopped early, or None."""
         found: Mapping[str, Any] | None = self.summary["stopped"]

@@ -45,11 +45,6 @@ class Controller:
     formulas: Mapping[str, tuple[str, tuple[str, ...]]]
     constants: Mapping[str, float]
 
-    @property
-    def outputs(self) -> frozenset[str]:
-        """The outputs that the formulas need."""
-        return frozenset(name for _, names in self.formulas.values() for name in names)
-
     def laws(self) -> dict[str, tuple[Callable[..., float], tuple[str, ...]]]:
         """Return the function of each input, of the time and the outputs named."""
         found = {}
