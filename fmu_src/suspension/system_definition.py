@@ -46,6 +46,11 @@ from .system_values import refuse_others, table_at, value_of
 from .systems import Axle, Element, Load, System
 from .variable import ParameterError, Value, Variable, number, parameter
 
+# keys of a spring and a damper: rates, instead of which there may be a table, and others
+_LAWS = {
+    "spring": (("rate", "cubic"), ("yield_force", "hardening")),
+    "damper": (("rate", "rebound_rate", "bump_rate"), ("series",)),
+}
 # added to a spring or damper; see `characteristics.power`
 _POWER = ("power", "exponent", "linear_below")
 _SMALL = 1e-3  # m, scale of errors if the road gives none
@@ -221,23 +226,13 @@ def _element(
 ) -> Element:
     where = f"system.elements.{name}"
     direction = _direction(said.get("direction", {}), names, p, f"{where}.direction")
-    spring, damper = said.get("spring", {}), said.get("damper", {})
-    refuse_others(
-        spring, ("rate", "cubic", "table", "yield_force", "hardening", *_POWER), f"{where}.spring"
-    )
-    refuse_others(
-        damper, ("rate", "rebound_rate", "bump_rate", "table", "series", *_POWER), f"{where}.damper"
-    )
-
-    for part, others in (
-        ("spring", ("rate", "cubic")),
-        ("damper", ("rate", "rebound_rate", "bump_rate")),
-    ):
-        both = [key for key in others if "table" in said.get(part, {}) and key in said[part]]
+    for part, (rates, others) in _LAWS.items():
+        given = said.get(part, {})
+        refuse_others(given, (*rates, "table", *others, *_POWER), f"{where}.{part}")
+        both = [key for key in rates if "table" in given and key in given]
         if both:
             raise ParameterError(f"{where}.{part}: give {both[0]} or table, not both")
-
-    if damper.keys() >= {"rate", "rebound_rate", "bump_rate"}:
+    if said.get("damper", {}).keys() >= {"rate", "rebound_rate", "bump_rate"}:
         raise ParameterError(
             f"{where}.damper: give rate, or rebound_rate and bump_rate, not all three"
         )
@@ -248,37 +243,30 @@ def _element(
         table = said.get(part, {}) if part else said
         return value_of(table[last], p, f"{where}.{key}") if last in table else default
 
-    def with_power(law: Characteristic, part: str) -> Characteristic:
-        if not any(key in said.get(part, {}) for key in _POWER):
-            return law
-        return law + characteristics.power(
+    def law(part: str, by_rates: Characteristic) -> Characteristic:
+        """Return a spring or damper by its rates or its table, and its power."""
+        given, found = said.get(part, {}), by_rates
+        if "table" in given:
+            key = f"{where}.{part}.table"
+            table = characteristics.table(points(key, _pairs(given["table"], key)))
+            found = through_zero(table, key)
+        if given.keys().isdisjoint(_POWER):
+            return found
+        return found + characteristics.power(
             at(f"{part}.power"), at(f"{part}.exponent", 1.0), at(f"{part}.linear_below")
         )
-
-    def from_table(part: str) -> Characteristic:
-        """Return the law of a table, which must have no force at rest."""
-        key = f"{where}.{part}.table"
-        law = characteristics.table(points(key, _pairs(said[part]["table"], key)))
-        return through_zero(law, key)
 
     rate = at("damper.rate")
     try:
         return Element(
             name,
             direction,
-            with_power(
-                from_table("spring")
-                if "table" in spring
-                else characteristics.cubic(at("spring.rate"), at("spring.cubic")),
-                "spring",
-            ),
-            with_power(
-                from_table("damper")
-                if "table" in damper
-                else characteristics.damper(
+            law("spring", characteristics.cubic(at("spring.rate"), at("spring.cubic"))),
+            law(
+                "damper",
+                characteristics.damper(
                     at("damper.rebound_rate", rate), at("damper.bump_rate", rate)
                 ),
-                "damper",
             ),
             road=_road_name(said, where),
             yield_force=at("spring.yield_force", inf),

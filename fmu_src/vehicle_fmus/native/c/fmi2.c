@@ -116,7 +116,7 @@ fmi2Status fmi2Reset(fmi2Component c) {
         Host *host = c;                                                                             \
         for (size_t k = 0; k < count; k++) {                                                        \
             if (!is_of_kind(&host->instance, vr[k], KIND) ||                                        \
-                set(&host->instance, vr[k], value[k])) {                                      \
+                set(&host->instance, vr[k], value[k])) {                                            \
                 return failed(host, fmi2Error);                                                     \
             }                                                                                       \
         }                                                                                           \

@@ -184,7 +184,7 @@ static double value_of(Host *host, fmi3ValueReference k) {
         }                                                                                           \
         for (size_t k = 0; k < count; k++) {                                                        \
             if (!is_of_kind(&host->instance, vr[k], KIND) ||                                        \
-                set(&host->instance, vr[k], value[k])) {                                      \
+                set(&host->instance, vr[k], value[k])) {                                            \
                 return failed(host);                                                                \
             }                                                                                       \
         }                                                                                           \
