@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -55,6 +56,19 @@ def shown(value: object, limit: int = 80) -> str:
     except ValueError:  # an integer with too many digits to print
         text = "a very large number"
     return text if len(text) <= limit else f"{text[: limit - 3]}..."
+
+
+@contextmanager
+def read_errors(path: Path) -> Iterator[None]:
+    """Report a file that cannot be read, or whose content is refused, as bad input."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error.strerror or error}") from None
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(error) from None
 
 
 def refuse_unknown_keys(given: Iterable[str], known: Collection[str]) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from phaseplane.suspension.measurement_files import Wanted, headings, read_columns
 from phaseplane.suspension.units import UnitError, nearest, to_si
 
-from ..errors import InputError, refuse_unknown_keys, shown
+from ..errors import InputError, read_errors, refuse_unknown_keys, shown
 from .tables import read_table
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def read_signals(
     heading = str(said.get("time", "time"))
     if path.suffix != ".csv":
         return _from_table(path, heading, tables, said, known)
-    try:
+    with read_errors(path):
         columns = tables["columns"] or {
             name: name for name in headings(path, delimiter) if name in known and name != heading
         }
@@ -85,12 +85,6 @@ def read_signals(
         found = read_columns(
             path, wanted, delimiter=delimiter, decimal=str(said.get("decimal", "."))
         )
-    except OSError as error:
-        raise InputError(f"cannot read {path}: {error.strerror or error}") from None
-    except InputError:
-        raise
-    except ValueError as error:
-        raise InputError(error) from None
     return dict(zip(("time", *columns), map(np.array, found), strict=True))
 
 

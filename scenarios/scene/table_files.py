@@ -14,7 +14,7 @@ from typing import Any
 from phaseplane.suspension.measurement_files import Wanted, headings, read_columns
 from phaseplane.suspension.units import UnitError, nearest, to_si
 
-from ..errors import InputError, refuse_unknown_keys, shown
+from ..errors import InputError, read_errors, refuse_unknown_keys, shown
 
 KEYS = ("file", "columns", "units", "delimiter", "decimal", "offset")
 # The SI units of the two columns of a table.
@@ -113,23 +113,19 @@ def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
             )
     wanted = []
     for column, unit, offset, kind in zip(*pairs.values(), kinds, strict=True):
-        try:
-            to_si(f"1 {unit}", kind)
-            wanted.append(Wanted(column, (kind,), unit, to_si(offset, kind)))
-        except UnitError as error:
-            raise InputError(f"units: {error}") from None
+        _si("units", f"1 {unit}", kind)
+        wanted.append(Wanted(column, (kind,), unit, _si("offset", offset, kind)))
+    decimal = str(said.get("decimal", "."))
+    with read_errors(folder / file):
+        columns = read_columns(folder / file, wanted, delimiter=delimiter, decimal=decimal)
+    return ", ".join(f"{x!r}:{y!r}" for x, y in zip(*columns, strict=True))
+
+
+def _si(key: str, value: str, unit: str) -> float:
     try:
-        points = zip(
-            *read_columns(
-                folder / file, wanted, delimiter=delimiter, decimal=str(said.get("decimal", "."))
-            ),
-            strict=True,
-        )
-    except OSError as error:
-        raise InputError(f"cannot read {folder / file}: {error.strerror or error}") from None
-    except ValueError as error:
-        raise InputError(error) from None
-    return ", ".join(f"{x!r}:{y!r}" for x, y in points)
+        return to_si(value, unit)
+    except UnitError as error:
+        raise InputError(f"{key}: {error}") from None
 
 
 def _both(path: Path, delimiter: str) -> list[str]:
@@ -139,12 +135,8 @@ def _both(path: Path, delimiter: str) -> list[str]:
     ------
     InputError : if it has another number of columns, or cannot be read.
     """
-    try:
+    with read_errors(path):
         found = headings(path, delimiter)
-    except OSError as error:
-        raise InputError(f"cannot read {path}: {error.strerror or error}") from None
-    except ValueError as error:
-        raise InputError(error) from None
     if not found:
         raise InputError(f"{path.name} is empty")
     if len(found) != 2:

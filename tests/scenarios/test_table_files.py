@@ -150,6 +150,7 @@ def test_the_schema_and_the_guide_know_of_files() -> None:
             '["m", "mm"], offset = "3 mm"',
             "offset = '3 mm': must be two, of the first",
         ),
+        ('["m", "mm"]', '["m", "mm"], offset = ["0", "3 N"]', "road.table: offset: .*N"),
     ],
 )
 def test_what_is_wrong_is_said_with_file_and_key(
