@@ -212,12 +212,10 @@ def plain(value: Any, key: str) -> Any:
         return value.item()
     if isinstance(value, os.PathLike):
         return os.fspath(value)
-    may_be_table = key.partition(".")[0] == "parameters"
-    if isinstance(value, np.ndarray) and not may_be_table:
-        return value.tolist()
-    if isinstance(value, tuple | list) and not (may_be_table and _is_table(value)):
-        return [plain(one, key) for one in value]
-    if isinstance(value, np.ndarray) or (may_be_table and _is_table(value)):
+    if isinstance(value, np.ndarray | tuple | list):
+        is_parameter = key.partition(".")[0] == "parameters"
+        if not (is_parameter and (isinstance(value, np.ndarray) or _is_table(value))):
+            return [plain(one, key) for one in value]
         points = np.asarray(value, float)
         if points.ndim != 2 or points.shape[1] != 2:
             raise InputError(
