@@ -199,21 +199,21 @@ def test_a_diverging_run(fmu: Path) -> None:
     assert Path("out/ap57/time_histories.png").exists()
 
 
-def test_a_construction_that_leaves_the_sheet_costs_only_itself(fmu: Path) -> None:
-    result = phaseplane(*ap57_of(fmu, *DIVERGING, "show.figures=[]"), "--json")
+@pytest.mark.parametrize(
+    ("settings", "problem", "rows"),
+    [
+        ((*DIVERGING, "show.figures=[]"), "cannot be drawn", 19),
+        (("construction.step=1 s",), "at most a right angle", 1001),
+    ],
+)
+def test_a_construction_that_cannot_be_drawn_costs_only_itself(
+    fmu: Path, settings: tuple[str, ...], problem: str, rows: int
+) -> None:
+    result = phaseplane(*ap57_of(fmu, *settings), "--json")
     assert result.exit_code == 1
     summary = json.loads(result.stdout)
-    assert "cannot be drawn" in summary["problems"][0]
-    assert summary["rows"] == 19
-
-
-def test_a_construction_step_too_long_costs_only_the_drawing(fmu: Path) -> None:
-    result = phaseplane(*ap57_of(fmu, "construction.step=1 s"), "--json")
-    assert result.exit_code == 1
-    summary = json.loads(result.stdout)
-    assert "at most a right angle" in summary["problems"][0]
-    assert summary["rows"] == 1001
-    assert summary["drawn"] is None
+    assert problem in summary["problems"][0]
+    assert (summary["rows"], summary["drawn"]) == (rows, None)
 
 
 def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.MonkeyPatch) -> None:
