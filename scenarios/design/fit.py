@@ -52,7 +52,7 @@ class Fit:
     errors : half widths of their intervals of 95 % confidence, SI; infinite if the signals do not
         depend on the parameter
     correlation : of the parameters with each other
-    before, columns : the outputs with the scene's parameters and with the fitted ones
+    columns : the outputs with the fitted parameters
     residual : root mean square of the difference over that of the signal, by output
     at_bound : names of the parameters that end at a bound
     made : number of runs made now
@@ -62,7 +62,6 @@ class Fit:
     values: Points
     errors: Points
     correlation: Points
-    before: Mapping[str, Points]
     columns: Mapping[str, Points]
     residual: Mapping[str, float]
     at_bound: tuple[str, ...]
@@ -151,11 +150,11 @@ def fit(task: Task, journal: Path, progress: Progress = silent) -> Fit:
         deviations = np.sqrt(np.diag(covariance))
         scale = np.where(deviations > 0.0, deviations, 1.0)
         deviations[~found.jac.any(axis=0)] = np.inf
-        fitted, unfitted = (_apart(runs.at(x)[0], task) for x in (found.x, before))
+        fitted = _apart(runs.at(found.x)[0], task)
         return Fit(
             task, space.values(found.x),
             float(t.ppf(0.5 + 0.5 * _LEVEL, freedom)) * deviations * space.widths,
-            covariance / np.outer(scale, scale), unfitted, fitted,
+            covariance / np.outer(scale, scale), fitted,
             {
                 name: float(np.sqrt(np.mean(np.square(fitted[name] - x)) / np.mean(np.square(x))))
                 for name, x in task.signals.items()

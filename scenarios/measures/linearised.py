@@ -36,12 +36,10 @@ class Mode:
     ----------
     frequency : natural frequency |s| / 2 pi, Hz
     damping_ratio : -Re s / |s|; 1 for a real eigenvalue
-    shape : complex displacements of the coordinates, scaled so that the largest is 1, shape (n,)
     """
 
     frequency: float
     damping_ratio: float
-    shape: npt.NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
@@ -77,16 +75,13 @@ class Linearised:
                 [np.zeros((more, n)), along, -np.diag([rate for _, _, rate in self.series])],
             ]
         )
-        values, vectors = np.linalg.eig(state)
         modes = []
-        for s, vector in zip(values, vectors.T, strict=True):
+        for s in np.linalg.eigvals(state):
             size = float(abs(s))
             creeps = abs(s.imag) <= _REAL * size
             if s.imag > 0.0 or creeps:
-                shape = vector[:n]
-                shape = shape / shape[abs(shape).argmax()]
                 ratio = float(-s.real / size) if size > 0.0 else 1.0
-                modes.append(Mode(size / (2.0 * pi), ratio, shape))
+                modes.append(Mode(size / (2.0 * pi), ratio))
         return sorted(modes, key=lambda mode: mode.frequency)
 
 
