@@ -184,12 +184,8 @@ def _motion(
         t = duration * k / _INSTANTS
         status = integrator.advance(t)
         if status != 0:
-            where = f"at {integrator.time:.4g} s"
-            return (
-                found,
-                integrator,
-                why_stopped(status, where, integrator, system, fixed=bool(options.get("step"))),
-            )
+            where, fixed = f"at {integrator.time:.4g} s", bool(options.get("step"))
+            return found, integrator, why_stopped(status, where, integrator, system, fixed=fixed)
         integrator.sample(t)
         found += integrator.sample_q
     return found, integrator, ""

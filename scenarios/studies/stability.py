@@ -255,11 +255,7 @@ def extremes(progress: Progress = silent) -> list[Happened]:
 
 
 def as_data(made: Maps, found: Sequence[Limit], happened: Sequence[Happened]) -> dict[str, Any]:
-    """Return the whole study as plain data; an unbounded growth is None."""
-
-    def plain(values: Matrix) -> Any:
-        return np.where(np.isfinite(values), values, np.nan).tolist()
-
+    """Return the whole study as plain data."""
     return {
         "study": "numerical stability",
         "machine": machine(),
@@ -267,17 +263,15 @@ def as_data(made: Maps, found: Sequence[Limit], happened: Sequence[Happened]) ->
         "limits_of_omega_h": {name: phase or None for name, _, phase in METHODS},
         "spectral_radius": {
             "omega_h": made.phases.tolist(),
-            **{name: plain(curve) for name, curve in made.curves.items()},
+            **{name: curve.tolist() for name, curve in made.curves.items()},
         },
         "maps": {
             "omega_h": made.grid.tolist(),
             "damping_ratio": made.damping_ratios.tolist(),
             "stiffness_ratio": made.ratios.tolist(),
-            "spectral_radius_damped": plain(made.damped),
-            "spectral_radius_two_masses": plain(made.coupled),
-            "energy_growth_between_stops": [
-                [None if not np.isfinite(x) else x for x in row] for row in made.bounced.tolist()
-            ],
+            "spectral_radius_damped": made.damped.tolist(),
+            "spectral_radius_two_masses": made.coupled.tolist(),
+            "energy_growth_between_stops": made.bounced.tolist(),
         },
         "limits": [asdict(limit) for limit in found],
         "extremes": [asdict(case) for case in happened],
