@@ -30,17 +30,17 @@ def switches(system: PhaseSystem) -> Switching | None:
     return system.switching if system.switching and system.switching.guards else None
 
 
-def curve(
+def curves(
     system: PhaseSystem,
     window: Window,
-    start: tuple[float, float],
-    sense: float = 1.0,
-    *,
-    margin: float = 0.2,
-    length: float = 8.0,
-    part: float = 0.0125,
-) -> Grid:
-    """Return an integral curve until it leaves the window or comes to rest, shape (points, 2).
+    x: npt.ArrayLike,
+    v: npt.ArrayLike,
+    sense: npt.ArrayLike,
+    margin: float,
+    length: float,
+    part: float,
+) -> list[Grid]:
+    """Return integral curves until they leave the window or come to rest, (points, 2) each.
 
     Backwards in time a curve ends on a switch that motions leave to both sides: it has no past there.
 
@@ -48,6 +48,22 @@ def curve(
     ----------
     sense, margin, length, part : as of `followed`
     """
+    starts = np.broadcast_arrays(*(np.asarray(each, float) for each in (x, v, sense)))
+    return [
+        _curve(system, window, (a, b), s, margin, length, part)
+        for a, b, s in zip(*(each.ravel().tolist() for each in starts), strict=True)
+    ]
+
+
+def _curve(
+    system: PhaseSystem,
+    window: Window,
+    start: tuple[float, float],
+    sense: float,
+    margin: float,
+    length: float,
+    part: float,
+) -> Grid:
     points = [start]
     went, mark, still = 0.0, 0.0, 0
     for count, step in enumerate(_steps(system, start, sense, _TOLERANCE), 1):
@@ -156,21 +172,3 @@ def _rests(step: Step) -> bool:
 
 def _velocity(step: Step, time: float) -> float:
     return step.at(time)[1]
-
-
-def curves(
-    system: PhaseSystem,
-    window: Window,
-    x: npt.ArrayLike,
-    v: npt.ArrayLike,
-    sense: npt.ArrayLike,
-    margin: float,
-    length: float,
-    part: float,
-) -> list[Grid]:
-    """Return the integral curves from several states, see `curve`."""
-    starts = np.broadcast_arrays(*(np.asarray(each, float) for each in (x, v, sense)))
-    return [
-        curve(system, window, (a, b), s, margin=margin, length=length, part=part)
-        for a, b, s in zip(*(each.ravel().tolist() for each in starts), strict=True)
-    ]

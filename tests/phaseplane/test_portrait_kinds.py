@@ -22,7 +22,6 @@ from phaseplane.portrait import (
     limit_cycles,
     section,
     separatrices,
-    switched,
     window_of,
 )
 from phaseplane.portrait.returns import turns
@@ -337,7 +336,7 @@ def test_a_motion_with_switches_ends_where_its_steps_lead_nowhere() -> None:
     """Beside the poles of its damping steps are ever shorter, backwards in time."""
     formula = Formula("1.7*x*v^3 - 4*x*abs(x) - 0.04*tan(2.2*v) - 0.5*sign(v)")
     system = PhaseSystem(formula.function, switching=formula.switching)
-    line = switched.curve(system, WIDE, (-1.0, 1.0), -1.0)
+    (line,) = followed(system, WIDE, -1.0, 1.0, -1.0)
     assert len(line) < 1000
 
 
