@@ -94,17 +94,15 @@ def solvers(*, with_peers: bool) -> tuple[Solver, ...]:
 
 
 def _project() -> Iterator[Solver]:
-    def tolerant(method: str) -> Callable[[Workbench, float], Run]:
-        return lambda bench, value: project_solvers.in_process(
-            bench, method=method, tolerance=value
-        )
+    def by_default(bench: Workbench, value: float) -> Run:
+        return project_solvers.in_process(bench, method="extrapolated", tolerance=value)
 
     def stepping(method: str, **options: Any) -> Callable[[Workbench, float], Run]:
         return lambda bench, value: project_solvers.in_process(
             bench, method=method, step=value, **options
         )
 
-    yield Solver("extrapolated", "incremental", "tolerance", _TOLERANCES, tolerant("extrapolated"))
+    yield Solver("extrapolated", "incremental", "tolerance", _TOLERANCES, by_default)
     methods = next(v.choices for v in MODELS["QuarterCar"] if v.name == "solver.method")
     for order in (4, 6, 8):
         name = f"extrapolated, order {order}"
@@ -200,9 +198,7 @@ def _tried(bench: Workbench, solver: Solver) -> Iterator[_Timed | Point]:
     """Find the error of each setting, from coarse to fine, until one is too slow or not possible."""
     problem = bench.problem
     interval = problem.duration / problem.intervals
-    stop = ""
-    if solver.missing:
-        stop = f"not installed: {', '.join(solver.missing)}"
+    stop = f"not installed: {', '.join(solver.missing)}" if solver.missing else ""
     for part in solver.values:
         value = part * interval if solver.knob == "step" else part
         point = partial(Point, problem.name, solver.name, solver.family, solver.knob, value)
@@ -225,12 +221,11 @@ def _tried(bench: Workbench, solver: Solver) -> Iterator[_Timed | Point]:
         if not error_found < _NO_SOLUTION:
             yield point(None, seconds, f"no solution: error of {error_found:.2g} of the peak")
             continue
+        yield _Timed(partial(point, error_found), run, seconds, seconds)
         if error_found < _EXACT:
-            yield _Timed(partial(point, error_found), run, seconds, seconds)
             return
         if seconds > _SLOW:
             stop = f"not tried: a coarser run took {seconds:.1f} s"
-        yield _Timed(partial(point, error_found), run, seconds, seconds)
 
 
 def _run(run: Run, *, again: bool) -> tuple[Any, float]:
