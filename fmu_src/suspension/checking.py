@@ -352,5 +352,6 @@ def _motion(system: System) -> Iterator[str]:
         yield f"a short run fails: {why_stopped(status, where, integrator, system)}"
         return
     _, _, dissipated, works = integrator.energies()
-    if abs(integrator.residual_end) > 1e-4 * (energy + sum(map(abs, (*dissipated, *works)))):
-        yield f"a short run loses {integrator.residual_end:g} J that no element accounts for"
+    residual = integrator.energy_residual()
+    if abs(residual) > 1e-4 * (energy + sum(map(abs, (*dissipated, *works)))):
+        yield f"a short run loses {residual:g} J that no element accounts for"

@@ -206,8 +206,7 @@ def _reader(reading: Reading, integrator: Integrator, run: Run) -> Read:
         case OfLedger(what):
             return lambda: getattr(run.energies(), what)
         case OfRun("energy_residual"):
-            clock = run.clock
-            return lambda: integrator.residual_at(clock.time)
+            return integrator.energy_residual
         case OfRun("stable_step"):
             return integrator.stable_step
         case OfRun("step_count"):

@@ -122,7 +122,7 @@ def _no_time(one: Integrator, system: System) -> str:
 
 
 def _out_of_balance(one: Integrator, system: System) -> str:
-    return f"{one.residual_end:.3g} J; the last step was {one.last_attempt:.3g} s"
+    return f"{one.energy_residual():.3g} J; the last step was {one.last_attempt:.3g} s"
 
 
 _DETAILS: dict[int, Callable[[Integrator, System], str]] = {

@@ -74,7 +74,7 @@ def told(integrator: Any, system: System) -> tuple[object, ...]:
     elements = range(len(system.elements))
     return (
         status, filling.filled, *(bytes(part) for part in (*filled, forces)), integrator.log,
-        integrator.snapshot(), repr(integrator.energies()), repr(integrator.residual_end),
+        integrator.snapshot(), repr(integrator.energies()), repr(integrator.energy_residual()),
         integrator.beyond_stable(), repr(integrator.stable_step()), integrator.step_count,
         [repr(integrator.limited_time_at(e, integrator.time)) for e in elements],
     )  # fmt: skip

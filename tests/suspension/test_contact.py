@@ -107,7 +107,7 @@ def test_contact_switches_turn_by_turn_and_the_ledger_closes(tyre: str, contact:
     assert all(b[0] > a[0] and b[1] != a[1] for a, b in pairwise(switches))
     kinetic, _stored, lost, brought_in = integrator.energies()
     turned_over = kinetic + sum(lost) + sum(map(abs, brought_in))
-    assert abs(integrator.residual_end) < 1e-7 * turned_over
+    assert abs(integrator.energy_residual()) < 1e-7 * turned_over
 
 
 def launched(contact: str, road: roads.Signal, up: float = 0.03) -> Integrator:

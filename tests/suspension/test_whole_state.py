@@ -59,7 +59,7 @@ def everything(integrator: Any) -> tuple[Any, ...]:
     seen = [*integrator.sample_q, *integrator.sample_v, *integrator.sample_a]
     integrator.sample_forces(integrator.time)
     return (
-        integrator.time, integrator.step_count, integrator.residual_end, integrator.energies(),
+        integrator.time, integrator.step_count, integrator.energy_residual(), integrator.energies(),
         integrator.beyond_stable(), *seen, *integrator.sample_f, *integrator.sample_set,
     )  # fmt: skip
 

@@ -67,8 +67,8 @@ class Account:
         for s in range(self.signals):
             self.carried[s] = self.supplied[s]
         self._look(integrator, integrator.state.time)
-        # constant except for the residual
-        self.opening = dissipated + self.kinetic + self.stored - integrator.state.residual_end
+        residual = integrator.energy_residual()
+        self.opening = dissipated + self.kinetic + self.stored - residual
 
     @open_to_python
     def find(self, integrator: Integrator, time: float) -> None:
@@ -78,12 +78,12 @@ class Account:
         dissipated follows from the balance: it is all work that no other entry contains.
         """
         self._look(integrator, time)
-        self.dissipated = self.opening - (self.kinetic + self.stored)
+        residual = integrator.energy_residual()
+        self.dissipated = self.opening - (self.kinetic + self.stored) + residual
         for s in range(self.signals):
             since = integrator.ledger.until[integrator.net.elements + s]
             self.dissipated += since
             self.supplied[s] = self.carried[s] + since
-        self.dissipated += integrator.residual_at(time)
 
     def _look(self, integrator: Integrator, time: float) -> None:
         """Read the ledger at a time, and add up the energy stored in the elements."""
@@ -115,7 +115,7 @@ class Account:
             turned_over += fabs(integrator.ledger.kept[e])
         for k in range(integrator.ledger.works):
             turned_over += fabs(integrator.ledger.until[k])
-        off = fabs(integrator.state.residual_end)
+        off = fabs(integrator.energy_residual())
         tolerated = max(_DRIFT * integrator.stepper.errors.tolerance, _LEAST_DRIFT)
         if off <= tolerated * turned_over:
             return 0.0

@@ -114,31 +114,31 @@ class Columns:
         if h != self.inverses.step and self.inverses.prepare(h) != 0:
             return NOT_POSITIVE
         n = self.n
-        for c in range(self.columns):
-            for i in range(n):
-                self.q[n * c + i] = q[i]
-                self.v[n * c + i] = v[i]
-                self.a[n * c + i] = a[i]
         if self.balance.bends.count:
             self._begin_rows(n, a, j)
         # with constants as arguments the compiler unrolls loops and drops branches
         if self.balance.bends.count or self.net.stuck:
             if n == 2:
-                return self._advance(2, True)
-            return self._advance(4, True) if n == 4 else self._advance(n, True)
+                return self._advance(2, True, q, v, a)
+            return self._advance(4, True, q, v, a) if n == 4 else self._advance(n, True, q, v, a)
         if n == 2:
-            return self._advance(2, False)
+            return self._advance(2, False, q, v, a)
         if n == 1:
-            return self._advance(1, False)
+            return self._advance(1, False, q, v, a)
         if n == 4:
-            return self._advance(4, False)
-        return self._advance(n, False)
+            return self._advance(4, False, q, v, a)
+        return self._advance(n, False, q, v, a)
 
     @inline
-    def _advance(self, n: int, rows: bool) -> int:
+    def _advance(self, n: int, rows: bool, q: Doubles, v: Doubles, a: Doubles) -> int:
         """Step all columns over the whole macro step; the shorter ones finish first."""
         first = 0
         columns = self.columns
+        for c in range(columns):
+            for i in range(n):
+                self.q[n * c + i] = q[i]
+                self.v[n * c + i] = v[i]
+                self.a[n * c + i] = a[i]
         for k in range(self.inverses.substeps[columns - 1]):
             while k == self.inverses.substeps[first]:
                 first += 1

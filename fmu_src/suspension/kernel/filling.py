@@ -125,7 +125,8 @@ class Filling:
             if status != 0:
                 return status
             if self.want_r:
-                self.out_r[before + self.filled] = self.integrator.residual_at(t)
+                residual = self.integrator.energy_residual()
+                self.out_r[before + self.filled] = residual
             at = before * self.n + self.filled
             if not (self.want_v or self.want_a or self.want_f):
                 self.integrator.dense.read_values(

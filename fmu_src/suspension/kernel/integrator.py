@@ -142,6 +142,7 @@ class Integrator(TimeLoop):
         counterpart : for each element of this integrator the number of the same element in the earlier
             one, or -1
         """
+        residual = earlier.energy_residual()
         # springs in series are relaxed if there were others before
         same = self.n if earlier.n == self.n else self.net.series.outer
         self.net.set_datum(earlier.state.datum)
@@ -153,28 +154,28 @@ class Integrator(TimeLoop):
                 self.ledger.work[e] = earlier.ledger.work[counterpart[e]]
                 self.limited.time[e] = earlier.limited.time[counterpart[e]]
         self.state.take_over(earlier.state)
-        self._go_on()
+        self._go_on(residual)
 
     def take_laws(self, x: Doubles, at: int) -> None:
         """Continue with other laws of the elements, from x[at:].
 
         The state is then that after `take_over` by a new integrator, but only the laws are read again.
         """
+        residual = self.energy_residual()
         self.net.enter_elements(x, at)
-        self._go_on()
+        self._go_on(residual)
 
-    def _go_on(self) -> None:
-        """Begin at the present time with the present motion, works and counts."""
+    def _go_on(self, residual: float) -> None:
+        """Begin at the present time with the present motion, works and counts, and the residual given."""
         supplied = self.state.supplied + fabs(self.state.initial_energy)
         steps, exchange = self.state.step_count, self.state.exchange
-        residual = self.state.residual_end
         self._restart(self.state.time, self.state.scale)
         self._begin()
         self.state.step_count, self.state.exchange = steps, exchange
         self.state.supplied = supplied
         self.net.all_signals(self.state.time)
-        self.ledger.strike_balance(self.motion.q, self.motion.v)
-        self.ledger.carry_on(residual)
+        if self.energy:
+            self.ledger.carry_on(self.motion.q, self.motion.v, residual)
 
     @of_python
     def set_signal(self, signal: int, coefficients: Numbers, jumps: bool = True) -> None:
@@ -367,19 +368,13 @@ class Integrator(TimeLoop):
         """The permanent set of each element that yields at the last sampled time, m."""
         return self.net.memory.seen(self.reading.set, self.net.elements)
 
-    @property
-    def residual_end(self) -> float:
-        """The residual of the energy balance at the end of the last step, J."""
-        return self.state.residual_end
-
     @open_to_python
-    def residual_at(self, t: float) -> float:
-        """Return the residual of the energy balance at t, J, linear within the last step."""
-        h = self.dense.end - self.dense.start
-        if h <= 0.0:
-            return self.state.residual_end
-        x = (t - self.dense.start) / h
-        return self.state.residual_start + x * (self.state.residual_end - self.state.residual_start)
+    def energy_residual(self) -> float:
+        """Return the residual of the energy balance at the end of the last step, J; 0 without ledger."""
+        if not self.energy:
+            return 0.0
+        self.net.all_signals(self.state.time)
+        return self.ledger.residual(self.motion.q, self.motion.v)
 
     @of_python
     def energies(self, t: float = UNBOUNDED) -> tuple[float, list[float], list[float], list[float]]:
@@ -405,11 +400,7 @@ class Integrator(TimeLoop):
             self.ledger.take_stock(self.motion.q, self.motion.v)
             return
         self._show_last_branches()
-        self.ledger.find_part(t)
-        for k in range(self.ledger.works):
-            self.ledger.until[k] = (
-                self.ledger.work[k] - self.ledger.brought[k] - self.ledger.part[k]
-            )
+        self.ledger.find_until(t)
         self.dense.read(t)
         self.net.all_signals(t)
         self.ledger.take_stock(self.dense.q, self.dense.v)

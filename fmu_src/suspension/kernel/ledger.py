@@ -15,6 +15,7 @@ import cython
 
 from .elements import ELASTIC
 from .layout import BRANCHES, CONTACT, FRICTION, SPRING
+from .outcomes import ENERGY_GROWS, OUT_OF_BALANCE, REACHED
 from .potential import Potential
 from .step_readings import ENDS, POINTS, StepReadings
 
@@ -49,7 +50,7 @@ class Ledger:
         elements, most = self.net.elements, max(self.net.rows, 1)
         self.works = elements + self.net.signals
         memory = self.net.memory
-        # works so far; those of jumps of roads since the last step; those in a part of that step
+        # works so far; those of jumps of roads at the time of the last jump; those in a part of a step
         self.state = self.net.state
         kept = self.state.memory
         self.work, self.brought = kept.zeros(self.works), kept.zeros(self.works)
@@ -73,7 +74,6 @@ class Ledger:
         """Reset the works of signals, and all balances."""
         # energy that roads and loads have moved in or out, all counted as positive
         self.state.supplied = self.state.most_stored = 0.0
-        self.state.residual_start = self.state.residual_end = 0.0
         for i in range(self.net.elements, self.works):
             self.work[i] = self.brought[i] = 0.0
 
@@ -117,8 +117,6 @@ class Ledger:
     def book(self) -> None:
         """Add the works of the last step, with its branches; leave the signals at its end."""
         h = self.dense.end - self.dense.start
-        for i in range(self.net.elements, self.works):
-            self.brought[i] = 0.0
         if h > 0.0 and self.moving:
             if self.net.stuck:
                 self._book_points()
@@ -245,7 +243,11 @@ class Ledger:
         self.state.supplied += fabs(energy)
 
     def bring_in(self, signal: int, energy: float) -> None:
-        """Add the work of a jump of a road, J."""
+        """Add the work of a jump of a road at the present time, J."""
+        if self.state.brought_at != self.state.time:
+            self.state.brought_at = self.state.time
+            for i in range(self.works):
+                self.brought[i] = 0.0
         self.brought[self.net.elements + signal] += energy
         self._supply(signal, energy)
 
@@ -253,38 +255,50 @@ class Ledger:
         """Add the energy that element e dissipates as its road jumps, J."""
         self.work[e] += energy
 
-    def grows(self) -> bool:
-        """Return whether the stored energy is far more than the initial energy and all energy supplied.
+    def find_until(self, since: float) -> None:
+        """Find the works until a time within the last step, in the branches of that step."""
+        self.find_part(since)
+        jumped = self.state.brought_at == self.dense.end
+        for i in range(self.works):
+            self.until[i] = self.work[i] - self.part[i]
+            if jumped:
+                self.until[i] -= self.brought[i]
 
-        Only roads, loads and driving dampers can add energy; the exchange at contact switches has its
-        own entry. A correct run never reaches twice that sum, as energy supplied still counts after it
-        has left the system; with unstable steps the energy soon exceeds it.
-        """
-        return (
-            self.stored > _TIMES * (fabs(self.state.initial_energy) + self.state.supplied) + _LEAST
-        )
-
-    def is_out_of_balance(self) -> bool:
-        """Return whether the residual exceeds all energy ever stored or supplied: the run is wrong."""
-        most = max(self.state.most_stored, self.state.supplied) + fabs(self.state.initial_energy)
-        return not fabs(self.state.residual_end) <= most + _LEAST
-
-    def strike_balance(self, q: Doubles, v: Doubles) -> None:
-        """Find T + U + dissipated - supplied - exchanged at contact switches - initial: 0 if exact.
+    def residual(self, q: Doubles, v: Doubles) -> float:
+        """Return T + U + dissipated - supplied - exchanged at contact switches - initial: 0 if exact.
 
         The state is q, v with the signals in `road`.
         """
-        self.stored = self.potential.energy(q, v) - self.state.exchange
-        self.state.most_stored = max(self.state.most_stored, fabs(self.stored))
-        balance = self.stored - self.state.initial_energy
+        return self._residual(self.potential.energy(q, v) - self.state.exchange)
+
+    def _residual(self, stored: float) -> float:
+        balance = stored - self.state.initial_energy
         for i in range(self.net.elements):
             balance += self.work[i]
         for i in range(self.net.elements, self.works):
             balance -= self.work[i]
-        self.state.residual_start = self.state.residual_end
-        self.state.residual_end = balance
+        return balance
 
-    def carry_on(self, residual: float) -> None:
+    def check(self, q: Doubles, v: Doubles, exact: bool) -> int:
+        """Return 0, or `ENERGY_GROWS` or `OUT_OF_BALANCE` if the run is wrong.
+
+        Only roads, loads and driving dampers can add energy; the exchange at contact switches has its
+        own entry. A correct run never stores twice the sum of initial energy and all energy supplied,
+        as energy supplied still counts after it has left the system; with unstable steps the energy soon
+        exceeds it. Nor does its residual exceed all energy ever stored or supplied; an `exact` method
+        has no errors that this could reveal.
+        """
+        stored = self.potential.energy(q, v) - self.state.exchange
+        self.state.most_stored = max(self.state.most_stored, fabs(stored))
+        initial = fabs(self.state.initial_energy)
+        if stored > _TIMES * (initial + self.state.supplied) + _LEAST:
+            return ENERGY_GROWS
+        most = max(self.state.most_stored, self.state.supplied) + initial
+        if not (exact or fabs(self._residual(stored)) <= most + _LEAST):
+            return OUT_OF_BALANCE
+        return REACHED
+
+    def carry_on(self, q: Doubles, v: Doubles, residual: float) -> None:
         """Continue the present balance from an earlier residual, J."""
-        self.state.initial_energy += self.state.residual_end - residual
-        self.state.residual_start = self.state.residual_end = residual
+        change = self.residual(q, v) - residual
+        self.state.initial_energy += change

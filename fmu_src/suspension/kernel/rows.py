@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from .language import inline
+
 if TYPE_CHECKING:
     from .balance import Balance
     from .errors import Errors
@@ -92,7 +94,14 @@ class Rows:
 
     def _read_row(self, r: int, end: int) -> None:
         """Find the deflection of row r and three derivatives at the start or end of the attempt."""
-        n = self.net.n
+        # with a constant in place of n the compiler unrolls the loop
+        if self.net.n == 2:
+            self._sum_row(2, r, end)
+        else:
+            self._sum_row(self.net.n, r, end)
+
+    @inline
+    def _sum_row(self, n: int, r: int, end: int) -> None:
         if end:
             q, v, a, j = self.motion.qb, self.motion.vb, self.motion.ab, self.motion.end_jerk
         else:
@@ -103,11 +112,10 @@ class Rows:
         d3 = 0.0
         for i in range(n):
             b = self.net.row_direction[r * n + i]
-            if b != 0.0:
-                d0 += b * q[i]
-                d1 += b * v[i]
-                d2 += b * a[i]
-                d3 += b * j[i]
+            d0 += b * q[i]
+            d1 += b * v[i]
+            d2 += b * a[i]
+            d3 += b * j[i]
         if self.net.row_signal[r] >= 0:
             at = 8 * self.net.row_signal[r] + 4 * end
             d0 -= self.road[at]

@@ -35,7 +35,7 @@ class KernelState:
         # energies, J: what contact switches have exchanged; what roads and loads have moved in or out
         self.exchange = self.supplied = 0.0
         self.initial_energy = self.most_stored = 0.0
-        self.residual_start = self.residual_end = 0.0  # at both ends of the last step
+        self.brought_at = -UNBOUNDED  # time of the last jump of a road, s
         # time at which a fixed step was first too long, and the stable step then, s
         self.beyond_since = -UNBOUNDED
         self.beyond_step = 0.0
@@ -52,6 +52,7 @@ class KernelState:
         self.scale = scale
         self.proposal = 0.0
         self.grid_index = self.step_count = 0
+        self.brought_at = -UNBOUNDED
         self.in_step = True
         self.stalled = self.overruns = 0
 
@@ -59,7 +60,7 @@ class KernelState:
         """Take the extent of a motion, and its sums and counts, from an earlier state."""
         self.scale, self.reach, self.speed = earlier.scale, earlier.reach, earlier.speed
         self.exchange, self.supplied = earlier.exchange, earlier.supplied
-        self.initial_energy, self.residual_end = earlier.initial_energy, earlier.residual_end
+        self.initial_energy = earlier.initial_energy
         self.step_count = earlier.step_count
 
     def content(self) -> bytes:

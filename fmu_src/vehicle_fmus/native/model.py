@@ -34,7 +34,7 @@ from .translate import needed, translated
 _ROOTS = [
     *(("Integrator", name) for name in (
         "begin_row", "step_until", "look_at_pace", "keeps_pace", "_enter_state", "sample",
-        "sample_forces", "limited_time_at", "residual_at", "stable_step", "yielding", "at_limit",
+        "sample_forces", "limited_time_at", "energy_residual", "stable_step", "yielding", "at_limit",
         "_follow_state",
     )),
     *(("Run", name) for name in (
