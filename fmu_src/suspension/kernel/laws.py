@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import cython
 
-from .language import Doubles, of_python, takes_gil
+from .language import Doubles, inline, of_python, takes_gil
 from .layout import (
     C0,
     C1,
@@ -192,6 +192,7 @@ class Laws(Signals):
         """Set `value`, `slope`, `curvature` to those of piece p, or of those it is joined with, at x."""
         self.read_piece(self.place(p, x), x)
 
+    @inline
     def read_piece(self, p: int, x: float) -> None:
         """Do the same for piece p alone, which contains x.
 
