@@ -18,7 +18,6 @@ from types import FrameType
 from typing import Any, NamedTuple
 
 import click
-from phaseplane.suspension.units import UnitError, to_si
 
 from ..errors import InputError, RunError, one_line
 from ..progress import Progress, silent
@@ -231,6 +230,8 @@ class TimeRange(FiniteRange):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if isinstance(value, str):
+            from phaseplane.suspension.units import UnitError, to_si  # noqa: PLC0415  (rarely needed)
+
             try:
                 value = to_si(value, "s")
             except UnitError as error:
