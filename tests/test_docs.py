@@ -99,6 +99,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("block", PROGRAMS, ids=str)
 def test_a_program_runs_and_prints_what_is_said(
     block: Block, folder: Path, monkeypatch: pytest.MonkeyPatch

@@ -22,6 +22,7 @@ HERE = Path(__file__).resolve().parent
 HUNDREDS = 300
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("model", make_drawn.SYSTEMS)
 def test_the_truth_is_that_of_programs_that_share_nothing_with_it(model: str) -> None:
     """The stored motions, in which everything acts, by exponentials and by DOP853."""
@@ -33,6 +34,7 @@ def test_the_truth_is_that_of_programs_that_share_nothing_with_it(model: str) ->
         assert np.abs(found.displacements - stored).max() < 1e-10 * np.abs(stored).max()
 
 
+@pytest.mark.slow
 def test_exponentials_and_steps_agree(monkeypatch: pytest.MonkeyPatch) -> None:
     """Friction that sticks, a kerb, stops, flight, two roads and a force at once."""
     given = {
@@ -81,6 +83,7 @@ def test_what_is_wrong_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     assert any(line.startswith("1e-06: displacements off") for line in found)
 
 
+@pytest.mark.slow
 def test_what_a_kick_changes_at_once_is_magnified() -> None:
     """The rate of a wheel of 80 g times its damping over its mass is an acceleration."""
     car = draws.Drawn(0, "QuarterCar", {"unsprung_mass": 0.08}, 0.4, "mean")
@@ -142,21 +145,25 @@ def test_what_counts_as_rest_or_as_a_jump_goes_with_the_units(seed: int) -> None
     assert symmetries.units(symmetries.case(draws.draw(seed))) == 0.0
 
 
+@pytest.mark.slow
 def test_a_curved_tyre_in_flight_touches_down_when_its_force_says_so() -> None:
     """Steps in flight are long, their force is no quintic, and a corner of the spring comes soon."""
     assert judging.examine(draws.draw(1425))["failures"] == []
 
 
+@pytest.mark.slow
 def test_a_step_is_not_continued_over_a_point_of_another_table() -> None:
     """To the point of a damper's table, 15 us after one of a tyre's, both beyond the step's end."""
     assert judging.examine(draws.draw(992), "1e-08")["failures"] == []
 
 
+@pytest.mark.slow
 def test_a_step_that_ends_on_a_switch_passes_no_other_one() -> None:
     """A rate of 1e-10 m/s reaches zero later than expected, and a gap closes before that."""
     assert judging.examine(draws.draw(4837), "symmetries")["failures"] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("seed", "only"),
     [

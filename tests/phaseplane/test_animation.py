@@ -25,6 +25,7 @@ def drawing() -> Drawing:
     return construct_motion(ap57(lift_off=False), step=STEP, steps=6)
 
 
+@pytest.mark.slow
 def test_a_gif_tells_the_story_and_does_not_give_the_end_away(
     drawing: Drawing, tmp_path: Path
 ) -> None:
@@ -48,6 +49,7 @@ def test_a_gif_tells_the_story_and_does_not_give_the_end_away(
     assert all(differ)  # each stage differs from the one before
 
 
+@pytest.mark.slow
 def test_a_gif_shows_the_arm_of_the_turn_angles(
     drawing: Drawing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -59,6 +61,7 @@ def test_a_gif_shows_the_arm_of_the_turn_angles(
     assert any({item.role for item in page.items} == {"arc"} for page in drawn)
 
 
+@pytest.mark.slow
 def test_a_gif_keeps_the_colours_of_what_is_drawn_late(drawing: Drawing, tmp_path: Path) -> None:
     shown: set[str] = set()
     with Image.open(animation(drawing, tmp_path / "a.gif")) as moving:
@@ -74,6 +77,7 @@ def test_a_gif_keeps_the_colours_of_what_is_drawn_late(drawing: Drawing, tmp_pat
     assert shown == {"normal", "projection", "excitation", "successor", "trail"}
 
 
+@pytest.mark.slow
 def test_what_is_there_stays_when_writing_fails(drawing: Drawing, tmp_path: Path) -> None:
     target = tmp_path / "a.gif"
     target.write_bytes(b"before")
@@ -92,6 +96,7 @@ def test_mp4_without_ffmpeg_is_refused(drawing, tmp_path, monkeypatch) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_what_ffmpeg_says_is_passed_on(drawing, tmp_path, monkeypatch) -> None:
     program = tmp_path / "ffmpeg"
     program.write_text("#!/bin/sh\ncat > /dev/null; echo 'no encoder' >&2; exit 1\n")
@@ -119,6 +124,7 @@ def test_mp4(drawing: Drawing, tmp_path: Path) -> None:
     assert pictures[0].mean() > 200.0  # light
 
 
+@pytest.mark.slow
 def test_a_storyboard_has_a_picture_for_each_stage(drawing: Drawing) -> None:
     figure = storyboard(drawing, 3, title="A bump")
     stages = drawing.schemes[drawing.frames[3].scheme].stages
@@ -134,6 +140,7 @@ def test_a_storyboard_has_a_picture_for_each_stage(drawing: Drawing) -> None:
     assert sum(lines.get_gid() == "arc" for lines in arm.collections) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("equation", [False, True])
 def test_the_texts_of_a_storyboard_fit_their_pictures(*, equation: bool, drawing: Drawing) -> None:
     """Neighbours would run into each other, and letters be placed for type of another size."""
@@ -151,6 +158,7 @@ def test_the_texts_of_a_storyboard_fit_their_pictures(*, equation: bool, drawing
         assert other.bbox.x0 - one.bbox.x1 > 0.15 * figure.dpi
 
 
+@pytest.mark.slow
 def test_the_heading_of_a_narrow_storyboard_is_on_the_paper(drawing: Drawing) -> None:
     words = "A quarter car over a bump that is 5 cm high, with a wheel that lifts off"
     figure = storyboard(drawing, 3, title=words, look=Look(width=0.085))

@@ -20,6 +20,7 @@ def panel(sheet: Figure, title: str) -> Axes:
     return next(axes for axes in sheet.axes if axes.get_title() == title)
 
 
+@pytest.mark.slow
 def test_every_kind_has_a_panel_with_units(sheet: Figure) -> None:
     titles = [axes.get_title() for axes in sheet.axes]
     assert len(set(titles)) == len(titles) == 12

@@ -38,6 +38,7 @@ def exact(function, start: tuple[float, float], end: float) -> np.ndarray:
     return solve_ivp(slope, (0.0, end), start, method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
 
 
+@pytest.mark.slow
 def test_van_der_pol_ends_on_its_limit_cycle():
     """Amplitude and period at mu = 1: 2.00861986..., 6.66328686... (from within and from without)."""
     for start in (0.3, 3.5):

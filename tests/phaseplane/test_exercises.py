@@ -74,6 +74,7 @@ def law_of(text: str, plane: EquationPlane):
     return law
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
 @pytest.mark.parametrize(
     "text",

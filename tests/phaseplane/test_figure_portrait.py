@@ -32,6 +32,7 @@ def words(figure: Figure) -> list[str]:
     return [text.get_text() for text in figure.legends[0].get_texts()]
 
 
+@pytest.mark.slow
 def test_the_pendulum_shows_saddles_centre_and_energies() -> None:
     system = PhaseSystem(lambda v, x, t: sin(x))
     figure = portrait(compute_portrait(system, good_window(system, 3.0)), title="A pendulum")
@@ -46,6 +47,7 @@ def test_the_pendulum_shows_saddles_centre_and_energies() -> None:
     assert figure.get_suptitle() == "A pendulum"
 
 
+@pytest.mark.slow
 def test_van_der_pol_shows_its_cycle_in_a_window_that_holds_it() -> None:
     system = PhaseSystem(lambda v, x, t: (x * x - 1.0) * v + x)
     made = compute_portrait(system, good_window(system, 3.0))
@@ -64,6 +66,7 @@ def test_van_der_pol_shows_its_cycle_in_a_window_that_holds_it() -> None:
     assert curves(figure, "energy") == []
 
 
+@pytest.mark.slow
 def test_the_section_of_a_forced_oscillator_ends_on_its_fixed_point() -> None:
     """x'' + 0.4 x' + x = cos 2t: the motion of the excitation's period in closed form."""
     system = PhaseSystem(lambda v, x, t: 0.4 * v + x)
@@ -82,6 +85,7 @@ def test_the_section_of_a_forced_oscillator_ends_on_its_fixed_point() -> None:
     assert not figure.axes[0].collections  # no field, no curves: they would be those of one instant
 
 
+@pytest.mark.slow
 def test_arrows_point_along_the_motion_as_it_is_drawn() -> None:
     system = PhaseSystem(lambda v, x, t: sin(x))
     figure = portrait(compute_portrait(system, good_window(system, 3.0)))
@@ -96,6 +100,7 @@ def test_arrows_point_along_the_motion_as_it_is_drawn() -> None:
         assert along @ drawn > 0.999 * np.hypot(*along) * np.hypot(*drawn)
 
 
+@pytest.mark.slow
 def test_isoclines_carry_their_slopes_and_curves_the_sense_of_time() -> None:
     """Strokes have the slope of their isocline; arrows point right where x' is positive."""
     system = PhaseSystem(lambda v, x, t: (x * x - 1.0) * v + x)
@@ -119,6 +124,7 @@ def test_isoclines_carry_their_slopes_and_curves_the_sense_of_time() -> None:
         assert (x1 - x0) * (v0 + v1) > 0.0
 
 
+@pytest.mark.slow
 def test_labels_of_isoclines_keep_apart() -> None:
     """The isoclines of x'' = x'^3 - x lie close together on both sides."""
     window = Window(-3.75, 3.75, -3.75, 3.75)
@@ -157,6 +163,7 @@ def test_a_title_breaks_between_its_parts() -> None:
     assert figure.get_suptitle().split("\n")[1].replace("\u00a0", " ") == f"{formula}   (m = 1)"
 
 
+@pytest.mark.slow
 def test_every_basin_of_a_pendulum_has_curves() -> None:
     system = PhaseSystem(lambda v, x, t: 0.2 * v + np.sin(x))
     window = window_of(system, 3.0)

@@ -40,6 +40,7 @@ def test_a_number_and_a_text_are_a_family_of_curves() -> None:
     assert axes.get_ylabel() == "travel [mm]"
 
 
+@pytest.mark.slow
 def test_a_few_values_of_a_second_number_are_a_family_too_and_many_a_map() -> None:
     speed, few = gridded(SPEEDS, [500.0, 1000.0])
     quantities = {"speed": ("m/s", speed), "rate": ("N.s/m", few)}

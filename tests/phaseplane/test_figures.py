@@ -273,6 +273,7 @@ def test_a_panel_without_columns_is_left_out():
     assert len(time_histories(columns).axes) == 2
 
 
+@pytest.mark.slow
 def test_energies_have_a_panel():
     energies = {f"{name}_energy": TIMES for name in ("kinetic", "stored", "dissipated", "supplied")}
     panel = time_histories({**histories(), **energies}).axes[3]
@@ -303,6 +304,7 @@ def test_histories_that_cannot_be_drawn_are_refused(columns, message):
 # Writing.
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("suffix", "beginning"), [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".PDF", b"%PDF")]
 )
@@ -341,6 +343,7 @@ def test_what_is_there_stays_when_writing_fails(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == [target]
 
 
+@pytest.mark.slow
 def test_pyplot_and_its_global_state_stay_out():
     code = "import sys; from phaseplane.figures import *; print('matplotlib.pyplot' in sys.modules)"
     found = subprocess.run(
@@ -421,6 +424,7 @@ def calls_of(function) -> int:
     return count
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("draw", [phase_planes, construction_sheet])
 def test_pictures_of_long_motions_cost_in_proportion(draw):
     def oscillator(steps):
@@ -434,6 +438,7 @@ def test_pictures_of_long_motions_cost_in_proportion(draw):
     assert work[1] < 5.0 * work[0]
 
 
+@pytest.mark.slow
 def test_points_of_a_motion_that_has_not_begun_share_a_number():
     """At rest until t = 1: eleven points at the origin, then one by one."""
     waiting = EquationPlane(lambda v, x, t: x - max(0.0, t - 1.0))

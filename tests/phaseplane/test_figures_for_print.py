@@ -44,6 +44,7 @@ def words(figure: object) -> set[str]:
     return {text.get_text() for text in figure.findobj(Text)}  # type: ignore[attr-defined]
 
 
+@pytest.mark.slow
 def test_a_figure_is_as_wide_as_the_column(drawing: Drawing, tmp_path: Path) -> None:
     """With its heading or without, which takes room above only."""
     figure = figures.phase_planes(drawing, look=Look(width=0.085))
@@ -59,6 +60,7 @@ def test_a_figure_is_as_wide_as_the_column(drawing: Drawing, tmp_path: Path) -> 
     assert figures.figure14(drawing, look=Look(width=0.085)).get_figwidth() < 3.4
 
 
+@pytest.mark.slow
 def test_pdf_has_truetype_fonts_and_svg_has_texts(drawing: Drawing, tmp_path: Path) -> None:
     figure = figures.phase_planes(drawing, title="A bump")
     made = save(figure, tmp_path / "f.pdf").read_bytes()
@@ -168,6 +170,7 @@ def test_black_curves_over_time_are_told_apart_by_their_markers(drawing: Drawing
     assert all(len(line.get_xdata()) < 41 * line.get_markevery() for line in lines)
 
 
+@pytest.mark.slow
 def test_a_narrow_sheet_numbers_some_of_its_points(drawing: Drawing) -> None:
     numbers = {}
     for width in (0.3, 0.085):
@@ -188,6 +191,7 @@ def test_formulas_have_the_type_of_the_figure(drawing: Drawing) -> None:
     assert {text.get_math_fontfamily() for text in figure.findobj(Text)} == {"dejavuserif"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [None, 0.17, 0.085])
 def test_captions_of_a_storyboard_are_below_their_pictures(width, drawing: Drawing) -> None:
     figure = figures.storyboard(drawing, 8, look=Look(width=width))
@@ -255,6 +259,7 @@ def test_figure_3_has_a_triangle_similar_to_that_of_the_normal() -> None:
     assert width > 0.4 * height
 
 
+@pytest.mark.slow
 def test_a_font_without_subscripts_borrows_them(drawing: Drawing, tmp_path: Path) -> None:
     figure = figures.phase_planes(drawing, look=Look(font="STIXGeneral"))
     made = save(figure, tmp_path / "f.pdf").read_bytes()  # a missing glyph is warned of

@@ -96,6 +96,7 @@ cars = st.builds(
 modes = st.sampled_from(["contact", "front_flight", "rear_flight", "flight"])
 
 
+@pytest.mark.slow
 @given(cars, modes, st.builds(Window, st.floats(0.0, 0.2), st.floats(1e-4, 0.01)))
 def test_projection_gives_the_feet_of_the_formulas(one, mode, window):
     """The feet of all normals against -y''/Omega^2 from AP57 eq. 1 solved for the accelerations."""
@@ -170,6 +171,7 @@ def test_the_march_follows_an_independent_solution_with_lift_off_on_both_axles(g
     assert errors[0] / errors[1] == pytest.approx(4.0, abs=1.0)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
 def test_a_rule_converges_with_its_order(rule):
     """Over a bump too low to leave; the reference is an exact solution of the same car."""

@@ -81,6 +81,7 @@ from phaseplane.recording.columns import legible, rgba
 from phaseplane.recording.motion import pages_of
 
 
+@pytest.mark.slow
 @given(
     low=st.floats(-100.0, 0.0),
     span=st.floats(1e-3, 100.0),
@@ -335,6 +336,7 @@ def test_a_long_motion_stays_smooth_in_a_story() -> None:
     assert len(past) + len(recent) < 12_000
 
 
+@pytest.mark.slow
 @given(st.lists(st.complex_numbers(max_magnitude=1e3), min_size=2, max_size=200), st.integers(2, 9))
 @example([2e-313, 0j, 0j], 2)
 def test_a_thinned_curve_has_few_vertices_and_both_ends(points: list[complex], most: int) -> None:

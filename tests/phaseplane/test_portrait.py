@@ -145,6 +145,7 @@ def test_van_der_pols_limit_cycle(mu: float, amplitude: float, period: float) ->
     assert cycle.curve[:, 0].max() == pytest.approx(amplitude, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_cycle_that_repels_is_found_too_and_a_focus_has_none() -> None:
     backwards = PhaseSystem(lambda v, x, t: (1.0 - x * x) * v + x)
     (cycle,) = limit_cycles(backwards, WIDE)
@@ -153,6 +154,7 @@ def test_a_cycle_that_repels_is_found_too_and_a_focus_has_none() -> None:
     assert limit_cycles(linear(1.0, 0.1), WIDE) == []
 
 
+@pytest.mark.slow
 def test_a_cycle_of_known_multiplier() -> None:
     """x'' + (x^2 + x'^2 - 1) x' + x = 0 has the unit circle; its multiplier is exp(-int 2 x'^2 dt)."""
     system = PhaseSystem(lambda v, x, t: (x * x + v * v - 1.0) * v + x)
@@ -248,6 +250,7 @@ def test_isoclines_of_a_whole_portrait_have_slopes_of_the_windows_shape() -> Non
         assert -9.0 * x / v == pytest.approx(6.0 * wanted, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_repelling_cycle_is_the_attracting_one_backwards() -> None:
     """Van der Pol's of both signs; a small distance from it grows by exp(-integral of df/dv)."""
     window = Window(-3.0, 3.0, -4.0, 4.0)

@@ -58,6 +58,7 @@ def test_the_steps_are_of_fourth_order_forwards_and_backwards() -> None:
         assert errors[1] / errors[2] > 13.0
 
 
+@pytest.mark.slow
 def test_a_turn_of_the_cubic_spring_takes_its_time() -> None:
     """x'' + x^3 = 0 from rest at a: period 4 K(1/2) / a = Gamma(1/4)^2 / (sqrt(pi) a)."""
     starts = np.array([0.5, 1.0, 3.0])
@@ -185,6 +186,7 @@ def van_der_pol(mu: float) -> tuple[float, float]:
     return float(states[-1][0]), float(times[-1] - times[-2])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mu", "sense"),
     [
@@ -217,6 +219,7 @@ def radial(*radii: float, power: int = 1, size: float = 1.0) -> PhaseSystem:
     return of(function)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("radii", "size", "attracts"),
     [
@@ -240,6 +243,7 @@ def test_close_cycles_are_told_apart(
     assert [c.period for c in found] == pytest.approx([2.0 * pi] * len(radii), abs=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "radius", [1.0, *(pytest.param(r, marks=pytest.mark.slow) for r in (0.98765, 2.5))]
 )
@@ -250,6 +254,7 @@ def test_a_cycle_that_attracts_from_one_side_is_found_and_said(radius: float) ->
     assert not cycle.attracts
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "function",
     [
@@ -267,6 +272,7 @@ def test_what_has_no_limit_cycle(function: Callable[[Any, Any], Any]) -> None:
     assert limit_cycles(of(function), Window(-12.0, 12.0, -4.0, 4.0)) == []
 
 
+@pytest.mark.slow
 def test_a_cycle_around_three_equilibria_is_found_once() -> None:
     """Van der Pol's damping in a double well."""
     found = limit_cycles(of(lambda v, x: 0.3 * (x * x - 1.0) * v - x + x**3), WIDE)
@@ -278,6 +284,7 @@ def test_a_cycle_around_three_equilibria_is_found_once() -> None:
 # -- what is drawn -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_system_that_dissipates_is_not_drawn_by_its_energy() -> None:
     for function in (lambda v, x: x + v**3, lambda v, x: x + x * x * v):
         made = compute_portrait(of(function), WIDE)
@@ -309,6 +316,7 @@ def test_integral_curves_end_at_the_border_or_at_rest() -> None:
     assert gone[:, 0] ** 2 - gone[:, 1] ** 2 == pytest.approx(0.25, abs=1e-5)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "text", ["x - v^3", "0.08*tan(0.2*x) - 0.6*v^5", "x + 0.002*v", "x - v*x^2"]
 )
@@ -366,6 +374,7 @@ def test_a_stop_as_hard_as_a_rail_does_not_flatten_a_portrait() -> None:
     assert window_of(hard, 3.0).top < 10.0 * window_of(soft, 3.0).top
 
 
+@pytest.mark.slow
 def test_a_driven_system_is_drawn_frozen_on_demand_alone() -> None:
     system = PhaseSystem(lambda v, x, t: 0.2 * v + x - np.cos(2.0 * t), period=pi)
     made = compute_portrait(system, WIDE, periods=30)
@@ -379,6 +388,7 @@ def test_a_driven_system_is_drawn_frozen_on_demand_alone() -> None:
     assert [at.x for at in still.equilibria] == pytest.approx([0.5])
 
 
+@pytest.mark.slow
 def test_a_driven_system_that_dissipates_nothing_keeps_all_its_points() -> None:
     """Linear, without damping: ellipses in the section, by the difference from the forced motion."""
     w = 0.7320508
@@ -392,6 +402,7 @@ def test_a_driven_system_that_dissipates_nothing_keeps_all_its_points() -> None:
     assert np.ptp(rows, axis=0).max() < 1e-4
 
 
+@pytest.mark.slow
 def test_what_leaves_every_window_ends_there() -> None:
     system = of(lambda v, x: -(x**3) - v**3)
     made = compute_portrait(system, WIDE)
@@ -399,6 +410,7 @@ def test_what_leaves_every_window_ends_there() -> None:
     assert inf not in [c.multiplier for c in made.cycles]
 
 
+@pytest.mark.slow
 def test_a_window_ends_before_a_pole_and_holds_the_motions_from_its_starts() -> None:
     planet = of(lambda v, x: 1.0 / x**2 - 0.75 / x**3)
     window = window_of(planet, 3.0, [(0.5, 0.0), (0.75, 0.0)])
@@ -440,6 +452,7 @@ def test_a_window_holds_limit_cycles_and_starts() -> None:
     assert window.top == -window.bottom == pytest.approx(12.5)
 
 
+@pytest.mark.slow
 def test_no_place_of_a_portrait_is_empty() -> None:
     fast = of(lambda v, x: 0.25 * np.sin(2.0 * x) * v**2 / (1.25 - 0.25 * np.cos(2.0 * x)))
     for system in (fast, of(lambda v, x: 10.0 * (x**2 - 1.0) * v + x)):
@@ -483,6 +496,7 @@ def test_curves_of_constant_energy_keep_apart() -> None:
     assert apart.min() > 0.05
 
 
+@pytest.mark.slow
 def test_a_window_ends_at_a_pole_across_the_plane() -> None:
     damped = of(lambda v, x: np.exp(x) - 1.0 + np.tan(v))
     window = window_of(damped, 3.0)

@@ -184,6 +184,7 @@ def test_figure_8_turns_the_planes_in_opposite_senses() -> None:
     assert order["successor"] > order["trail"]  # or nothing of the step would be seen
 
 
+@pytest.mark.slow
 def test_figure_13_has_the_lines_of_points_0_to_20(grounded: Drawing) -> None:
     figure = figures.figure13(grounded)
     assert len(strips(figure, "normal")) == 2 * 20
@@ -195,6 +196,7 @@ def test_figure_13_has_the_lines_of_points_0_to_20(grounded: Drawing) -> None:
     assert "21 to 60 along the curves" in figure.texts[0].get_text()
 
 
+@pytest.mark.slow
 def test_figure_13_of_a_long_motion_numbers_some_points() -> None:
     drawing = construct_motion(ap57(lift_off=False), rule_named("tangent"), step=STEP, steps=500)
     figure = figures.figure13(drawing)

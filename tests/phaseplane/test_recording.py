@@ -407,6 +407,7 @@ def test_detail_decides_what_is_logged(tmp_path: Path, detail: str) -> None:
     assert len(recorded.rows["/sheet/trail/wheel_displacement/recent"]) == 60
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
 def test_figure_7_with_lift_off(tmp_path: Path, rule: Rule) -> None:
     figure = construct_motion(ap57(), rule, step=0.0025, steps=60)
@@ -429,6 +430,7 @@ def test_figure_7_with_lift_off(tmp_path: Path, rule: Rule) -> None:
         assert {part.split("/")[0] for part in drawn} == {each.scheme}
 
 
+@pytest.mark.slow
 def test_normals_of_figure_7(tmp_path: Path) -> None:
     figure = construct_motion(ap57(lift_off=False), delta, step=0.0025, steps=20)
     record(figure, tmp_path / "f.rrd")

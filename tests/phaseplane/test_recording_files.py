@@ -92,6 +92,7 @@ def test_recordings_of_one_scene_are_listed_by_rule_and_step(tmp_path: Path) -> 
     assert entry.static["/__properties"]["RecordingInfo:name"] == ["rule delta, step 2.5 ms"]
 
 
+@pytest.mark.slow
 def test_a_frame_costs_at_most_two_kilobytes(tmp_path: Path) -> None:
     sizes = []
     for steps in (200, 400):
@@ -204,6 +205,7 @@ def test_unusable_drawings(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_several_recordings_come_with_their_list(path: Path, tmp_path: Path) -> None:
     with_list(path, tmp_path / "f.rrd")
     panels = [

@@ -53,6 +53,7 @@ def listening(port: int | None) -> str:
     raise AssertionError(f"nothing listens on port {port}")
 
 
+@pytest.mark.slow
 def test_a_file_is_complete_in_the_end(tmp_path: Path) -> None:
     with Live(BEFORE, path=tmp_path / "live.rrd", patience=HANGS) as live:
         drive(live)

@@ -94,6 +94,7 @@ def test_a_live_run_shows_nothing_that_is_still_to_come(tmp_path: Path) -> None:
     assert fps * speed == speed == 1.0  # the story, once it is there, is not over in two seconds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("live", [True, False])
 def test_a_viewer_is_shown_all_that_a_file_has(tmp_path: Path, *, live: bool) -> None:
     """After a live run, or at once: vehicle, plots and lanes on every timeline."""
@@ -223,6 +224,7 @@ def test_a_run_is_seen_in_the_planes_of_the_construction(tmp_path: Path) -> None
     np.testing.assert_allclose([row["t"] for row in rows], TIME[1:], atol=1e-9)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("view", VIEWS)
 def test_a_view_that_is_not_wanted_is_not_logged(tmp_path: Path, view: str) -> None:
     columns = {**MOTION, "kinetic_energy": TIME}
@@ -274,6 +276,7 @@ def test_lanes_show_what_changes(tmp_path: Path) -> None:
     assert not any(path.startswith("/lanes") for path in calm.rows)
 
 
+@pytest.mark.slow
 def test_lanes_show_the_whole_time_and_leave_the_type_of_the_sheet_its_size(tmp_path: Path) -> None:
     shown = replace(content(), histories=MOTION, vehicle=QUARTER)
     made = recorded(tmp_path, shown)
@@ -292,6 +295,7 @@ def test_lanes_show_the_whole_time_and_leave_the_type_of_the_sheet_its_size(tmp_
             assert page.view.half.real * scale > 0.47 * wide
 
 
+@pytest.mark.slow
 def test_turn_angles_stand_beside_the_vehicle(tmp_path: Path) -> None:
     made = recorded(tmp_path, replace(content(), histories=MOTION, vehicle=QUARTER))
     names = {path: row["ViewBlueprint:display_name"][0] for path, row in made.layout
@@ -312,6 +316,7 @@ def test_the_curves_of_a_plot_are_named(tmp_path: Path, axles: int, *, named: bo
     assert legend == [named]
 
 
+@pytest.mark.slow
 def test_many_points_of_a_construction_do_not_hide_the_curves(tmp_path: Path) -> None:
     motion = {"time": TIME, "wheel_displacement": TIME}
     few, many = (
@@ -390,6 +395,7 @@ def test_names_of_many_planes_above_lanes_are_not_cut_off() -> None:
     assert not cut
 
 
+@pytest.mark.slow
 def test_names_of_planes_in_three_rows_are_clear_of_the_planes_above() -> None:
     pairs = tuple((f"x{k}_displacement", f"x{k}_velocity") for k in range(15))
     columns = {"time": TIME, **{name: 4.12 * np.sin(20 * TIME) for pair in pairs for name in pair}}

@@ -28,6 +28,7 @@ frames = st.builds(
 )
 
 
+@pytest.mark.slow
 @given(made=st.lists(frames, max_size=12), cut=st.slices(12))
 def test_frames_come_back_as_they_were(made: list[Frame], cut: slice) -> None:
     stored = StoredFrames(made)
@@ -43,6 +44,7 @@ def test_frames_come_back_as_they_were(made: list[Frame], cut: slice) -> None:
     assert pickle.loads(pickle.dumps(stored)) == made
 
 
+@pytest.mark.slow
 @given(made=st.lists(frames, min_size=1, max_size=12), chosen=st.lists(names, max_size=3))
 def test_columns_are_those_of_the_frames(made: list[Frame], chosen: list[str]) -> None:
     stored = StoredFrames(made)[::-1]

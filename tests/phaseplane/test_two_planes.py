@@ -128,6 +128,7 @@ def test_projection_gives_the_feet_of_the_formulas(car, window):
         assert points["D2"].imag == -car.plane_distance
 
 
+@pytest.mark.slow
 @given(cars, windows)
 def test_points_lie_on_the_lines_that_give_them(car, window):
     points = car.points("contact", car.initial, window)
@@ -276,6 +277,7 @@ def test_what_stays_on_the_sheet():
     )
 
 
+@pytest.mark.slow
 @given(st.tuples(scale, scale), st.floats(0.1, 1.0))
 def test_the_motion_does_not_depend_on_the_sheet(scales, distance):
     other = ap57(plane_scales=scales, plane_distance=distance)

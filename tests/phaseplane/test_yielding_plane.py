@@ -72,6 +72,7 @@ def test_a_rule_converges_with_its_order(rule):
     assert errors[0] / errors[1] == pytest.approx(2.0**rule.order, rel=0.25)
 
 
+@pytest.mark.slow
 def test_hardening_and_many_reversals_agree_with_the_integrator():
     load = roads.table([(0.25 * k, 11.0 * (-1.0) ** k) for k in range(1, 13)])
     one = frame_of(load=load, hardening=800.0, permanent_set=2e-4)

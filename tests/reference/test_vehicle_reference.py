@@ -52,6 +52,7 @@ def airborne(solution: Solution) -> np.ndarray:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("may_leave", [True, False])
 def test_the_equations_of_the_paper_hold_in_its_own_units(may_leave: bool) -> None:
     """AP57 eqs. 14 and 29 with the numbers of section 8, kgf, cm and s."""
@@ -99,6 +100,7 @@ def test_the_worked_example_has_its_known_numbers() -> None:
     assert after == pytest.approx(-100.0 * KGF * around.velocities[2, 1], rel=1e-5)
 
 
+@pytest.mark.slow
 def test_blow_off_case_switches_sixteen_times() -> None:
     elements = [switch.element for switch in solved("ap57_blow_off").switches if switch.time]
     assert {name: elements.count(name) for name in elements} == {"damper": 14, "tyre": 2}
@@ -109,6 +111,7 @@ def largest_difference(one: Solution, other: Solution) -> float:
     return float(np.abs(one.displacements - other.displacements).max()) / one.peak
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("car", "wrong"),
     [
@@ -136,6 +139,7 @@ def test_a_wrong_parameter_shows(car: dict[str, Any], wrong: dict[str, Any]) -> 
     assert largest_difference(quarter_car(car, times), quarter_car({**car, **wrong}, times)) > 3e-6
 
 
+@pytest.mark.slow
 def test_blow_off_by_limits_and_by_table_are_one_law() -> None:
     limits = {
         "damper.rebound_limit": 60.0 * KGF,
@@ -153,6 +157,7 @@ def test_blow_off_by_limits_and_by_table_are_one_law() -> None:
     assert largest_difference(quarter_car(limits, times), by_table) < 1e-12
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("tyre_damping", [0.0, 980.665])
 @pytest.mark.parametrize("contact", ["gap", "force"])
 @pytest.mark.parametrize("shape", ["bump", "obstacle", "sine"])

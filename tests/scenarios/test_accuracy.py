@@ -171,6 +171,7 @@ def test_a_construction_is_read_at_the_wanted_instants() -> None:
         project_solvers.drawn("delta", Workbench(PROBLEMS["full_car"](), bench.true), 1e-3)
 
 
+@pytest.mark.slow
 def test_the_fmu_gives_what_the_integrator_gives() -> None:
     problem = of_model("car", "", "non-smooth", "QuarterCar", {}, 0.1, 20)
     bench = Workbench(problem, truth(problem))
@@ -266,6 +267,7 @@ def test_bad_input_is_one_line(arguments: tuple[str, ...], words: str) -> None:
 # -- the picture ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_solvers_have_their_packages_colour_and_legends_room() -> None:
     """Many solvers: no look is used twice, no colour in two packages, and no entry covers another."""
     names = [("extrapolated", "incremental"), ("extrapolated, order 4", "incremental"),

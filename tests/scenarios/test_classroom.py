@@ -101,6 +101,7 @@ def test_what_the_page_cannot_draw_it_says_in_a_line(change: dict[str, str], mes
     assert "\n" not in told["error"]
 
 
+@pytest.mark.slow
 def test_the_page_needs_the_standard_library_alone() -> None:
     """A browser has no numpy, click and the like for it."""
     program = """

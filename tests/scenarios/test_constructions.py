@@ -60,6 +60,7 @@ def parameters_of(model: str, road: dict) -> dict:
     return checked_parameters(model, {**road, **extra})
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("road", ROADS, ids=lambda r: r.get("road.shape", "bump"))
 @pytest.mark.parametrize("model", MODELS)
 def test_every_model_is_constructed_on_any_road(model, road):
@@ -363,6 +364,7 @@ def test_the_rules_held_against_the_exact_motion():
     assert "integrator" not in table.stdout
 
 
+@pytest.mark.slow
 def test_rules_that_cannot_be_drawn():
     refused = phaseplane("rules", "ap57", "--set", "construction.step=1 s")
     assert refused.exit_code == 2
@@ -375,6 +377,7 @@ def test_rules_that_cannot_be_drawn():
     assert "integrator: equilibrium" in lost.stdout
 
 
+@pytest.mark.slow
 def test_a_recording_does_without_a_construction_that_there_is_not(tmp_path: Path) -> None:
     """Dry friction at two axles has none; figures that need one are refused before anything is run."""
     settings = ["front.friction=50", "show.figures=[]", "show.recording=trail", "duration=0.1"]

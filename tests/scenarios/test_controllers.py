@@ -172,6 +172,7 @@ def test_a_woken_controller_acts_where_a_sampled_one_tends_to():
     assert late[0] > 1e-3 > late[1] > 1e-4 > late[2] > 0.0
 
 
+@pytest.mark.slow
 def test_a_construction_does_not_pass_for_a_run_under_a_controller(tmp_path):
     """It has no actuator: a recording of the run shows the planes of the run, a figure says so."""
     settings = ["duration=0.05 s", 'show.recording="stages"', "show.figures=[]"]
@@ -184,6 +185,7 @@ def test_a_construction_does_not_pass_for_a_run_under_a_controller(tmp_path):
     assert not summary["drawn"]["drift"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["portrait", "modes"])
 def test_what_is_of_the_model_alone_says_so(command):
     told = phaseplane_command(command, "skyhook", "--json")

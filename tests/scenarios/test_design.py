@@ -38,6 +38,7 @@ def study(text, name="study.toml"):
     return name
 
 
+@pytest.mark.slow
 def test_the_stiffness_of_least_settling_time_is_that_of_a_scan(folder):
     found = phaseplane.optimise(
         study('minimise = "rms.body_displacement"\n[vary]\n'
@@ -56,6 +57,7 @@ def test_the_stiffness_of_least_settling_time_is_that_of_a_scan(folder):
     assert again.measures["rms.body_displacement"] == pytest.approx(value, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_bounds_are_kept_and_the_trade_off_falls(folder):
     found = phaseplane.optimise(study(
         'minimise = "rms.body_acceleration"\nagainst = "dynamic_load_coefficient"\n[vary]\n'
@@ -76,6 +78,7 @@ def test_bounds_are_kept_and_the_trade_off_falls(folder):
     assert {"runs.csv", "scene.toml", "study.png", "summary.json"} == set(found.summary["files"])
 
 
+@pytest.mark.slow
 def test_a_trade_off_of_peaks_is_one_of_their_magnitudes(folder):
     """Along this one, the largest acceleration changes its direction."""
     found = phaseplane.optimise(study(
@@ -90,6 +93,7 @@ def test_a_trade_off_of_peaks_is_one_of_their_magnitudes(folder):
     assert np.abs(np.diff(sizes)).max() < 0.4 * np.ptp(sizes)
 
 
+@pytest.mark.slow
 def test_no_run_lies_beyond_the_trade_off_that_is_drawn(folder, monkeypatch):
     drawn = {}
     plain = figures.pareto
@@ -110,6 +114,7 @@ def test_no_run_lies_beyond_the_trade_off_that_is_drawn(folder, monkeypatch):
     assert (np.diff(y) < 0).all()
 
 
+@pytest.mark.slow
 def test_what_cannot_be_met_is_said(folder):
     name = study('minimise = "rms.body_acceleration"\n[vary]\n'
                  "damper.rebound_rate = { from = 300, to = 6000 }\n"
@@ -163,6 +168,7 @@ def interrupted_after(calls):
     return progress
 
 
+@pytest.mark.slow
 def test_a_search_that_was_interrupted_ends_where_another_does(folder):
     name = study(
         'minimise = "rms.body_acceleration"\nagainst = "dynamic_load_coefficient"\n[vary]\n'
@@ -310,6 +316,7 @@ def test_settings_of_a_search_are_refused_with_their_limit(folder, search, words
         phaseplane.optimise(study(text.format(*(("", search) if table else (search, "")))))
 
 
+@pytest.mark.slow
 def test_a_search_without_a_terminal_tells_its_tenths(folder, monkeypatch):
     monkeypatch.setattr(console, "_TELL_AFTER", -1.0)
     name = study('minimise = "suspension_travel"\n[vary]\nspeed = { from = 1, to = 5 }\n' + SEARCH)

@@ -186,6 +186,7 @@ def test_pandas_shares_the_memory(bump):
     assert frame.attrs["units"]["body_velocity"] == "m/s"
 
 
+@pytest.mark.slow
 def test_xarray_shares_the_memory(bump):
     pytest.importorskip("xarray")
     data = bump.to_xarray()
@@ -193,6 +194,7 @@ def test_xarray_shares_the_memory(bump):
     assert data["body_velocity"].attrs == {"units": "m/s"}
 
 
+@pytest.mark.slow
 def test_pictures_are_shown_and_saved(bump, tmp_path):
     for k, picture in enumerate((
         bump.figure(), bump.figure("phase_planes"), bump.plot("contact_force"),
@@ -228,6 +230,7 @@ def test_examples():
     assert doctest.testmod(module).failed == 0
 
 
+@pytest.mark.slow
 def test_other_fmus_run_themselves(tmp_path):
     from phaseplane.vehicle_fmus.build import build  # noqa: PLC0415
 
@@ -241,6 +244,7 @@ def test_scene_errors_are_input_errors():
     assert issubclass(SceneError, InputError)
 
 
+@pytest.mark.slow
 def test_tables_are_read_with_their_units(bump, tmp_path):
     table = phaseplane.read(bump.write(tmp_path / "out"))
     assert table.units == bump.units
@@ -250,6 +254,7 @@ def test_tables_are_read_with_their_units(bump, tmp_path):
     assert (rig.units, rig["a"][0]) == ({"t": "s", "a": "m/s2"}, 0.5 * 9.80665)
 
 
+@pytest.mark.slow
 def test_a_script_can_sweep_in_several_processes(tmp_path):
     """Its main module has no guard, so the processes must not run it again."""
     (tmp_path / "speeds.toml").write_text(

@@ -172,6 +172,7 @@ def test_curves_are_lettered_at_their_starts_and_named_after_their_coordinate(
     assert "auxiliary curve (of x)" in legend
 
 
+@pytest.mark.slow
 def test_a_sweep_varies_a_named_parameter(pendulum: str, tmp_path: Path) -> None:
     plan = tmp_path / "frictions.toml"
     plan.write_text(
@@ -186,6 +187,7 @@ def test_a_sweep_varies_a_named_parameter(pendulum: str, tmp_path: Path) -> None
     assert abs(peaks[0]) > abs(peaks[1]) > abs(peaks[2])
 
 
+@pytest.mark.slow
 def test_the_portrait_of_friction_shows_where_it_can_rest(pendulum: str) -> None:
     told = phaseplane("portrait", pendulum, "--json")
     assert told.exit_code == 0, told.output
@@ -195,6 +197,7 @@ def test_the_portrait_of_friction_shows_where_it_can_rest(pendulum: str) -> None
     assert "R = 2.5" in shown["title"]
 
 
+@pytest.mark.slow
 def test_the_portrait_has_the_curves_of_the_starts(
     pendulum: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

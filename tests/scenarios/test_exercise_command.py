@@ -55,6 +55,7 @@ def answers(folder: Path, change: int | None = None) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_the_help_names_the_folder_that_is_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -64,6 +65,7 @@ def test_the_help_names_the_folder_that_is_written(
     assert {path.name for path in (tmp_path / "out/exercises/van_der_pol").iterdir()} == FILES
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", ["van_der_pol", "h83_example23", "ap57"])
 def test_no_text_of_a_sheet_covers_another(scene: str) -> None:
     loaded = load_scene(scene, ["construction.step=0.1 s"] if scene != "ap57" else [])
@@ -84,6 +86,7 @@ def test_no_text_of_a_sheet_covers_another(scene: str) -> None:
             assert min(across, up) < 2.0, (one, other)  # pixels
 
 
+@pytest.mark.slow
 def test_an_exercise_is_a_folder_of_sheets_in_true_scale(folder: Path) -> None:
     assert {path.name for path in folder.iterdir()} == FILES
     for name in ("sheet.pdf", "marking.pdf"):
@@ -93,6 +96,7 @@ def test_an_exercise_is_a_folder_of_sheets_in_true_scale(folder: Path) -> None:
     assert again.exit_code == 0, again.output
 
 
+@pytest.mark.slow
 def test_readings_are_marked_from_the_students_own_points(folder: Path, tmp_path: Path) -> None:
     right = called("van_der_pol", *SETTINGS, "--mark", answers(folder))
     assert right.exit_code == 0, right.output
@@ -106,6 +110,7 @@ def test_readings_are_marked_from_the_students_own_points(folder: Path, tmp_path
     assert (tmp_path / "marked" / "marked.pdf").read_bytes().startswith(b"%PDF")
 
 
+@pytest.mark.slow
 def test_two_planes_are_drawn_to_scale_on_a3(tmp_path: Path) -> None:
     done = called("ap57", "--paper", "A3", "-o", tmp_path / "out", "--json")
     assert done.exit_code == 0, done.output
@@ -152,6 +157,7 @@ def faultless(made: exercises.Exercise) -> list[str]:
     return lines
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     ("scene", "steps"),
     [("leaf_spring", 10), ("kerb", 10), ("stiff_stop", 20), ("passenger_car", 10)],
@@ -176,6 +182,7 @@ def test_a_scene_in_which_nothing_moves_has_no_exercise() -> None:
     assert "nothing to construct: within 20 s no 10 steps move" in refused.stderr
 
 
+@pytest.mark.slow
 def test_a_switch_divides_its_step_and_adds_a_point() -> None:
     """The steps asked for are those of the scene, as many as their time holds."""
     scene = load_scene("leaf_spring")
@@ -197,6 +204,7 @@ def test_points_that_are_missing_are_said(tmp_path: Path) -> None:
     assert "point   4  missing, and all up to 10" in told.output
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", ["van_der_pol", "ap57", "half_car_rigid_tyres"])
 def test_texts_of_a_marking_sheet_are_on_it_and_not_on_each_other(scene: str) -> None:
     made = exercises.exercise(load_scene(scene), 8, "A4")

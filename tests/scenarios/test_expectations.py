@@ -98,6 +98,7 @@ def against(tmp_path: Path, fmu: Path, columns: dict[str, np.ndarray], more: str
     return run(scene(tmp_path, fmu, said)).summary["expectations"][-1]
 
 
+@pytest.mark.slow
 def test_a_reference_has_the_rows_the_time_and_the_columns_of_the_run(
     tmp_path: Path, fmu: Path
 ) -> None:

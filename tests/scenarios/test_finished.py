@@ -66,6 +66,7 @@ def test_results_stand_before_the_first_picture_is_drawn(run: Callable[..., Resu
     assert summary()["undrawn"] == []
 
 
+@pytest.mark.slow
 def test_an_interrupt_while_drawing_keeps_what_is_complete(run: Callable[..., Result]) -> None:
     def draw(name: str, path: Path) -> None:
         path.write_bytes(b"half a picture")
@@ -96,6 +97,7 @@ def test_a_picture_that_fails_costs_itself_alone(run: Callable[..., Result]) -> 
     assert summary()["undrawn"] == PICTURES[:1]
 
 
+@pytest.mark.slow
 def test_nothing_is_added_to_the_results_of_another_run(run: Callable[..., Result]) -> None:
     def draw(name: str, path: Path) -> None:
         path.write_bytes(b"picture")
@@ -113,6 +115,7 @@ def test_nothing_is_added_to_the_results_of_another_run(run: Callable[..., Resul
     assert summary()["title"] == "other"
 
 
+@pytest.mark.slow
 def test_an_interrupted_process_says_so_and_ends_with_its_status(fmu: Path) -> None:
     code = (
         "import signal\n"

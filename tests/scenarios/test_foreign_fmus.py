@@ -70,6 +70,7 @@ def test_its_units_and_rates_are_read(foreign: Path) -> None:
     assert found.rates == (("h", "w"),)
 
 
+@pytest.mark.slow
 def test_its_recording_has_every_output_and_the_plane(
     foreign: Path,
     tmp_path: Path,
@@ -85,6 +86,7 @@ def test_its_recording_has_every_output_and_the_plane(
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_planes_are_drawn_and_recorded(foreign: Path) -> None:
     planes = ["--plane", "h,w", "--plane", "s,F"]
     result = phaseplane("run", str(foreign), *planes, "--set", "duration=0.2 s", "--json")

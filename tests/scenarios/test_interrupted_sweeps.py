@@ -148,6 +148,7 @@ def test_an_interrupt_waits_for_the_run_under_way_alone(monkeypatch: pytest.Monk
     assert len(journal.read_text().splitlines()) == 1 + 3
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="not on this platform: no signal masks")
 def test_a_process_that_only_starts_survives_ctrl_c(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path

@@ -25,6 +25,7 @@ def by_name(told: dict[str, Any]) -> dict[str, dict[str, Any]]:
     return {rung["name"]: rung for rung in told["rungs"]}
 
 
+@pytest.mark.slow
 def test_uncoupled_axles_are_two_quarter_cars(tmp_path: Path) -> None:
     """With M3 = 0 the error is the integrator's; with M3 far from 0 it is not."""
     text = f'fmu="HalfCar"\nduration="2 s"\n[show]\noutput_interval="4 ms"\n[parameters]\n{SMOOTH}'

@@ -76,6 +76,7 @@ def test_a_run_is_announced_to_the_viewer_once() -> None:
     assert rows.count == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("saved", [(), ("--save", "live.rrd")])
 def test_a_viewer_that_is_not_there_costs_the_drawing_only(saved: tuple[str, ...]) -> None:
     url = "rerun+http://127.0.0.1:1/proxy"
@@ -175,6 +176,7 @@ def test_a_run_in_this_process_is_watched_in_its_time_too(scene: str) -> None:
     assert seen == list(range(1, len(made.columns["time"]) + 1))
 
 
+@pytest.mark.slow
 def test_any_fmu_with_a_plane_of_its_own() -> None:
     assert phaseplane("build", "OneDof", "-o", ".").exit_code == 0
     result = phaseplane("run", "OneDof.fmu", "--plane", PAIR, "--set", "show.views=['planes']")
@@ -276,6 +278,7 @@ def test_units_of_declared_types_are_known() -> None:
     assert _variable(scalar).unit == "m/s"
 
 
+@pytest.mark.slow
 def test_a_saved_recording_is_told() -> None:
     result = phaseplane("run", "ap57", "--save", "x.rrd", "--json", *BARE)
     assert result.exit_code == 0, result.stderr

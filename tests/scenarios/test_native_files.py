@@ -35,6 +35,7 @@ def invoked(*arguments: str) -> tuple[int, str, str]:
     return done.exit_code, done.stdout, done.stderr
 
 
+@pytest.mark.slow
 def test_it_is_known_as_a_model_of_the_package(car: Path) -> None:
     found = find_fmu(str(car))
     assert found.is_ours

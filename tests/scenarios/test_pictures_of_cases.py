@@ -338,6 +338,7 @@ def test_no_line_strikes_the_name_of_an_axis(name: str) -> None:
                     assert not Boxes(*np.array([box.centre, box.half])).inside(starts, ends).any()
 
 
+@pytest.mark.slow
 def test_a_construction_with_a_stiff_stop_follows_its_run() -> None:
     """It has no travel beyond its stops: 40 mm in bump and 60 mm in rebound, where the stop gives way."""
     drawing = drawing_of("stiff_stop")
@@ -401,6 +402,7 @@ def test_the_arm_of_the_turn_angles_is_for_the_normals_of_most_steps(name: str) 
     assert np.quantile(normals, 0.98) < length < 5.0 * np.quantile(normals, 0.995)
 
 
+@pytest.mark.slow
 def test_events_of_a_kind_that_are_close_together_share_a_letter() -> None:
     """A car that jumps leaves the road six times at about the same place of its plane."""
     stays, *_ = pages_of(Content("crest_jump", drawing_of("crest_jump", 3.0)))
@@ -411,6 +413,7 @@ def test_events_of_a_kind_that_are_close_together_share_a_letter() -> None:
         assert one.text != other.text or abs(one.point - other.point) >= 3.0 * stays.em
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "told"), [("stiff_stop", True), ("ap57", False)])
 def test_it_is_said_if_a_body_from_its_forces_drifts(name: str, told: bool) -> None:
     drawing = drawing_of(name, 10.0)

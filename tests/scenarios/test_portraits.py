@@ -17,6 +17,7 @@ def of_equation(equation: str, *arguments: str) -> Result:
     return phaseplane("portrait", "van_der_pol", "--set", f"equation={equation}", *arguments)
 
 
+@pytest.mark.slow
 def test_van_der_pols_cycle_told_and_drawn(tmp_path: Path) -> None:
     path = tmp_path / "cycle.svg"
     done = phaseplane("portrait", "van_der_pol", "--figure", str(path), "--json")
@@ -30,6 +31,7 @@ def test_van_der_pols_cycle_told_and_drawn(tmp_path: Path) -> None:
 DUFFING = "0.2*v - x + x^3 - 0.1*cos(1.2*t)"
 
 
+@pytest.mark.slow
 def test_a_driven_equation_shows_its_section_and_nothing_that_is_frozen() -> None:
     done = of_equation(DUFFING, "--json")
     told = json.loads(done.stdout)
@@ -46,6 +48,7 @@ def test_a_driven_equation_shows_its_section_and_nothing_that_is_frozen() -> Non
     assert words.count("attractor    motion with a period of one forcing period, at ") == 2
 
 
+@pytest.mark.slow
 def test_a_mass_on_a_moving_belt_rests_where_friction_stretches_its_spring() -> None:
     """x = R, which is a point of the grid but for rounding; and zero is told as 0."""
     told = of_equation("x + 0.3*sign(v - 0.5)").stdout
@@ -76,6 +79,7 @@ def test_an_angle_is_known_by_its_equation(f: str, turns: bool) -> None:
     assert subject.system.turn == (2.0 * pi if turns else 0.0)
 
 
+@pytest.mark.slow
 def test_sections_through_switches_take_fewer_periods() -> None:
     """Motions with switches are followed one by one; beyond F = 4 R / pi this one grows for ever."""
     told = json.loads(of_equation("x + 0.3*sign(v) - 0.5*cos(t)", "--json").stdout)
@@ -83,6 +87,7 @@ def test_sections_through_switches_take_fewer_periods() -> None:
     assert told["section"]["attractors"] == []
 
 
+@pytest.mark.slow
 def test_a_driven_equation_is_frozen_on_demand() -> None:
     told = of_equation(DUFFING, "--frozen", "0 ms").stdout
     assert "frozen at t = 0 s" in told
@@ -90,6 +95,7 @@ def test_a_driven_equation_is_frozen_on_demand() -> None:
     assert "section" not in told
 
 
+@pytest.mark.slow
 def test_a_damped_pendulum_ends_in_its_foci() -> None:
     told = of_equation("0.2*v + sin(x)", "--window", "-10", "10", "-4", "4").stdout
     assert told.count("stable focus") == 3
@@ -109,6 +115,7 @@ def test_an_equation_that_is_not_real_everywhere_has_a_portrait(tmp_path: Path) 
     assert done.stderr == ""
 
 
+@pytest.mark.slow
 def test_a_vehicle_on_waves_shows_its_section(tmp_path: Path) -> None:
     scene = tmp_path / "waves.toml"
     scene.write_text(
@@ -157,6 +164,7 @@ def test_what_has_no_portrait(arguments: tuple[str, ...], said: str) -> None:
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.slow
 def test_loads_that_are_left_out_are_said(tmp_path: Path) -> None:
     scene = tmp_path / "rig.toml"
     rig = """duration = 1.0

@@ -50,6 +50,7 @@ def test_where_the_end_tells_all_one_communication_step_serves() -> None:
     assert bounded.communication_step == bounded.show.output_interval
 
 
+@pytest.mark.slow
 def test_the_fmu_gives_what_the_model_gives_to_the_bit(fmu: Path) -> None:
     scene = scene_of(fmu, "show.outputs=all", "show.output_interval=3.7 ms")
     results = run(scene)
@@ -188,6 +189,7 @@ def test_an_interrupted_equation_keeps_its_rows() -> None:
     assert results.columns["time"][-1] <= results.stopped["time"] <= parts[-1] * scene.duration
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "changes"),
     [("skyhook", []), ("full_car", ["duration=60 s", "parameters.solver.step=1e-4"])],

@@ -52,6 +52,7 @@ def test_published_values_reach_the_parameters() -> None:
     assert p["road.length"] / p["speed"] == pytest.approx(0.05, rel=1e-15)
 
 
+@pytest.mark.slow
 def test_every_case_is_a_scene_of_the_title_listed() -> None:
     assert {"ap57", "ap57_figure13"} <= set(case_names())
     for name, title in case_titles().items():

@@ -63,6 +63,7 @@ def test_what_is_no_table_is_refused_with_its_line(tmp_path, text, words):
         read_table(file)
 
 
+@pytest.mark.slow
 def test_all_columns_are_drawn(folders):
     columns, _ = read_table(Path("a/results.csv"))
     time = columns.pop("time")
@@ -89,6 +90,7 @@ def test_small_lengths_are_shown_in_centimetres_or_millimetres():
     assert list(plane.lines[0].get_xdata()) == [0.0, 4.0]
 
 
+@pytest.mark.slow
 def test_several_runs_and_planes_are_drawn(folders):
     assert phaseplane("show", "a", "b", "--figure", "runs.png").exit_code == 0
     Path("further").mkdir()
@@ -127,6 +129,7 @@ def test_measures_stand_side_by_side(folders):
     assert "measure" in phaseplane("compare", "a", "b").stdout
 
 
+@pytest.mark.slow
 def test_histories_of_a_half_car_show_both_axles():
     run = desk.run("half_car_pitch", duration=0.5)
     figure = figure_of("time_histories", None, run.results)
@@ -233,6 +236,7 @@ def test_the_legend_names_every_run_though_a_panel_may_have_but_one():
     assert lines == {"-", "--"}
 
 
+@pytest.mark.slow
 def test_many_columns_are_at_most_three_side_by_side():
     time = [0.0, 1.0]
     name = "front_left_suspension_deflection_rate"
@@ -251,6 +255,7 @@ def test_histories_show_a_motion_that_is_no_body_or_wheel():
     assert "driver displacement" in labels
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "command",
     [

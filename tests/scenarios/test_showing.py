@@ -13,6 +13,7 @@ from phaseplane.scenarios.errors import InputError
 SHORT = ["construction.duration=20 ms"]
 
 
+@pytest.mark.slow
 def test_a_figure_is_shown_as_a_picture() -> None:
     shown = show("ap57", SHORT, "storyboard", at_step=3, headed=False)
     assert isinstance(shown, Picture)
@@ -21,6 +22,7 @@ def test_a_figure_is_shown_as_a_picture() -> None:
     assert show("ap57", SHORT, width="85 mm").figure.get_figwidth() == pytest.approx(8.5 / 2.54)
 
 
+@pytest.mark.slow
 def test_an_animation_is_in_the_page() -> None:
     shown = show("van_der_pol", ["construction.duration=1 s"], "animation")
     assert isinstance(shown, Page)

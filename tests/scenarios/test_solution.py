@@ -66,6 +66,7 @@ def test_measures_do_not_depend_on_the_output_interval(case: str, tmp_path: Path
             assert value == pytest.approx(found[1][name], rel=close), name
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("case", ["speed_bump", "plank", "kerb", "end_stop_impact"])
 def test_against_a_solution_a_hundred_times_as_fine(case: str) -> None:
     """Session by session, with nothing of what finds the places to look at."""
@@ -167,6 +168,7 @@ def test_what_comes_by_default_does_not_contradict_itself(tmp_path: Path) -> Non
     assert coarse["measured"]["interval"] == 1e-3
 
 
+@pytest.mark.slow
 def test_the_drift_of_a_construction_does_not_depend_on_the_output_interval() -> None:
     overrides = ["show.figures=[]", "show.recording=steps", "duration=0.15 s"]
     drawn = [

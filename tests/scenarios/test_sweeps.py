@@ -172,6 +172,7 @@ def test_a_sweep_says_that_it_runs_uncompiled(
     assert json.loads(Path("out/sweeps/sweep/summary.json").read_text())["uncompiled"] != compiled
 
 
+@pytest.mark.slow
 def test_rows_are_what_runs_by_hand_give() -> None:
     result = phaseplane("sweep", str(written(GRID)), "--workers", "2")
     assert result.exit_code == 0, result.stderr
@@ -296,6 +297,7 @@ def test_what_has_no_fmu_is_not_swept_through_one(scene: str, words: str) -> Non
     assert f"{words} runs in-process: leave out --through fmu" in refused.stderr
 
 
+@pytest.mark.slow
 def test_parquet_and_refusals(monkeypatch: pytest.MonkeyPatch) -> None:
     from pyarrow import parquet  # noqa: PLC0415
 
@@ -330,6 +332,7 @@ def test_a_picture_that_cannot_be_drawn_is_told(monkeypatch: pytest.MonkeyPatch)
 # -- folders ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_sweep_and_a_run_of_one_name_keep_their_folders() -> None:
     Path("car.toml").write_text(SCENE)
     Path("sub").mkdir()
@@ -353,6 +356,7 @@ def test_a_sweep_and_a_run_of_one_name_keep_their_folders() -> None:
     assert Path("out/car/results.csv").exists()
 
 
+@pytest.mark.slow
 def test_files_of_one_name_in_two_folders_do_not_replace_each_others_results() -> None:
     for name in ("a", "b"):
         Path(name).mkdir()
@@ -378,6 +382,7 @@ def test_files_of_one_name_in_two_folders_do_not_replace_each_others_results() -
     assert phaseplane("run", "b/car.toml").exit_code == 0  # still the same file
 
 
+@pytest.mark.slow
 def test_equations_are_swept_too() -> None:
     text = """
     scene = "van_der_pol"

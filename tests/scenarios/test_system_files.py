@@ -43,6 +43,7 @@ def test_the_file_of_a_system_is_a_scene(folder):
     np.testing.assert_allclose(other["x_displacement"], 0.01 * np.cos(10.0 * other.time), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_its_fmu_gives_the_same_bits(folder):
     (path, *_) = build_models(["mass.toml"], folder / "fmus")
     assert path.name == "mass.fmu"
@@ -51,6 +52,7 @@ def test_its_fmu_gives_the_same_bits(folder):
         np.testing.assert_array_equal(column, theirs[name])
 
 
+@pytest.mark.slow
 def test_the_fmu_of_a_scene_starts_with_its_parameters(folder):
     Path("car.toml").write_text('fmu = "QuarterCar"\nduration = 0.3\n[parameters]\nspeed = 12\n')
     (path, *_) = build_models(["car.toml"], folder / "fmus")
@@ -61,6 +63,7 @@ def test_the_fmu_of_a_scene_starts_with_its_parameters(folder):
     )
 
 
+@pytest.mark.slow
 def test_a_sweep_varies_it_in_other_processes(folder):
     fmu = find_fmu("mass.toml")
     assert pickle.loads(pickle.dumps(fmu)) == fmu

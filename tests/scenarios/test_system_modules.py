@@ -85,6 +85,7 @@ def test_a_model_of_the_package_is_a_module_as_it_stands(folder):
         np.testing.assert_array_equal(column, own[name])
 
 
+@pytest.mark.slow
 def test_its_fmu_gives_the_same_bits(folder):
     (path, *_) = build_models(["two_masses.py"], folder / "fmus")
     ours, theirs = phaseplane.run("two_masses.py"), phaseplane.run(path, duration=0.5)
@@ -92,6 +93,7 @@ def test_its_fmu_gives_the_same_bits(folder):
         np.testing.assert_array_equal(column, theirs[name])
 
 
+@pytest.mark.slow
 def test_commands_take_it(folder):
     fmu = find_fmu("two_masses.py")
     assert pickle.loads(pickle.dumps(fmu)) == fmu
@@ -160,6 +162,7 @@ def test_a_module_needs_the_name_of_a_model(folder):
         load_scene("half_car.py")
 
 
+@pytest.mark.slow
 def test_parameters_that_make_rest_unstable_are_refused_wherever_they_come_from(folder):
     with pytest.raises(SceneError, match="rest is unstable"):
         load_scene("two_masses.py", ["rate=-3"])

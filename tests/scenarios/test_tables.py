@@ -68,6 +68,7 @@ def test_endings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         read_table(tmp_path / "x.h5")
 
 
+@pytest.mark.slow
 def test_a_long_csv_takes_little_memory(tmp_path: Path) -> None:
     """A million rows of 15 columns took half a gigabyte beside their 120 MB."""
     rows = 20_000

@@ -99,6 +99,7 @@ def test_more_runs_than_are_made_in_one_go(goes: list[list[Ended]]) -> None:
         assert told(outcome) == told(single)
 
 
+@pytest.mark.slow
 def test_a_pause_for_the_log_comes_when_it_comes_to_the_run_alone() -> None:
     """Fixed steps stop there to look about, and give up a run that takes too many."""
 

@@ -134,6 +134,7 @@ def test_a_monotone_table_wants_finite_numbers() -> None:
         law.monotone_table([(0.0, 0.0), (1.0, float("nan"))])
 
 
+@pytest.mark.slow
 @given(POINTS)
 def test_monotone_table_is_the_pchip_of_scipy(points: list[tuple[float, float]]) -> None:
     curve = law.monotone_table(points)

@@ -38,6 +38,7 @@ def test_right_characteristics_pass(name: str) -> None:
     assert check_characteristic(RIGHT[name], name) == []
 
 
+@pytest.mark.slow
 def test_the_cost_of_a_check_grows_as_the_points_of_a_table() -> None:
     """Counted in evaluations; it grew with their square, and a table of 20 000 took half an hour."""
     counts = []

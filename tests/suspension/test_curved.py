@@ -130,6 +130,7 @@ def swing(tolerance: float) -> tuple[int, int, float]:
     return integrator.step_count, len(integrator.log), np.abs(found - true).max() / 0.08
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
 def test_points_of_a_smooth_table_are_no_switches(tolerance: float) -> None:
     steps_taken, switches, error = swing(tolerance)
@@ -138,6 +139,7 @@ def test_points_of_a_smooth_table_are_no_switches(tolerance: float) -> None:
     assert error < 2.0 * tolerance
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("start", [0.08, 0.09])
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-5, 1e-6])
 def test_a_long_swing_through_a_smooth_table_is_as_right_as_on_a_cubic_spring(

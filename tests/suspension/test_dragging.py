@@ -74,6 +74,7 @@ def test_a_road_that_turns_while_the_mass_slips_drags_it_back(options: dict[str,
     assert slips[-2:] == [(-1, 1), (1, 0)]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("options", EVERY_METHOD)
 @pytest.mark.parametrize("saturated", [False, True])
 def test_what_sticks_follows_a_curved_road(options: dict[str, Any], saturated: bool) -> None:
@@ -94,6 +95,7 @@ def test_what_sticks_follows_a_curved_road(options: dict[str, Any], saturated: b
     assert found.switches == []
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("options", EVERY_METHOD)
 @pytest.mark.parametrize("per_slip", [0.3, 3.0, 40.0])
 @pytest.mark.parametrize("cubic", [0.0, 1e-9])
@@ -134,6 +136,7 @@ def test_a_slip_much_shorter_than_a_step_ends(
         assert found.instants() == pytest.approx([peak - half, peak + 2.0 * half], abs=1e-9)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("options", EVERY_METHOD)
 def test_a_load_that_moves_nothing_is_no_trouble_for_a_curved_spring(
     options: dict[str, Any],

@@ -68,6 +68,7 @@ def misses(seed: int) -> list[float]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seeds", [range(50), range(50, 100)], ids=str)
 def test_every_run_comes_to_its_end(seeds: range) -> None:
     for seed in seeds:

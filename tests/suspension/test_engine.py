@@ -83,6 +83,7 @@ def test_compiled_and_uncompiled_agree_to_the_bit(copy: Path, options: dict[str,
     assert uncompiled["columns"] == compiled["columns"]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not engine.compiled, reason="nothing compiled that could be stale")
 def test_a_compiled_file_of_other_sources_is_not_used(copy: Path) -> None:
     name = engine.kernel_name()

@@ -77,6 +77,7 @@ def test_extrapolated_steps_converge_at_their_order(order: int, first: float) ->
     assert slope == pytest.approx(order, abs=0.1 * order / 2)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("method", ["tangent", "mean", "equilibrium", "wilson", "extrapolated"])
 def test_a_smooth_nonlinear_spring_keeps_every_order(method: str) -> None:
     parameters = {"spring.cubic": 5e6, "damper.bump_rate": 1961.33, "lift_off": False}
@@ -202,6 +203,7 @@ def test_a_car_at_rest_stays_at_rest_to_the_bit() -> None:
     assert integrator.log == []
 
 
+@pytest.mark.slow
 def test_a_sudden_change_of_road_velocity_may_lift_the_wheel_at_once() -> None:
     # a sine that starts downwards at full slope: the damping force falls at the joint
     parameters = {"road.shape": "sine", "road.height": -0.5, "road.length": 2.0, "speed": 30.0}

@@ -124,6 +124,7 @@ def test_a_type_that_the_kernel_does_not_have_is_refused_with_its_line() -> None
         in_one("def f(\n    x: complex) -> int: ...")
 
 
+@pytest.mark.slow
 def test_no_class_has_more_attributes_than_a_reader_can_hold() -> None:
     trees = [ast.parse(path.read_text(encoding="utf-8")) for path in modules_in(KERNEL)]
     records = [record for module in declared(trees) for record in module.records.values()]

@@ -47,6 +47,7 @@ DAMPED: dict[str, tuple[Mapping[str, float], float]] = {
 }
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("contact", ["gap", "force"])
 @pytest.mark.parametrize("name", DAMPED)
 def test_strong_damping_and_light_wheels_keep_the_tolerance(name: str, contact: str) -> None:
@@ -70,6 +71,7 @@ READ: dict[str, tuple[Mapping[str, float], float]] = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-6])
 @pytest.mark.parametrize("name", READ)
 def test_between_steps_velocities_and_forces_keep_the_tolerance(

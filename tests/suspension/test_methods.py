@@ -93,6 +93,7 @@ def test_the_step_of_wilson_is_its_own_amplification_matrix() -> None:
         assert integrator.sample_v[0] == pytest.approx(v, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("parameters", [{}, {"spring.rate": 5e4, "lift_off": False}])
 def test_wilson_is_of_order_two(parameters: dict[str, object]) -> None:
     truth = reference.quarter_car(parameters, np.linspace(0.0, 0.4, 21))
@@ -114,6 +115,7 @@ def error(
     return float(np.abs(found - exact).max() / np.abs(exact).max())
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("parameters", [{}, STOPS, {"road.shape": "sine"}])
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-10])
 def test_exact_is_right_to_its_interpolant(parameters: dict[str, object], tolerance: float) -> None:

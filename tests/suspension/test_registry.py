@@ -181,6 +181,7 @@ print(json.dumps([checked, built]), file=sys.stderr)
 """
 
 
+@pytest.mark.slow
 def test_a_run_checks_a_value_where_it_enters_and_builds_its_system_once(tmp_path: Path) -> None:
     """It enters twice, the scene and the FMU; FMU, measures, planes and energies share a system."""
     done = subprocess.run(

@@ -305,6 +305,7 @@ POINTS = (
 )
 
 
+@pytest.mark.slow
 @given(POINTS, st.sampled_from([("natural", "natural"), ("level", "clamped")]))
 def test_spline_is_that_of_scipy(points: list[tuple[float, float]], ends: tuple[str, str]) -> None:
     speed, start = 2.0, 0.7
@@ -428,6 +429,7 @@ def octave_ratios(road_class: str, line: str, seeds: range) -> np.ndarray:
     return np.array([ratio[(n >= a) & (n < b)].mean() for a, b in pairwise(octaves)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("road_class", "seeds"), [("A", range(8)), ("C", range(100, 108))])
 def test_spectral_density_lies_on_the_line_of_the_class(road_class: str, seeds: range) -> None:
     # classes are a factor of 4 apart and so 2 from their limits: an octave may be 30 % off, all 10 %

@@ -104,6 +104,7 @@ def test_fixed_steps_have_order_two(method: str) -> None:
     assert coarse / fine == pytest.approx(4.0, rel=0.02)
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(series=st.floats(2.0, 8.0), damping=st.floats(0.0, 6.0))
 def test_soft_and_stiff_springs_in_series(series: float, damping: float) -> None:

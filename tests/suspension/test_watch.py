@@ -267,6 +267,7 @@ def test_a_million_fixed_steps_keep_an_undamped_amplitude() -> None:
     assert 0.9 < energy < 1.1
 
 
+@pytest.mark.slow
 def test_what_would_take_for_ever_is_refused_soon() -> None:
     """A motion a million times faster than the run is long."""
     parameters = {"unsprung_mass": 1e-12}

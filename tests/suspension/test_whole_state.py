@@ -88,6 +88,7 @@ def test_it_goes_on_to_the_bit_from_a_hundred_instants(
         assert again.log == log[len(log) - len(again.log) :]
 
 
+@pytest.mark.slow
 def test_what_is_not_in_a_snapshot_follows_from_it() -> None:
     """Of all numbers of the kernel, uncompiled, none keeps a trace of what was before a restore."""
     integrator = _KERNELS[0]

@@ -64,10 +64,12 @@ def test_other_start_values_give_another_guid(quarter_car_fmu: Path, tmp_path: P
     assert guid(heavier) != guid(quarter_car_fmu)
 
 
+@pytest.mark.slow
 def test_other_sources_give_another_guid(quarter_car_fmu: Path, changed_fmu: Path) -> None:
     assert guid(changed_fmu) != guid(quarter_car_fmu)
 
 
+@pytest.mark.slow
 def test_the_date_comes_from_outside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
     (fmu,) = build(["QuarterCar"], tmp_path)
@@ -92,6 +94,7 @@ def test_what_an_fmu_holds(model: str, fmus: dict[str, Path]) -> None:
     assert not [n for n, text in texts.items() if str(Path.cwd()) in text or "__pycache__" in n]
 
 
+@pytest.mark.slow
 def test_start_values_are_burned_in(tmp_path: Path, host: Any) -> None:
     given = {"sprung_mass": "300 kg", "lift_off": False, "road.shape": "sine"}
     (fmu,) = build(["QuarterCar"], tmp_path, parameters={"QuarterCar": given})
@@ -149,6 +152,7 @@ def test_a_failing_builder_leaves_the_old_file(
 # -- several versions in one process ---------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_each_fmu_runs_its_own_code(
     quarter_car_folder: str, changed_fmu: Path, tmp_path: Path, host: Any
 ) -> None:
@@ -198,6 +202,7 @@ print("all ran" if any(name.endswith(".trace") for name in sys.modules) else "no
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", ["OneDof", "Road"])
 def test_an_fmu_does_not_need_the_folder_of_another(
     first: str, folders: dict[str, str], tmp_path: Path
@@ -259,6 +264,7 @@ def bare_folder(quarter_car_folder: str, tmp_path: Path) -> Path:
     return Path(shutil.copytree(quarter_car_folder, tmp_path / "fmu"))
 
 
+@pytest.mark.slow
 def test_what_a_slave_imports_within_a_function_is_carried_too(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, expected: list[Any]
 ) -> None:
@@ -292,6 +298,7 @@ def test_the_standard_library_is_enough(bare_folder: Path, expected: list[Any]) 
     assert any("uncompiled" in text for text in told["log"]) != engine.compiled
 
 
+@pytest.mark.slow
 def test_without_binaries_the_sources_run(bare_folder: Path) -> None:
     as_packed = run_in_a_bare_python(bare_folder)
     shutil.rmtree(binaries_of(bare_folder), ignore_errors=True)
@@ -300,6 +307,7 @@ def test_without_binaries_the_sources_run(bare_folder: Path) -> None:
     assert any("uncompiled" in text for text in uncompiled["log"])
 
 
+@pytest.mark.slow
 def test_with_broken_binaries_the_sources_run(bare_folder: Path) -> None:
     as_packed = run_in_a_bare_python(bare_folder)
     binaries = binaries_of(bare_folder)
@@ -311,6 +319,7 @@ def test_with_broken_binaries_the_sources_run(bare_folder: Path) -> None:
     assert any("uncompiled" in text and "cannot be loaded" in text for text in broken["log"])
 
 
+@pytest.mark.slow
 def test_binaries_for_another_python_are_passed_over(bare_folder: Path) -> None:
     as_packed = run_in_a_bare_python(bare_folder)
     for file in list(binaries_of(bare_folder).glob("*.*")):

@@ -86,6 +86,7 @@ def in_python(
 # -- every host, watched -----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_fence_finds_what_is_mended(
     in_c: Any, fenced: Path, unmended: Path, quarter_car_folder: str, tmp_path: Path
 ) -> None:
@@ -208,6 +209,7 @@ except Exception:
 """
 
 
+@pytest.mark.slow
 def test_another_fmu_tells_fmpy_what_is_wrong_after_a_run_of_ours(quarter_car_fmu: Path) -> None:
     """FMPy gives the messages of all FMUs to the function that was given last: it must not be freed."""
     done = subprocess.run(

@@ -316,6 +316,7 @@ print("all freed")
 """
 
 
+@pytest.mark.slow
 def test_many_instances_refused_and_freed_in_one_process(quarter_car_folder: str) -> None:
     done = subprocess.run(
         [sys.executable, "-c", _MANY, quarter_car_folder],

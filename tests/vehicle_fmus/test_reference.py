@@ -61,6 +61,7 @@ def test_the_reference_is_what_independent_code_gives(packed: Path) -> None:
         assert np.abs(found - exact).max() < 1e-9 * np.abs(exact).max(), name
 
 
+@pytest.mark.slow
 def test_what_is_written(tmp_path: Path) -> None:
     files = {f.name for f in build(["QuarterCar", "Road"], tmp_path, references=True)}
     assert files == {

@@ -123,6 +123,7 @@ print(json.dumps(rows))
 """
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("model", AMID)
 @pytest.mark.parametrize("given", [{}, {"road__shape": "input"}])
 def test_another_process_continues_to_the_bit(

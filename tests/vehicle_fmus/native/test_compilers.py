@@ -17,6 +17,7 @@ def compiler(folder: Path, script: str) -> str:
     return str(program)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("script", "why"),
     [("echo no such thing >&2; exit 1", "no such thing"), ("exit 0", "it wrote no library")],

@@ -51,6 +51,7 @@ def same_as_fmi2(
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("events", [False, True], ids=["plain", "events"])
 @pytest.mark.parametrize("what", SWITCHING)
 def test_both_versions_give_the_same_bits(
@@ -182,6 +183,7 @@ def switches_of_contact(session: Session) -> list[tuple[float, str]]:
     ]
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("interval", [1e-3, 7e-3, 0.07, 0.7])
 def test_clocks_tick_at_the_located_instants(
     interval: float, native_fmu: Packer, tmp_path: Path
@@ -233,6 +235,7 @@ def test_a_contact_that_a_parameter_makes_is_an_event_at_once(
         assert host.value(name) == session.value(name)
 
 
+@pytest.mark.slow
 def test_stops_and_yielding_are_events(native_fmu: Packer, tmp_path: Path) -> None:
     what = "with stops, friction and a sampled road"
     fmu = native_fmu("QuarterCar", *STRUCTURES[what].settings.items(), fmi=3)
@@ -318,6 +321,7 @@ def test_a_host_looks_within_steps_and_may_return_there(native_fmu: Packer, tmp_
         assert host.value(name) == other.value(name)
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("events", [False, True])
 @pytest.mark.parametrize("early", [False, True])
 def test_fmpy_runs_it_with_and_without_events(

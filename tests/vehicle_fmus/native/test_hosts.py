@@ -200,6 +200,7 @@ print("undisturbed")
 """
 
 
+@pytest.mark.slow
 def test_fmus_of_all_kinds_do_not_disturb_each_other(
     native_fmu: Packer, python_fmu: Packer
 ) -> None:

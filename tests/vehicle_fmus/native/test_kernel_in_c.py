@@ -60,10 +60,12 @@ RUNS = {
 }
 
 
+@pytest.mark.slow
 def test_the_kernel_is_in_the_small_language() -> None:
     assert check(KERNEL) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "is_specialised",
     [

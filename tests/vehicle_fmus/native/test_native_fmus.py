@@ -23,6 +23,7 @@ from structures import STRUCTURES
 Packer = Callable[..., Path]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_all_variables_of_the_model_are_there(fmi: int, native_fmu: Packer) -> None:
     """Energies, too."""
@@ -32,6 +33,7 @@ def test_all_variables_of_the_model_are_there(fmi: int, native_fmu: Packer) -> N
     assert {"kinetic_energy", "stored_energy", "dissipated_energy"} <= found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["QuarterCar", "Elastoplastic"])
 def test_outputs_have_derivatives(
     what: str, native_fmu: Packer, slave: Any, tmp_path: Path
@@ -262,6 +264,7 @@ def test_a_logger_that_does_not_format_gets_the_whole_text(
     one.freeInstance()
 
 
+@pytest.mark.sampled
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize(
     ("elevation", "start", "why"),
@@ -306,6 +309,7 @@ def test_after_a_refused_step_no_output_looks_right(
     assert "damper.rebound_rate = -5" in capfd.readouterr().out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_errors_that_add_up_are_told_once_in_the_words_of_a_session(
     fmi: int, native_fmu: Packer, capfd: Any
@@ -347,6 +351,7 @@ def test_a_host_may_give_any_tolerance(
         assert "WARNING" in said[0]
 
 
+@pytest.mark.slow
 def test_what_is_fixed_is_declared_so(native_fmu: Packer) -> None:
     fmu = native_fmu("QuarterCar", ("friction", 50.0))
     found = {v.name: v for v in read_model_description(str(fmu)).modelVariables}

@@ -149,6 +149,7 @@ def compared(
             Pair(pair, model, free, random.Random(f"{what} {seed}")).run()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", QUICK)
 def test_both_kinds_give_the_same_bits(
     what: str, native_fmu: Packer, python_fmu: Packer, slave: Any, tmp_path: Path

@@ -100,6 +100,7 @@ def test_a_long_chain_of_operations_is_cut_into_statements() -> None:
     assert len(found.lines) < 40
 
 
+@pytest.mark.slow
 def test_a_random_road_is_set_up_by_loops() -> None:
     """Its spline of 960 points gives ten thousand numbers, and comparisons that need one message."""
     text = model_in_c("QuarterCar", {"road.shape": "random", "road.profile_length": 30.0}).text
@@ -111,6 +112,7 @@ def test_a_random_road_is_set_up_by_loops() -> None:
     assert guards.count("road.start, speed: ") == 1
 
 
+@pytest.mark.slow
 def test_what_follows_parameters_in_a_run_is_set_up_apart_from_the_road() -> None:
     text = model_in_c("QuarterCar", {"road.shape": "random", "road.profile_length": 30.0}).text
     change = text[text.index("static int set_up_what_changes(") : text.index("enter_fields(")]
@@ -119,6 +121,7 @@ def test_what_follows_parameters_in_a_run_is_set_up_apart_from_the_road() -> Non
     assert "for (" not in change
 
 
+@pytest.mark.slow
 def test_what_is_noted_before_steps_is_short_on_a_long_road() -> None:
     text = model_in_c("QuarterCar", {"road.shape": "random", "road.profile_length": 30.0}).text
     snapshot = text[text.index("typedef struct Snapshot {") : text.index("} Snapshot;")]

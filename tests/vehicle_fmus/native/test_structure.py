@@ -102,6 +102,7 @@ def on_random_road() -> str:
     return model_in_c("QuarterCar", given).text
 
 
+@pytest.mark.slow
 def test_every_constant_of_a_model_is_used(on_random_road: str) -> None:
     folder = Path(model_in_c.__code__.co_filename).parent / "c"
     text = on_random_road + "".join(file.read_text() for file in folder.glob("*.c"))
