@@ -365,8 +365,7 @@ OK = output("ok", "false once the run has failed; all other Real outputs are the
             start=True, reading=_run)  # fmt: skip
 
 SOLVER_OUTPUTS = (
-    output("energy_residual", "residual of the energy balance, at the end of the internal step", "J",
-           nominal=1e-3, reading=_run),
+    output("energy_residual", "residual of the energy balance", "J", nominal=1e-3, reading=_run),
     output("stable_step", "largest stable step of the incremental method for the current tangent "
             "(2 sqrt 3 / omega_max)", "s", display="ms", nominal=1e-3, reading=_run),
     output("step_count", "internal steps taken so far", start=0, reading=_run),

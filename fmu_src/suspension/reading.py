@@ -206,7 +206,8 @@ def _reader(reading: Reading, integrator: Integrator, run: Run) -> Read:
         case OfLedger(what):
             return lambda: getattr(run.energies(), what)
         case OfRun("energy_residual"):
-            return integrator.energy_residual
+            clock = run.clock
+            return lambda: integrator.energy_residual(clock.time)
         case OfRun("stable_step"):
             return integrator.stable_step
         case OfRun("step_count"):

@@ -391,11 +391,11 @@ class Session:
 
     def _note_switches(self, until: float = -inf) -> None:
         """Note the switches of the last steps; those of contact up to `until` are counted at once."""
-        log = self._integrator.take_log()
-        for time, element, kind, before, after in log:
-            name = self._system.elements[element].name
-            self.events.append(Event(time, name, KINDS[kind], before, after))
-            if element in self._tyre_elements and KINDS[kind] == "contact":
+        elements = self._system.elements
+        for time, element, kind, before, after in self._integrator.take_log():
+            name, what = elements[element].name, KINDS[kind]
+            self.events.append(Event(time, name, what, before, after))
+            if what == "contact" and element in self._tyre_elements:
                 self._run.contacts.note(time, element, after != 0)
                 if time <= until:
                     self._count_contacts(time)

@@ -67,7 +67,7 @@ class Account:
         for s in range(self.signals):
             self.carried[s] = self.supplied[s]
         self._look(integrator, integrator.state.time)
-        residual = integrator.energy_residual()
+        residual = integrator.ledger.residual()
         self.opening = dissipated + self.kinetic + self.stored - residual
 
     @open_to_python
@@ -78,7 +78,7 @@ class Account:
         dissipated follows from the balance: it is all work that no other entry contains.
         """
         self._look(integrator, time)
-        residual = integrator.energy_residual()
+        residual = integrator.ledger.residual()
         self.dissipated = self.opening - (self.kinetic + self.stored) + residual
         for s in range(self.signals):
             since = integrator.ledger.until[integrator.net.elements + s]
@@ -115,7 +115,7 @@ class Account:
             turned_over += fabs(integrator.ledger.kept[e])
         for k in range(integrator.ledger.works):
             turned_over += fabs(integrator.ledger.until[k])
-        off = fabs(integrator.energy_residual())
+        off = fabs(integrator.ledger.residual())
         tolerated = max(_DRIFT * integrator.stepper.errors.tolerance, _LEAST_DRIFT)
         if off <= tolerated * turned_over:
             return 0.0

@@ -125,7 +125,7 @@ class Filling:
             if status != 0:
                 return status
             if self.want_r:
-                residual = self.integrator.energy_residual()
+                residual = self.integrator.energy_residual(t)
                 self.out_r[before + self.filled] = residual
             at = before * self.n + self.filled
             if not (self.want_v or self.want_a or self.want_f):

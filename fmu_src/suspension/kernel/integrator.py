@@ -142,7 +142,7 @@ class Integrator(TimeLoop):
         counterpart : for each element of this integrator the number of the same element in the earlier
             one, or -1
         """
-        residual = earlier.energy_residual()
+        residual = earlier.energy_residual(UNBOUNDED)
         # springs in series are relaxed if there were others before
         same = self.n if earlier.n == self.n else self.net.series.outer
         self.net.set_datum(earlier.state.datum)
@@ -161,7 +161,7 @@ class Integrator(TimeLoop):
 
         The state is then that after `take_over` by a new integrator, but only the laws are read again.
         """
-        residual = self.energy_residual()
+        residual = self.energy_residual(UNBOUNDED)
         self.net.enter_elements(x, at)
         self._go_on(residual)
 
@@ -173,9 +173,9 @@ class Integrator(TimeLoop):
         self._begin()
         self.state.step_count, self.state.exchange = steps, exchange
         self.state.supplied = supplied
-        self.net.all_signals(self.state.time)
+        self.find_energies(UNBOUNDED)
         if self.energy:
-            self.ledger.carry_on(self.motion.q, self.motion.v, residual)
+            self.ledger.carry_on(residual)
 
     @of_python
     def set_signal(self, signal: int, coefficients: Numbers, jumps: bool = True) -> None:
@@ -369,12 +369,15 @@ class Integrator(TimeLoop):
         return self.net.memory.seen(self.reading.set, self.net.elements)
 
     @open_to_python
-    def energy_residual(self) -> float:
-        """Return the residual of the energy balance at the end of the last step, J; 0 without ledger."""
+    def energy_residual(self, t: float = UNBOUNDED) -> float:
+        """Return the residual of the energy balance at t in the last step, or at its end, J.
+
+        It is 0 without the ledger.
+        """
         if not self.energy:
             return 0.0
-        self.net.all_signals(self.state.time)
-        return self.ledger.residual(self.motion.q, self.motion.v)
+        self.find_energies(t)
+        return self.ledger.residual()
 
     @of_python
     def energies(self, t: float = UNBOUNDED) -> tuple[float, list[float], list[float], list[float]]:
@@ -394,8 +397,7 @@ class Integrator(TimeLoop):
     def find_energies(self, t: float) -> None:
         """Find the entries of the ledger at a time t within the last step, or at its end, in `ledger`."""
         if t >= self.dense.end:
-            for k in range(self.ledger.works):
-                self.ledger.until[k] = self.ledger.work[k]
+            self.ledger.find_all()
             self.net.all_signals(self.state.time)
             self.ledger.take_stock(self.motion.q, self.motion.v)
             return

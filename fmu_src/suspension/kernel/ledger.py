@@ -55,8 +55,9 @@ class Ledger:
         kept = self.state.memory
         self.work, self.brought = kept.zeros(self.works), kept.zeros(self.works)
         self.part = memory.zeros(self.works)
-        # the entries at the time last requested: kinetic energy, energy of each element, works until then
-        self.kinetic = 0.0
+        # the entries at the time last requested: kinetic energy, energy of each element, works until
+        # then, and what contact switches have exchanged
+        self.kinetic = self.exchanged = 0.0
         self.kept, self.until = memory.zeros(elements), memory.zeros(self.works)
         self.scratch = memory.zeros(self.net.n)
         # of each element: force at rest and damping of its dissipative part, and whether that is curved
@@ -117,6 +118,7 @@ class Ledger:
     def book(self) -> None:
         """Add the works of the last step, with its branches; leave the signals at its end."""
         h = self.dense.end - self.dense.start
+        self.state.exchange_in_step = self.state.exchange
         if h > 0.0 and self.moving:
             if self.net.stuck:
                 self._book_points()
@@ -263,20 +265,30 @@ class Ledger:
             self.until[i] = self.work[i] - self.part[i]
             if jumped:
                 self.until[i] -= self.brought[i]
+        self.exchanged = self.state.exchange_in_step
 
-    def residual(self, q: Doubles, v: Doubles) -> float:
-        """Return T + U + dissipated - supplied - exchanged at contact switches - initial: 0 if exact.
+    def find_all(self) -> None:
+        """Find the works up to the present time."""
+        for i in range(self.works):
+            self.until[i] = self.work[i]
+        self.exchanged = self.state.exchange
 
-        The state is q, v with the signals in `road`.
+    def residual(self) -> float:
+        """Return the residual at the time for which the entries were last found.
+
+        T + U + dissipated - supplied - exchanged at contact switches - initial; 0 if exact.
         """
-        return self._residual(self.potential.energy(q, v) - self.state.exchange)
+        stored = self.kinetic - self.exchanged
+        for e in range(self.net.elements):
+            stored += self.kept[e]
+        return self._balance(stored, self.until)
 
-    def _residual(self, stored: float) -> float:
+    def _balance(self, stored: float, works: Doubles) -> float:
         balance = stored - self.state.initial_energy
         for i in range(self.net.elements):
-            balance += self.work[i]
+            balance += works[i]
         for i in range(self.net.elements, self.works):
-            balance -= self.work[i]
+            balance -= works[i]
         return balance
 
     def check(self, q: Doubles, v: Doubles, exact: bool) -> int:
@@ -294,11 +306,11 @@ class Ledger:
         if stored > _TIMES * (initial + self.state.supplied) + _LEAST:
             return ENERGY_GROWS
         most = max(self.state.most_stored, self.state.supplied) + initial
-        if not (exact or fabs(self._residual(stored)) <= most + _LEAST):
+        if not (exact or fabs(self._balance(stored, self.work)) <= most + _LEAST):
             return OUT_OF_BALANCE
         return REACHED
 
-    def carry_on(self, q: Doubles, v: Doubles, residual: float) -> None:
-        """Continue the present balance from an earlier residual, J."""
-        change = self.residual(q, v) - residual
+    def carry_on(self, residual: float) -> None:
+        """Continue the balance for which the entries were last found from an earlier residual, J."""
+        change = self.residual() - residual
         self.state.initial_energy += change

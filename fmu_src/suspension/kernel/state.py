@@ -34,6 +34,7 @@ class KernelState:
         self.datum = 0.0  # from which displacements and roads are measured, m
         # energies, J: what contact switches have exchanged; what roads and loads have moved in or out
         self.exchange = self.supplied = 0.0
+        self.exchange_in_step = 0.0  # the same before the switches at the end of the last step
         self.initial_energy = self.most_stored = 0.0
         self.brought_at = -UNBOUNDED  # time of the last jump of a road, s
         # time at which a fixed step was first too long, and the stable step then, s
@@ -52,6 +53,7 @@ class KernelState:
         self.scale = scale
         self.proposal = 0.0
         self.grid_index = self.step_count = 0
+        self.exchange_in_step = 0.0
         self.brought_at = -UNBOUNDED
         self.in_step = True
         self.stalled = self.overruns = 0

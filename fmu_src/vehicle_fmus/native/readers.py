@@ -42,7 +42,7 @@ def outputs_in_c(model: str, system: System, tape: Tape) -> Expressions:
         return tape.given(text, 0.5, f"->{text}")
 
     integrator: Any = SimpleNamespace(
-        energy_residual=lambda: number_of("Integrator_energy_residual(of)"),
+        energy_residual=lambda time: number_of("Integrator_energy_residual(of, run->time)"),
         stable_step=lambda: number_of("Integrator_stable_step(of)"),
         step_count=number_of("(double) of->state->step_count"),
         limited_time_at=lambda e, time: number_of(
