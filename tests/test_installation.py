@@ -173,6 +173,7 @@ def test_every_module_of_the_kernel_is_compiled(installer: Any, kernel_source: A
     assert order.index("method") < order.index("extrapolated") < order.index("increments")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt" or not shutil.which("cc"), reason="no such compiler")
 def test_a_compiler_that_refuses_flags_of_gcc_compiles_without_them(
     installer: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -239,6 +240,7 @@ def test_the_pure_wheel_is_for_any_platform(pure_wheel: Path) -> None:
     assert pure_wheel.name.endswith("-py3-none-any.whl")
 
 
+@pytest.mark.slow
 def test_all_that_lies_in_the_packages_is_in_the_wheel(pure_wheel: Path) -> None:
     with zipfile.ZipFile(pure_wheel) as archive:
         names = {name for name in archive.namelist() if not name.endswith("/")}

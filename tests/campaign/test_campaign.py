@@ -22,7 +22,7 @@ HERE = Path(__file__).resolve().parent
 HUNDREDS = 300
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("model", make_drawn.SYSTEMS)
 def test_the_truth_is_that_of_programs_that_share_nothing_with_it(model: str) -> None:
     """The stored motions, in which everything acts, by exponentials and by DOP853."""

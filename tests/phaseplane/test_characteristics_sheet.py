@@ -28,6 +28,7 @@ def test_every_kind_has_a_panel_with_units(sheet: Figure) -> None:
     assert {axes.get_xlabel() for axes in sheet.axes} == {"deflection [mm]", "rate [m/s]"}
 
 
+@pytest.mark.slow
 def test_curves_are_those_of_the_laws(sheet: Figure) -> None:
     curve = panel(sheet, "saturating damper").get_lines()[2]
     x, force = curve.get_data()

@@ -89,6 +89,7 @@ def test_projection_gives_the_feet_of_the_formulas(one, window):
         assert points[f"D{n}"].imag == points[f"H{n}"].imag == points[f"Q{n}"].imag
 
 
+@pytest.mark.slow
 @given(cars)
 def test_lines_lie_between_the_axes_for_either_sign(one):
     first, second = one.lines.distances

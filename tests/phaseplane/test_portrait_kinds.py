@@ -316,7 +316,7 @@ def test_integral_curves_end_at_the_border_or_at_rest() -> None:
     assert gone[:, 0] ** 2 - gone[:, 1] ** 2 == pytest.approx(0.25, abs=1e-5)
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text", ["x - v^3", "0.08*tan(0.2*x) - 0.6*v^5", "x + 0.002*v", "x - v*x^2"]
 )

@@ -174,6 +174,7 @@ def test_figure_4a_takes_the_mean_of_both_normals() -> None:
     assert hidden(figure) == []
 
 
+@pytest.mark.slow
 def test_figure_8_turns_the_planes_in_opposite_senses() -> None:
     drawing = construct_motion(ap57(lift_off=False), rule_named("tangent"), step=STEP, steps=60)
     figure = figures.figure8(drawing)

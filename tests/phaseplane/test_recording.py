@@ -126,6 +126,7 @@ def test_views_show_what_is_there(recorded: Recorded) -> None:
     assert {"/" + origin.split("/")[1] for origin in views.values()} - {"/"} <= paths
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("every", [1, 7, 20])  # rows; the later ones miss the steps with events
 def test_contact_has_a_lane_on_every_timeline(tmp_path: Path, every: int) -> None:
     histories = {name: column[::every] for name, column in HISTORIES.items()}
@@ -407,7 +408,7 @@ def test_detail_decides_what_is_logged(tmp_path: Path, detail: str) -> None:
     assert len(recorded.rows["/sheet/trail/wheel_displacement/recent"]) == 60
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
 def test_figure_7_with_lift_off(tmp_path: Path, rule: Rule) -> None:
     figure = construct_motion(ap57(), rule, step=0.0025, steps=60)

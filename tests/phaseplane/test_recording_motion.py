@@ -224,7 +224,7 @@ def test_a_run_is_seen_in_the_planes_of_the_construction(tmp_path: Path) -> None
     np.testing.assert_allclose([row["t"] for row in rows], TIME[1:], atol=1e-9)
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("view", VIEWS)
 def test_a_view_that_is_not_wanted_is_not_logged(tmp_path: Path, view: str) -> None:
     columns = {**MOTION, "kinetic_energy": TIME}

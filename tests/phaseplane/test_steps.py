@@ -52,6 +52,7 @@ def steps(draw):
     return states, feet, (turn, -2.0 * turn), construct
 
 
+@pytest.mark.slow
 @given(steps())
 def test_tangent_is_perpendicular_to_the_normal_and_as_long_as_the_arc(step):
     states, feet, angles, _ = step

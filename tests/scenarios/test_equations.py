@@ -30,6 +30,7 @@ def free(system: System, displacement: float, duration: float, intervals: int) -
     return Problem("free", "", "non-smooth", system, duration, intervals, (displacement,), (0.0,))
 
 
+@pytest.mark.slow
 def test_truth_is_that_of_the_independent_reference() -> None:
     exact = solved("ap57_blow_off").displacements
     found = truth(PROBLEMS["lift_off"]())
@@ -54,6 +55,7 @@ def test_dry_friction_takes_the_same_from_every_swing_and_then_holds() -> None:
     assert found == pytest.approx([0.1, -0.06, 0.02, 0.02, 0.02], abs=1e-10)
 
 
+@pytest.mark.slow
 def test_stick_and_slip_of_a_block_that_is_pulled_ever_harder() -> None:
     """It breaks away at 3 N and slips at 2 N; as the integrator, which shares nothing with the truth."""
     block = Element(
@@ -138,6 +140,7 @@ def acceleration(system: System, t: float, y: np.ndarray) -> np.ndarray:
     return np.linalg.solve(np.array(system.mass), total)
 
 
+@pytest.mark.slow
 def test_both_ways_of_writing_them_give_the_forces_of_the_system() -> None:
     system = everything()
     equations = Equations(system)

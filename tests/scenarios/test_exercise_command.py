@@ -157,7 +157,7 @@ def faultless(made: exercises.Exercise) -> list[str]:
     return lines
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("scene", "steps"),
     [("leaf_spring", 10), ("kerb", 10), ("stiff_stop", 20), ("passenger_car", 10)],

@@ -66,6 +66,7 @@ def scene(tmp_path: Path, fmu: Path, expect: str) -> Scene:
     return load_scene(str(file))
 
 
+@pytest.mark.slow
 def test_a_run_is_held_against_a_reference(tmp_path: Path, fmu: Path) -> None:
     results = run(scene(tmp_path, fmu, ""))
     columns = {

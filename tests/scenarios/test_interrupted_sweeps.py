@@ -73,6 +73,7 @@ def test_a_journal_is_that_of_one_way_to_run_one_version_and_one_content(
     assert before != journal_key(load_plan("sweep.toml"), "fmu")
 
 
+@pytest.mark.slow
 def test_an_interrupted_sweep_of_the_process_is_not_that_of_the_fmu(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -41,6 +41,7 @@ def test_uncoupled_axles_are_two_quarter_cars(tmp_path: Path) -> None:
     assert "M3 = " in coupled["two quarter cars"]["argument"]
 
 
+@pytest.mark.slow
 def test_slow_excitation_allows_rigid_tyres_and_fast_does_not(tmp_path: Path) -> None:
     text = (
         f'fmu="QuarterCar"\nduration="8 s"\n[show]\noutput_interval="10 ms"\n'

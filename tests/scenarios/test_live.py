@@ -153,6 +153,7 @@ def test_a_page_for_other_machines_is_warned_of(monkeypatch: pytest.MonkeyPatch)
         assert ("lets other machines see" in result.stderr) == warned
 
 
+@pytest.mark.slow
 def test_a_run_that_waits_for_the_clock() -> None:
     settings = ["show.figures=[]", "show.recording=false", "duration=0.6"]
     begun = perf_counter()

@@ -77,6 +77,7 @@ def test_damped_modes_are_told_by_the_frequency_at_which_they_oscillate() -> Non
     assert told == pytest.approx(sorted(p.imag / (2 * pi) for p in poles if p.imag > 0), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_the_double_pendulum_is_told_and_drawn(tmp_path: Path) -> None:
     """H83 example 28: 0.7653668647 and 1.8477590650 sqrt(g/l)."""
     picture = tmp_path / "modes.png"

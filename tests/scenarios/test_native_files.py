@@ -44,6 +44,7 @@ def test_it_is_known_as_a_model_of_the_package(car: Path) -> None:
     assert found.parameters()["friction"].start == 30.0
 
 
+@pytest.mark.slow
 def test_its_parameters_are_listed_by_when_they_can_be_set(car: Path) -> None:
     status, text, _ = invoked("list", str(car))
     assert status == 0

@@ -102,7 +102,7 @@ def check_letters(page: Page, stays: Page | None = None) -> None:
             assert gap <= NEAR * text.size * page.em * 1.001, text.text
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DRAWN)
 def test_letters_are_legible_and_the_sheet_fills_its_pane(name: str) -> None:
     drawing = drawing_of(name)
@@ -136,7 +136,7 @@ def test_letters_are_legible_and_the_sheet_fills_its_pane(name: str) -> None:
         assert scale * max(curves.real, curves.imag) >= 0.45 * min(width, height)
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "rule"),
     [*((name, None) for name in DRAWN), *product(["ap57", "half_car_pitch", "leaf_spring"], RULES)],
@@ -214,6 +214,7 @@ def test_lanes_below_steps_are_those_of_the_construction_beside_a_run() -> None:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["high_bump_at_speed", "iso8608_c"])
 def test_both_axes_of_a_plane_are_in_one_unit(name: str) -> None:
     drawing = drawing_of(name)
@@ -346,6 +347,7 @@ def test_a_construction_with_a_stiff_stop_follows_its_run() -> None:
     assert -0.041 < min(travel) < max(travel) < 0.1
 
 
+@pytest.mark.slow
 def test_the_name_of_an_axis_keeps_clear_of_the_motion() -> None:
     drawing = drawing_of("end_stop_impact", 2.0)
     page, *_ = pages_of(Content("end_stop_impact", drawing, readings(drawing)))

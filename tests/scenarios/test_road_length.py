@@ -72,6 +72,7 @@ def test_a_road_that_ends_is_said_in_report_and_summary(car: Path) -> None:
     assert "200 m long with a 20 m fade at both ends" in told
 
 
+@pytest.mark.slow
 def test_all_runs_of_a_sweep_go_over_one_road_that_is_long_enough(
     car: Path, tmp_path: Path
 ) -> None:

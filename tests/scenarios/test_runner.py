@@ -286,6 +286,7 @@ def test_a_temporary_folder_that_would_crash_the_binary_is_refused(
         run(scene_of(fmu))
 
 
+@pytest.mark.slow
 def test_an_fmu_that_stays_open_runs_one_scene_after_another(fmu: Path) -> None:
     """The same results as alone, in any order."""
     scenes = [

@@ -106,6 +106,7 @@ def test_several_runs_and_planes_are_drawn(folders):
     assert Path("plane.png").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -255,7 +256,7 @@ def test_histories_show_a_motion_that_is_no_body_or_wheel():
     assert "driver displacement" in labels
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "command",
     [

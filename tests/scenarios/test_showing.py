@@ -30,6 +30,7 @@ def test_an_animation_is_in_the_page() -> None:
     assert repr(shown) == "Page of van_der_pol.gif"
 
 
+@pytest.mark.slow
 def test_a_recording_is_served_to_this_machine() -> None:
     shown = show("ap57", SHORT, "recording", height=300)
     assert isinstance(shown, Page)

@@ -66,7 +66,7 @@ def test_measures_do_not_depend_on_the_output_interval(case: str, tmp_path: Path
             assert value == pytest.approx(found[1][name], rel=close), name
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("case", ["speed_bump", "plank", "kerb", "end_stop_impact"])
 def test_against_a_solution_a_hundred_times_as_fine(case: str) -> None:
     """Session by session, with nothing of what finds the places to look at."""

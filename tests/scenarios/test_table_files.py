@@ -53,6 +53,7 @@ def test_the_path_counts_from_the_scene_that_names_it(scene: Path, tmp_path: Pat
     assert plain.parameters["road.table"] == "0:0, 1:0.01"
 
 
+@pytest.mark.slow
 def test_a_run_over_a_measured_road(scene: Path, tmp_path: Path) -> None:
     found = phaseplane("run", str(scene), "-o", str(tmp_path / "out"), "--json")
     assert found.exit_code == 0, found.output

@@ -165,7 +165,7 @@ def alike(ours: dict[str, Any], other: dict[str, Any]) -> bool:
     return True
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("model", [*MODELS, *SOURCES])
 def test_what_is_said_to_act_acts_and_what_is_not_does_not(model: str) -> None:
     # what the front axle has the rear axle has as well

@@ -80,7 +80,7 @@ def told(integrator: Any, system: System) -> tuple[object, ...]:
     )  # fmt: skip
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("model", list(MODELS))
 def test_it_is_a_new_one_to_the_bit(model: str) -> None:
     @settings(max_examples=40)

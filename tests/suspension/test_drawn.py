@@ -62,7 +62,7 @@ def switches(system: System, integrator: Integrator) -> list[Switch]:
     return found
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("model", make_drawn.SYSTEMS)
 def test_the_files_hold_what_the_programs_make(model: str) -> None:
     """The beginning of the first run made again, and every switch in it at its instant."""

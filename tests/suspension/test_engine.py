@@ -96,6 +96,7 @@ def test_a_compiled_file_of_other_sources_is_not_used(copy: Path) -> None:
     assert "no compiled files for these sources" in str(stale["why"])
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not engine.compiled, reason="nothing compiled that could be broken")
 def test_a_broken_compiled_file_is_passed_over_and_said(copy: Path) -> None:
     name = engine.kernel_name()

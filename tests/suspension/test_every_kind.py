@@ -56,7 +56,7 @@ def on_a_frame(car: System, yields: float) -> System:
     )
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CARS)
 def test_every_kind_at_once(name: str) -> None:
     given, yields = CARS[name]

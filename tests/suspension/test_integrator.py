@@ -77,7 +77,7 @@ def test_extrapolated_steps_converge_at_their_order(order: int, first: float) ->
     assert slope == pytest.approx(order, abs=0.1 * order / 2)
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["tangent", "mean", "equilibrium", "wilson", "extrapolated"])
 def test_a_smooth_nonlinear_spring_keeps_every_order(method: str) -> None:
     parameters = {"spring.cubic": 5e6, "damper.bump_rate": 1961.33, "lift_off": False}

@@ -115,7 +115,7 @@ def error(
     return float(np.abs(found - exact).max() / np.abs(exact).max())
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("parameters", [{}, STOPS, {"road.shape": "sine"}])
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-10])
 def test_exact_is_right_to_its_interpolant(parameters: dict[str, object], tolerance: float) -> None:

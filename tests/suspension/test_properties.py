@@ -48,7 +48,7 @@ def parameter_sets(draw: st.DrawFn, model: str) -> dict[str, Any]:
     return {v.name: draw(values(v)) for v in chosen}
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("model", list(MODELS))
 def test_a_run_has_numbers_or_a_reason(model: str) -> None:
     @settings(max_examples=60)

@@ -120,6 +120,7 @@ def test_every_model_has_its_files() -> None:
         assert content.picture_file(name).read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_no_other_file_of_models_and_fmus_depends_on_a_models_name() -> None:
     """What depends on one would have to be changed for the next."""
     sources = [*FOLDER.parent.rglob("*.py"), *content.SLAVES.parent.rglob("*.py")]

@@ -281,6 +281,7 @@ def test_what_would_take_for_ever_is_refused_soon() -> None:
     assert filling.filled == 1
 
 
+@pytest.mark.slow
 def test_a_body_of_a_milligram_on_a_damper_is_stepped_right() -> None:
     """It clings to the corner of the damper, which it passes thousands of times."""
     found, truth = (

@@ -114,6 +114,7 @@ def test_what_is_not_in_a_snapshot_follows_from_it() -> None:
     assert differing == set()
 
 
+@pytest.mark.slow
 def test_the_numbers_of_the_state_lie_side_by_side() -> None:
     """Compiled, a snapshot copies all between the first and the last of them."""
     state = sources().records["KernelState"].fields

@@ -14,6 +14,7 @@ from phaseplane.suspension.units import UNITS
 from phaseplane.suspension.variables import variables
 
 
+@pytest.mark.sampled
 def test_fmpy_finds_no_fault(model: str, fmus: dict[str, Path]) -> None:
     assert validate_fmu(str(fmus[model])) == []
 

@@ -70,7 +70,7 @@ def test_both_versions_give_the_same_bits_in_many_runs(
     same_as_fmi2(what, range(100, 110), True, native_fmu, slave, tmp_path)
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["QuarterCar", "Elastoplastic", "Road"])
 def test_what_describes_it_is_valid(model: str, native_fmu: Packer, tmp_path: Path) -> None:
     fmu = native_fmu(model, *STRUCTURES[model].settings.items(), fmi=3)
@@ -183,7 +183,7 @@ def switches_of_contact(session: Session) -> list[tuple[float, str]]:
     ]
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("interval", [1e-3, 7e-3, 0.07, 0.7])
 def test_clocks_tick_at_the_located_instants(
     interval: float, native_fmu: Packer, tmp_path: Path
@@ -321,7 +321,7 @@ def test_a_host_looks_within_steps_and_may_return_there(native_fmu: Packer, tmp_
         assert host.value(name) == other.value(name)
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("events", [False, True])
 @pytest.mark.parametrize("early", [False, True])
 def test_fmpy_runs_it_with_and_without_events(

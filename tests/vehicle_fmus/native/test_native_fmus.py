@@ -77,6 +77,7 @@ def test_outputs_have_derivatives(
         assert np.count_nonzero(largest) > 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_directional_derivatives_of_the_start(
     fmi: int, native_fmu: Packer, slave: Any, tmp_path: Path
@@ -169,6 +170,7 @@ def test_directional_derivatives_at_the_end_of_a_range(
     assert found == pytest.approx([gravity, -gravity], rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["QuarterCar", "Elastoplastic"])
 def test_fmpy_has_no_complaint(model: str, native_fmu: Packer) -> None:
     assert validate_fmu(str(native_fmu(model, *STRUCTURES[model].settings.items()))) == []
@@ -264,7 +266,7 @@ def test_a_logger_that_does_not_format_gets_the_whole_text(
     one.freeInstance()
 
 
-@pytest.mark.sampled
+@pytest.mark.slow
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize(
     ("elevation", "start", "why"),

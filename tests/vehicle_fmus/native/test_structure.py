@@ -114,6 +114,7 @@ def test_every_constant_of_a_model_is_used(on_random_road: str) -> None:
     assert [name for name in defined if words.count(name) < 2] == []
 
 
+@pytest.mark.slow
 def test_the_numbers_of_a_road_stand_once(on_random_road: str) -> None:
     long = re.findall(r"\d\.\d{15,}(?:e-\d+)?", on_random_road)
     repeated = {number for number in long if long.count(number) > 1}
