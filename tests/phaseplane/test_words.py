@@ -1,0 +1,162 @@
+"""Words and numbers of a picture: what a stage lays off and reads, typeset and in its unit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from recorded import (
+    CONTACT_SCHEME,
+    PLANES,
+    Recorded,
+    drawing,
+    frame,
+)
+from worked_example import ap57
+
+from phaseplane.constructions import (
+    Curve,
+    EquationPlane,
+    Mark,
+    construct_motion,
+    delta,
+)
+from phaseplane.constructions.letters import typeset
+from phaseplane.constructions.sheet import Event
+from phaseplane.picture.quantities import QUANTITIES, quantity_of, unit_text
+from phaseplane.picture.text import (
+    LETTER_OF_EVENT,
+    end_text,
+    event_text,
+    level_text,
+    measured,
+    number,
+    protocol,
+    readings_table,
+)
+from phaseplane.recording import Content, record
+from phaseplane.recording.columns import legible
+
+
+def test_what_is_laid_off_says_which_way_and_mean_excitations_are_told() -> None:
+    """On the road by its mean height; in flight by the weight, against the axis of the wheel."""
+    made = construct_motion(ap57(), delta, step=0.0025, steps=30)
+    units = {plane.name: ("cm", 100.0) for plane in made.planes}
+    for frame_ in made.frames:
+        scheme = made.schemes[frame_.scheme]
+        told = [measured(made, frame_, stage, units) for stage in range(len(scheme.stages))]
+        lengths = [
+            word for words in told for word in words if " along y" in word or " against y" in word
+        ]
+        strokes = [stroke for stroke in scheme.strokes if stroke.role == "excitation"]
+        assert len(lengths) == len(strokes) > 0
+        for stroke, words in zip(strokes, lengths, strict=True):
+            plane = next(p for p in made.planes if p.number in stroke.start)
+            way = frame_.points[stroke.end] - frame_.points[stroke.start]
+            along = (way * plane.displacement.direction.conjugate()).real >= 0.0
+            assert f"{'along' if along else 'against'} y{'₁₂'[int(plane.number) - 1]}" in words
+        assert sum("mean ÿ" in word for words in told for word in words) == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        ("by xi''/Omega2^2 over the step: H2.", "by ξ̈/Ω₂² over the step: H₂."),
+        ("D1P1 and D2P2", "D₁P₁ and D₂P₂"),
+        ("b x2st", "b x₂ₛₜ"),
+        ("II1", "II₁"),
+        ("B2C2 cuts line III in G11", "B₂C₂ cuts line III in G₁₁"),
+        ("rule delta, step 2.5 ms", "rule delta, step 2.5 ms"),
+    ],
+)
+def test_sentences_are_typeset(text: str, wanted: str) -> None:
+    assert typeset(text) == wanted
+
+
+@pytest.mark.parametrize("run", [0.1, 0.5])
+def test_the_end_of_a_construction_says_whether_its_run_goes_on(run: float) -> None:
+    made = construct_motion(ap57(), delta, step=0.0025, steps=40)
+    told = end_text(made, {}, run)
+    assert told.startswith("**The construction ends** at t = 0.10000 s")
+    assert ("; the run goes on to 0.5 s, in violet." in told) is (run > 0.1)
+
+
+def test_rounding_is_measured_as_zero() -> None:
+    made = construct_motion(
+        EquationPlane(lambda v, x, t: x, True, initial_displacement=1.0, initial_velocity=1e-16),
+        delta, step=0.1, steps=1,
+    )  # fmt: skip
+    told = protocol(made, made.frames[0], 0, {"displacement": ("", 1.0)})
+    assert "QP = 0 cm: ẋ = 0 1/s" in told
+
+
+@pytest.mark.parametrize(("kind", "letter"), LETTER_OF_EVENT.items())
+def test_the_sentence_of_an_event_names_its_letter(kind: str, letter: str) -> None:
+    assert event_text(Event(kind, kind, "", ())).endswith(f"({letter}).")
+
+
+def test_there_is_no_negative_zero() -> None:
+    assert number(-0.0) == "0"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(11_512.3, "11510"), (-2.0061e-05, "\u22120.00002006"), (3.0e7, "30000000")]
+)
+def test_numbers_are_printed_without_exponents(value: float, text: str) -> None:
+    assert number(value, 4) == text
+    (force,) = (q for q in QUANTITIES if q.name == "force")
+    assert f"| {text} " in readings_table({"contact_force": value}, {"contact_force": force})
+
+
+def test_rounding_is_read_off_as_zero() -> None:
+    read = {"wheel_displacement": -0.0, "wheel_velocity": 4.2e-21, "wheel_acceleration": -1.5e-16}
+    table = readings_table(read, dict.fromkeys(read))
+    assert table.splitlines()[-1] == "| wheel | 0 | 0 | 0 |"
+
+
+def test_a_drift_is_read_off_in_its_unit() -> None:
+    names = [f"wheel_{part}" for part in ("displacement", "velocity", "acceleration")]
+    read = dict.fromkeys((*names, "wheel_displacement_drift"), 0.01)
+    head, _, row = readings_table(read, {name: quantity_of(name) for name in read}).splitlines()
+    assert head == "| read off the sheet | cm | m/s | m/s² | drift, cm |"
+    assert row == "| wheel | 1 | 0.01 | 0.01 | 1 |"
+
+
+def test_curves_that_coincide_have_one_label() -> None:
+    assert level_text("x = 2 and x = -2", "", 1.0) == "±2"
+    assert level_text("y1 = 0.2 cm", "mm", 1000.0) == "2 mm"
+
+
+def test_units_are_printed() -> None:
+    assert unit_text("m/s2") == "m/s²"
+    assert unit_text("kgf.s2/cm") == "kgf·s²/cm"
+    assert unit_text("rad/s^2") == "rad/s²"
+
+
+def test_no_text_holds_a_character_that_ends_the_viewer(tmp_path: Path) -> None:
+    strange = "a\N{BRAILLE PATTERN BLANK}b"
+    plane = replace(PLANES[0], displacement=replace(PLANES[0].displacement, label=strange))
+    scheme = replace(
+        CONTACT_SCHEME, stages=(strange,) * 3, marks=(Mark("state", "P1", 0, strange),)
+    )
+    odd = replace(
+        drawing(25),
+        title=strange,
+        planes=(plane,),
+        curves=(Curve("line", (0j, 1 + 0j), strange),),
+        schemes={"contact": scheme},
+        frames=(replace(frame(0), readings={strange: 1.0}, event=strange), frame(1)),
+    )
+    times = {"time": [0.0, 1.0], f"{strange}_displacement": [0.0, 1.0]}
+    record(Content(strange, odd, times), tmp_path / "f.rrd")
+    texts = [text for text in Recorded(tmp_path / "f.rrd").words() if "a?b" in text]
+    assert len(texts) >= 5
+    assert all(text == legible(text) for text in Recorded(tmp_path / "f.rrd").words())
+
+
+def test_what_the_viewer_can_show_is_kept() -> None:
+    kept = "x\N{SUBSCRIPT TWO} \N{GREEK CAPITAL LETTER OMEGA} \N{MINUS SIGN}1 A1*'\n"
+    assert legible(kept) == kept
+    assert legible("\u03be\N{COMBINING DIAERESIS}/\u03a9") == "\u03be\N{DOUBLE PRIME}/\u03a9"
+    assert legible("y\N{COMBINING MACRON}") == "\N{LATIN SMALL LETTER Y WITH MACRON}"
