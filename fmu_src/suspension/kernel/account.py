@@ -39,7 +39,7 @@ class Account:
     def __init__(self, memory: Memory, signals: int) -> None:
         self.memory, self.signals = memory, signals
         self.kinetic = self.stored = self.dissipated = 0.0
-        # dissipated + kinetic + stored energy - residual, J: constant for one integrator
+        # energy dissipated before the ledger of the present integrator, J
         self.opening = 0.0
         self.supplied, self.carried = self.memory.zeros(signals), self.memory.zeros(signals)
         self.start()
@@ -63,26 +63,21 @@ class Account:
 
         A change of the energy stored in the elements at this time is not work.
         """
-        dissipated = self.dissipated
         for s in range(self.signals):
             self.carried[s] = self.supplied[s]
         self._look(integrator, integrator.state.time)
-        residual = integrator.ledger.residual()
-        self.opening = dissipated + self.kinetic + self.stored - residual
+        self.opening = self.dissipated - integrator.ledger.lost()
 
     @open_to_python
     def find(self, integrator: Integrator, time: float) -> None:
         """Find the energies at a time.
 
-        If the last step extends beyond it, they are read from the interpolant of the step. The energy
-        dissipated follows from the balance: it is all work that no other entry contains.
+        If the last step extends beyond it, they are read from the interpolant of the step.
         """
         self._look(integrator, time)
-        residual = integrator.ledger.residual()
-        self.dissipated = self.opening - (self.kinetic + self.stored) + residual
+        self.dissipated = self.opening + integrator.ledger.lost()
         for s in range(self.signals):
             since = integrator.ledger.until[integrator.net.elements + s]
-            self.dissipated += since
             self.supplied[s] = self.carried[s] + since
 
     def _look(self, integrator: Integrator, time: float) -> None:

@@ -257,9 +257,9 @@ class Ledger:
         """Add the energy that element e dissipates as its road jumps, J."""
         self.work[e] += energy
 
-    def find_until(self, since: float) -> None:
+    def find_until(self, time: float) -> None:
         """Find the works until a time within the last step, in the branches of that step."""
-        self.find_part(since)
+        self.find_part(time)
         jumped = self.state.brought_at == self.dense.end
         for i in range(self.works):
             self.until[i] = self.work[i] - self.part[i]
@@ -273,22 +273,23 @@ class Ledger:
             self.until[i] = self.work[i]
         self.exchanged = self.state.exchange
 
-    def residual(self) -> float:
-        """Return the residual at the time for which the entries were last found.
+    def lost(self) -> float:
+        """Return the energy dissipated by all elements, less what contact switches have exchanged.
 
-        T + U + dissipated - supplied - exchanged at contact switches - initial; 0 if exact.
+        This and the residual are those at the time for which the entries were last found.
         """
-        stored = self.kinetic - self.exchanged
+        lost = -self.exchanged
         for e in range(self.net.elements):
-            stored += self.kept[e]
-        return self._balance(stored, self.until)
+            lost += self.until[e]
+        return lost
 
-    def _balance(self, stored: float, works: Doubles) -> float:
-        balance = stored - self.state.initial_energy
-        for i in range(self.net.elements):
-            balance += works[i]
+    def residual(self) -> float:
+        """Return T + U + dissipated - supplied - exchanged at contact switches - initial: 0 if exact."""
+        balance = self.kinetic + self.lost() - self.state.initial_energy
+        for e in range(self.net.elements):
+            balance += self.kept[e]
         for i in range(self.net.elements, self.works):
-            balance -= works[i]
+            balance -= self.until[i]
         return balance
 
     def check(self, q: Doubles, v: Doubles, exact: bool) -> int:
@@ -305,8 +306,13 @@ class Ledger:
         initial = fabs(self.state.initial_energy)
         if stored > _TIMES * (initial + self.state.supplied) + _LEAST:
             return ENERGY_GROWS
+        balance = stored - self.state.initial_energy
+        for i in range(self.net.elements):
+            balance += self.work[i]
+        for i in range(self.net.elements, self.works):
+            balance -= self.work[i]
         most = max(self.state.most_stored, self.state.supplied) + initial
-        if not (exact or fabs(self._balance(stored, self.work)) <= most + _LEAST):
+        if not (exact or fabs(balance) <= most + _LEAST):
             return OUT_OF_BALANCE
         return REACHED
 
