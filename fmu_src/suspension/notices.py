@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from .engine import Integrator, Run
 
 
@@ -19,19 +17,19 @@ class Notices:
         self._step = step
         self._unstable = self._passed_over = False  # whether these have been reported
 
-    def new(self, integrator: Integrator, run: Run) -> Iterator[str]:
-        """Yield what has become true since the last call."""
-        beyond = integrator.beyond_stable()
-        if beyond is not None and not self._unstable:
+    def new(self, integrator: Integrator, run: Run) -> list[str]:
+        """Return what has become true since the last call."""
+        found = []
+        if not self._unstable and (beyond := integrator.beyond_stable()):
             self._unstable = True
             since, stable = beyond
-            yield (
+            found.append(
                 f"solver.step = {self._step:g} s is not stable from {since:.6g} s on: it is divided into "
                 f"parts of at most {stable:.3g} s"
             )
-        if integrator.overruns and not self._passed_over:
+        if not self._passed_over and integrator.overruns:
             self._passed_over = True
-            yield (
+            found.append(
                 "switches follow one another without time between them, first before "
                 f"{integrator.time:.6g} s: they are passed over; results may be less accurate there"
             )
@@ -39,7 +37,8 @@ class Notices:
         part = run.account.find_drift(integrator)
         if part > 0.0:
             remedy = "solver.step" if self._step else "solver.tolerance"
-            yield (
+            found.append(
                 f"errors accumulate: at {integrator.time:.6g} s the energy balance is off by "
                 f"{part:.2g} of the total energy; reduce {remedy} for a long run"
             )
+        return found

@@ -14,6 +14,7 @@ from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import starmap
 from math import inf, isfinite, nan
 from typing import Any, NamedTuple
 from weakref import proxy
@@ -41,6 +42,7 @@ from .variables import (
 _AT_REST = 1e-12  # s by which a communication point may precede the present, from rounding
 _TOLERANCE = next(v for v in SOLVER_PARAMETERS if v.name == "solver.tolerance")
 _MOST_EVENTS = 100_000  # stored per run
+_CONTACT = KINDS.index("contact")
 
 
 class Event(NamedTuple):
@@ -93,7 +95,7 @@ class Session:
         self.ok = True
         self.messages: list[tuple[str, str]] = []
         self._tolerance = self._allowed(tolerance)
-        self.events: deque[Event] = deque(maxlen=_MOST_EVENTS)
+        self._switches: deque[tuple[float, str, str, int, int]] = deque(maxlen=_MOST_EVENTS)
         self._parameters: Checked | None = checked_parameters(model, parameters)
         self._now: dict[str, Value] = {**self._parameters}  # as they are now
         self._tuned: dict[str, Value] = {}  # as they are from the next step on
@@ -122,6 +124,11 @@ class Session:
     def time(self) -> float:
         """The present time, s."""
         return float(self._run.time)
+
+    @property
+    def events(self) -> list[Event]:
+        """The switches so far; at most the last 100 000 of them."""
+        return [*starmap(Event, self._switches)]
 
     @property
     def parameters(self) -> Checked:
@@ -187,7 +194,10 @@ class Session:
         self._system, self._integrator = system, integrator
         self._is_old = False  # whether it has other laws than the integrator
         self._behind = integrator.snapshot()
+        names = [element.name for element in system.elements]
+        self._element_names = names
         self._tyre_elements = {system.element(axle.tyre) for axle in self._tyres}
+        self._stops = {e for e, name in enumerate(names) if name.endswith("stop")}
         self.contacts = Contacts(*self._run.contacts.seen())
         self.state = State(system, integrator)
         # of use while `ok`; they do not hold the session, so that it is freed with its last owner
@@ -273,10 +283,10 @@ class Session:
     def _next_switch(self) -> float:
         """Return the time of the next switch that is known; inf if none."""
         coming = inf
-        for event in reversed(self.events):
-            if event.time <= self.time:
+        for time, *_ in reversed(self._switches):
+            if time <= self.time:
                 break
-            coming = event.time
+            coming = time
         return coming
 
     def _step(self, until: float, stop: bool) -> None:
@@ -296,8 +306,8 @@ class Session:
 
     def _forget_events(self) -> None:
         """Delete the events after the integrator's present time."""
-        while self.events and self.events[-1].time > self._integrator.time:
-            self.events.pop()
+        while self._switches and self._switches[-1][0] > self._integrator.time:
+            self._switches.pop()
 
     def _take_parameters(self) -> None:
         """Continue from the present state with the parameters set.
@@ -391,15 +401,16 @@ class Session:
 
     def _note_switches(self, until: float = -inf) -> None:
         """Note the switches of the last steps; those of contact up to `until` are counted at once."""
-        elements = self._system.elements
+        names, stops, tyres = self._element_names, self._stops, self._tyre_elements
         for time, element, kind, before, after in self._integrator.take_log():
-            name, what = elements[element].name, KINDS[kind]
-            self.events.append(Event(time, name, what, before, after))
-            if what == "contact" and element in self._tyre_elements:
+            # an `Event` costs more than the rest, and many hosts read none: `events` makes them
+            name = names[element]
+            self._switches.append((time, name, KINDS[kind], before, after))
+            if kind == _CONTACT and element in tyres:
                 self._run.contacts.note(time, element, after != 0)
                 if time <= until:
                     self._count_contacts(time)
-            elif name.endswith("stop"):
+            elif element in stops:
                 met = (after < before) == name.endswith("bump_stop")
                 self._report("event", f"{name} {'met' if met else 'left'} at {time:.9g} s")
 

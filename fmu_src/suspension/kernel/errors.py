@@ -60,8 +60,9 @@ class Errors:
         self.septic_q, self.septic_v = memory.zeros(n), memory.zeros(n)
         self.septic_a = memory.zeros(n)
         self.lack, self.held = memory.zeros(n), memory.zeros(n * n)
-        # whether the attempt is read with jerks that differ from those at its ends
+        # whether the attempt is read with jerks that differ from those at its ends, and these
         self.own_jerks = False
+        self.own_jerk, self.own_end_jerk = memory.zeros(n), memory.zeros(n)
 
     def begin(self, h: float) -> None:
         """Reset the error, and set the allowed one from the largest motion so far or in the attempt.
@@ -101,11 +102,11 @@ class Errors:
             slowest = max(slowest, self.modes.velocity_scale[i])
         return _NEGLIGIBLE * _SHARE * self.tolerance * self.motion.state.reach / (h * slowest)
 
+    @inline
     def keep_jerks(self) -> None:
         """Let the attempt be read with the jerks at its ends."""
         self.own_jerks = False
-        for i in range(self.n):
-            self.motion.jerk[i], self.motion.end_jerk[i] = self.motion.j[i], self.motion.jb[i]
+        self.motion.jerk, self.motion.end_jerk = self.motion.j, self.motion.jb
 
     @inline
     def find_jerks(self, h: float) -> None:
@@ -145,9 +146,10 @@ class Errors:
                 mass, damping = self.net.mass[n * k + i], tau * self.modes.damping[n * k + i]
                 x += mass * self.motion.j[k] + damping * self.septic_v[k]
                 y += mass * self.motion.jb[k] + damping * self.septic_a[k]
-            self.motion.jerk[i], self.motion.end_jerk[i] = x, y
-        solve(self.held, 0, n, self.motion.jerk)
-        solve(self.held, 0, n, self.motion.end_jerk)
+            self.own_jerk[i], self.own_end_jerk[i] = x, y
+        solve(self.held, 0, n, self.own_jerk)
+        solve(self.held, 0, n, self.own_end_jerk)
+        self.motion.jerk, self.motion.end_jerk = self.own_jerk, self.own_end_jerk
 
     def read_middle(self, h: float) -> None:
         """Evaluate the septic through the ends of the attempt and two derivatives, halfway."""

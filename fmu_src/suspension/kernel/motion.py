@@ -37,8 +37,8 @@ class Motion:
         # at the end of the attempt
         self.qb, self.vb = memory.zeros(n), memory.zeros(n)
         self.ab, self.jb = memory.zeros(n), memory.zeros(n)
-        # jerks with which the attempt is read between its ends, at its start and its end
-        self.jerk, self.end_jerk = memory.zeros(n), memory.zeros(n)
+        # jerks with which the attempt is read between its ends, at its start and its end: these or others
+        self.jerk, self.end_jerk = self.j, self.jb
         # the acceleration of the method minus that of the equation of motion, which is in `a`
         self.drift, self.drift_end = kept.zeros(n), memory.zeros(n)
         self.origin = kept.zeros(n)  # start of the run, from which the motion is measured
@@ -98,9 +98,9 @@ class Motion:
 
     def foresee(self, h: float) -> None:
         """Set the end of an attempt to that of the Taylor series, with constant jerks."""
+        self.jerk = self.end_jerk = self.j
         for i in range(self.n):
             v, a, j = self.v[i], self.a[i], self.j[i]
-            self.jerk[i] = self.end_jerk[i] = j
             self.qb[i] = self.q[i] + h * (v + h * (a / 2.0 + h * j / 6.0))
             self.vb[i] = v + h * (a + h * j / 2.0)
             self.ab[i] = a + h * j
