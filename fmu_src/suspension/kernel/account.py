@@ -77,7 +77,7 @@ class Account:
         self._look(integrator, time)
         self.dissipated = self.opening + integrator.ledger.lost()
         for s in range(self.signals):
-            since = integrator.ledger.until[integrator.net.elements + s]
+            since = integrator.ledger.until[integrator.net.elements.count + s]
             self.supplied[s] = self.carried[s] + since
 
     def _look(self, integrator: Integrator, time: float) -> None:
@@ -85,7 +85,7 @@ class Account:
         integrator.find_energies(time)
         self.kinetic = integrator.ledger.kinetic
         self.stored = 0.0
-        for e in range(integrator.net.elements):
+        for e in range(integrator.net.elements.count):
             self.stored += integrator.ledger.kept[e]
 
     @of_python
@@ -106,7 +106,7 @@ class Account:
         integrator.find_energies(integrator.dense.end)
         # all energy stored, dissipated and supplied: a small share of it is not a drift
         turned_over = integrator.ledger.kinetic
-        for e in range(integrator.net.elements):
+        for e in range(integrator.net.elements.count):
             turned_over += fabs(integrator.ledger.kept[e])
         for k in range(integrator.ledger.works):
             turned_over += fabs(integrator.ledger.until[k])

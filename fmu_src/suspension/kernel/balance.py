@@ -43,8 +43,10 @@ class Balance:
     """
 
     def __init__(self, network: Network, fractions: Sequence[float]) -> None:
-        n, rows = network.n, max(network.rows, 1)
+        n, rows = network.n, max(network.elements.rows, 1)
         self.net, self.n = network, n
+        self.elements, self.branches = self.net.elements, self.net.branches
+        self.signals = self.net.signals
         memory = self.net.memory
         self.instants = len(fractions)
         self.fraction = memory.doubles(fractions)
@@ -72,8 +74,8 @@ class Balance:
         self.straight.enter()
         for i in range(self.n):
             self.constant[i] = 0.0
-            for r in range(self.net.rows):
-                self.constant[i] -= self.net.row_direction[r * self.n + i] * self.straight.f[r]
+            for r in range(self.elements.rows):
+                self.constant[i] -= self.elements.row_direction[r * self.n + i] * self.straight.f[r]
         self.net.assemble(self.straight.k, self.straight.c, self.tangent_k, self.tangent_c)
         for i in range(self.n * self.n):
             self.stiffness[i], self.damping[i] = self.tangent_k[i], self.tangent_c[i]
@@ -90,15 +92,15 @@ class Balance:
             if k > 0 and self.loads_hold:
                 self._repeat(0, k)
                 continue
-            self.net.all_signals(t + self.fraction[k] * h)
-            self.loads_hold = self.net.still()
+            self.signals.all_signals(t + self.fraction[k] * h)
+            self.loads_hold = self.signals.still()
             self._find_loads(k, k + 1 == self.instants or self.loads_hold)
 
     def loads_at_end(self, t: float) -> None:
         """Find the loads at the end of a step, t, and their rates."""
         if self.loads_hold:
             return
-        self.net.all_signals(t)
+        self.signals.all_signals(t)
         self._find_loads(self.instants - 1, True)
 
     def _repeat(self, k: int, other: int) -> None:
@@ -106,9 +108,11 @@ class Balance:
         for i in range(self.n):
             self.loads[self.n * other + i] = self.loads[self.n * k + i]
         for p in range(2 * self.bends.count):
-            self.under[2 * self.net.rows * other + p] = self.under[2 * self.net.rows * k + p]
-        for p in range(self.net.stuck):
-            self.carrier[self.net.rows * other + p] = self.carrier[self.net.rows * k + p]
+            self.under[2 * self.elements.rows * other + p] = self.under[
+                2 * self.elements.rows * k + p
+            ]
+        for p in range(self.branches.stuck):
+            self.carrier[self.elements.rows * other + p] = self.carrier[self.elements.rows * k + p]
 
     def _find_loads(self, k: int, rates: bool) -> None:
         """Find the loads at instant k, and their rates if `rates`, with the signals in `road`."""
@@ -119,28 +123,30 @@ class Balance:
             for i in range(self.n):
                 self.load_rate[i] = 0.0
             self.net.add_loads(self.straight.k, self.straight.c, self.load_rate, 0, 1)
-        at = 2 * self.net.rows * k
+        at = 2 * self.elements.rows * k
         for p in range(self.bends.count):
-            s = self.net.row_signal[self.bends.row[p]]
+            s = self.elements.row_signal[self.bends.row[p]]
             if s >= 0:
-                self.under[at + 2 * p] = self.net.road[4 * s]
-                self.under[at + 2 * p + 1] = self.net.road[4 * s + 1]
+                self.under[at + 2 * p] = self.signals.road[4 * s]
+                self.under[at + 2 * p + 1] = self.signals.road[4 * s + 1]
             else:
                 self.under[at + 2 * p] = self.under[at + 2 * p + 1] = 0.0
-        for p in range(self.net.stuck):
-            s = self.net.row_signal[self.net.element_row[self.net.stuck_element[p]]]
-            self.carrier[self.net.rows * k + p] = self.net.road[4 * s + 2] if s >= 0 else 0.0
+        for p in range(self.branches.stuck):
+            s = self.elements.row_signal[self.elements.row_of[self.branches.stuck_element[p]]]
+            self.carrier[self.elements.rows * k + p] = (
+                self.signals.road[4 * s + 2] if s >= 0 else 0.0
+            )
 
     # -- accelerations -----------------------------------------------------------------------------
 
     def begin(self, t: float, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> None:
         """Find acceleration and jerk at the start of a step, t, and the loads if they are constant."""
-        self.net.all_signals(t)
-        if self.net.stuck:
+        self.signals.all_signals(t)
+        if self.branches.stuck:
             self._solve_rows(q, v, a, j)
             return
         self._find_loads(self.instants - 1, True)
-        if self.net.still():
+        if self.signals.still():
             for k in range(self.instants - 1):
                 self._repeat(self.instants - 1, k)
             self.loads_hold = True
@@ -148,34 +154,36 @@ class Balance:
 
     def end(self, t: float, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> None:
         """Find acceleration and jerk at the end of a step, t; rows that stick are first set to rest."""
-        if self.net.stuck:
-            self.net.all_signals(t)
-            self.net.rest(v)
+        if self.branches.stuck:
+            self.signals.all_signals(t)
+            self.net.sticking.rest(self.net.mass_factor, v)
             self._solve_rows(q, v, a, j)
             return
         if self.loads_hold and self.bends.count:
-            self.net.all_signals(t)
+            self.signals.all_signals(t)
         self.loads_at_end(t)
         self._solve(q, v, a, j)
 
     def end_step(self, t: float, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> None:
         """Do the same as `end` after a step whose loads `prepare` has just found."""
-        if self.net.stuck:
+        if self.branches.stuck:
             self.end(t, q, v, a, j)
             return
         if self.loads_hold and self.bends.count:
-            self.net.all_signals(t)
+            self.signals.all_signals(t)
         self._solve(q, v, a, j)
 
     def accelerations(self, t: float, q: Doubles, v: Doubles, a: Doubles) -> None:
         """Find the accelerations of any state within a step, at time t."""
-        self.net.all_signals(t)
-        if self.net.stuck:
-            self.net.row_states(q, v)
-            self.net.row_forces()
+        self.signals.all_signals(t)
+        if self.branches.stuck:
+            self.elements.row_states(q, v)
+            self.elements.row_forces()
             self.net.net_force(a)
             solve(self.net.mass_factor, 0, self.n, a)
-            self.net.stick(self.net.mass_factor, 0, a, self.net.zero, 2, self.net.kick)
+            self.net.sticking.stick(
+                self.net.mass_factor, 0, a, self.net.sticking.zero, 2, self.net.sticking.kick
+            )
             return
         self._find_loads(self.instants, False)
         self._accelerate(self.instants, q, v, a)
@@ -185,9 +193,9 @@ class Balance:
 
         The signals are left as they are, at the end of the step.
         """
-        if self.net.stuck or self.half == self.instants:
+        if self.branches.stuck or self.half == self.instants:
             self.accelerations(t + 0.5 * h, q, v, a)
-            self.net.all_signals(t + h)
+            self.signals.all_signals(t + h)
         else:
             self._accelerate(self.half, q, v, a)
 
@@ -198,9 +206,9 @@ class Balance:
 
     def _solve_rows(self, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> None:
         """Find acceleration, jerk and all tangents while rows stick."""
-        self.net.row_states(q, v)
-        self.net.row_forces()
-        self.net.assemble(self.net.row_k, self.net.row_c, self.tangent_k, self.tangent_c)
+        self.elements.row_states(q, v)
+        self.elements.row_forces()
+        self.net.assemble(self.elements.row_k, self.elements.row_c, self.tangent_k, self.tangent_c)
         self.net.accelerate(a)
         self.net.jerk(v, a, j)
 
@@ -229,15 +237,15 @@ class Balance:
         resist(self.damping, v, self.stiffness, q, 0, n, self.loads, n * k, self.f)
         for p in range(self.bends.count):
             r = self.bends.row[p]
-            at = 2 * (self.net.rows * k + p)
+            at = 2 * (self.elements.rows * k + p)
             d = -self.under[at]
             w = -self.under[at + 1]
             for i in range(n):
-                d += self.net.row_direction[n * r + i] * q[i]
-                w += self.net.row_direction[n * r + i] * v[i]
+                d += self.elements.row_direction[n * r + i] * q[i]
+                w += self.elements.row_direction[n * r + i] * v[i]
             self.bends.find(p, d, w, 0.0, 0.0)
             for i in range(n):
-                self.f[i] -= self.net.row_direction[n * r + i] * self.bends.force[p]
+                self.f[i] -= self.elements.row_direction[n * r + i] * self.bends.force[p]
 
     def _add_bend_rates(self, n: int, v: Doubles, a: Doubles) -> None:
         """Add the rates of the curved forces to `f`, and find the tangents with them."""
@@ -245,19 +253,19 @@ class Balance:
             self.tangent_k[i], self.tangent_c[i] = self.stiffness[i], self.damping[i]
         for p in range(self.bends.count):
             r = self.bends.row[p]
-            s = self.net.row_signal[r]
-            dv = -self.net.road[4 * s + 1] if s >= 0 else 0.0
-            da = -self.net.road[4 * s + 2] if s >= 0 else 0.0
+            s = self.elements.row_signal[r]
+            dv = -self.signals.road[4 * s + 1] if s >= 0 else 0.0
+            da = -self.signals.road[4 * s + 2] if s >= 0 else 0.0
             for i in range(n):
-                dv += self.net.row_direction[n * r + i] * v[i]
-                da += self.net.row_direction[n * r + i] * a[i]
+                dv += self.elements.row_direction[n * r + i] * v[i]
+                da += self.elements.row_direction[n * r + i] * a[i]
             rate = self.bends.force_k[p] * dv + self.bends.force_c[p] * da
             for i in range(n):
-                b = self.net.row_direction[n * r + i]
+                b = self.elements.row_direction[n * r + i]
                 self.f[i] -= b * rate
                 if b != 0.0:
                     for m in range(n):
-                        x = b * self.net.row_direction[n * r + m]
+                        x = b * self.elements.row_direction[n * r + m]
                         self.tangent_k[n * i + m] += x * self.bends.force_k[p]
                         self.tangent_c[n * i + m] += x * self.bends.force_c[p]
 

@@ -32,7 +32,8 @@ class Bends:
 
     def __init__(self, straight: Straight) -> None:
         self.straight, self.net = straight, straight.net
-        rows, laws = max(self.net.rows, 1), LAWS * self.net.elements
+        self.elements, self.laws = self.net.elements, self.net.laws
+        rows, laws = max(self.elements.rows, 1), LAWS * self.elements.count
         memory = self.net.memory
         self.count = 0  # of such rows
         # whether any of their laws consists of joined pieces, or changes a damper with the deflection
@@ -53,32 +54,32 @@ class Bends:
         self.count = count = 0
         self.joined = self.modulated = False
         self.order = 3
-        if self.net.always_straight:
+        if self.net.branches.always_straight:
             return
-        for r in range(self.net.rows):
+        for r in range(self.elements.rows):
             first = count
-            for e in range(self.net.elements):
-                if self.net.element_row[e] != r or self.net.branch[BRANCHES * e + CONTACT]:
+            for e in range(self.elements.count):
+                if self.elements.row_of[e] != r or self.elements.branch[BRANCHES * e + CONTACT]:
                     continue
                 if self.straight.bent_spring[e]:
-                    self.piece[count] = self.net.piece_now(e, SPRING)
+                    self.piece[count] = self.elements.piece_now(e, SPRING)
                     self.law[count] = SPRING
                     count += 1
                 if self.straight.bent_damper[e]:
-                    if self.net.modulated[e]:
+                    if self.elements.modulated[e]:
                         self.modulated = True
-                        self.piece[count] = self.net.piece_now(e, MODULATION)
+                        self.piece[count] = self.elements.piece_now(e, MODULATION)
                         self.law[count] = MODULATION
                         count += 1
-                    self.piece[count] = self.net.piece_now(e, DAMPER)
+                    self.piece[count] = self.elements.piece_now(e, DAMPER)
                     self.law[count] = DAMPER
                     count += 1
             for k in range(first, count):
                 p = self.piece[k]
                 self._bound(k)
-                if self.net.run_last[p] > self.net.run_first[p]:
+                if self.laws.run_last[p] > self.laws.run_first[p]:
                     self.joined = True
-                if self.net.piece[PIECE * p + OWN] != 0.0:
+                if self.laws.piece[PIECE * p + OWN] != 0.0:
                     self.order = 2
             if count > first:
                 self.row[self.count], self.first[self.count] = r, first
@@ -89,10 +90,10 @@ class Bends:
         """Find where the piece of law i begins and ends."""
         p = self.piece[i]
         self.low[i], self.high[i] = -UNBOUNDED, UNBOUNDED
-        if p > self.net.run_first[p]:
-            self.low[i] = self.net.piece[PIECE * p + START]
-        if p < self.net.run_last[p]:
-            self.high[i] = self.net.piece[PIECE * (p + 1) + START]
+        if p > self.laws.run_first[p]:
+            self.low[i] = self.laws.piece[PIECE * p + START]
+        if p < self.laws.run_last[p]:
+            self.high[i] = self.laws.piece[PIECE * (p + 1) + START]
 
     @inline
     def find(self, p: int, d: float, w: float, dd: float, dw: float) -> None:
@@ -109,10 +110,14 @@ class Bends:
             law = self.law[i]
             x = w if law == DAMPER else d
             if not self.low[i] <= x < self.high[i]:
-                self.piece[i] = self.net.place(self.piece[i], x)
+                self.piece[i] = self.laws.place(self.piece[i], x)
                 self._bound(i)
-            self.net.read_piece(self.piece[i], x)
-            value, slope, curvature = self.net.value, self.net.slope, self.net.curvature
+            self.laws.read_piece(self.piece[i], x)
+            value, slope, curvature = (
+                self.laws.value,
+                self.laws.slope,
+                self.laws.curvature,
+            )
             if law == SPRING:
                 force += value
                 k += slope

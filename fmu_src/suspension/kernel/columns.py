@@ -90,8 +90,9 @@ class Columns:
         self, balance: Balance, sequence: tuple[int, ...], fraction_index: Sequence[int]
     ) -> None:
         self.balance = balance
-        self.net, self.n, self.columns = self.balance.net, self.balance.n, len(sequence)
-        memory = self.net.memory
+        self.n, self.columns = self.balance.n, len(sequence)
+        self.elements, self.branches = self.balance.elements, self.balance.branches
+        memory = self.balance.net.memory
         self.inverses = Inverses(balance, sequence)
         self.iteration = Iteration(self.inverses)
         self.instant = memory.integers(fraction_index)
@@ -117,7 +118,7 @@ class Columns:
         if self.balance.bends.count:
             self._begin_rows(n, a, j)
         # with constants as arguments the compiler unrolls loops and drops branches
-        if self.balance.bends.count or self.net.stuck:
+        if self.balance.bends.count or self.branches.stuck:
             if n == 2:
                 return self._advance(2, True, q, v, a)
             return self._advance(4, True, q, v, a) if n == 4 else self._advance(n, True, q, v, a)
@@ -176,10 +177,10 @@ class Columns:
     @inline
     def _solve_rows(self, n: int, c: int, k: int, instant: int) -> int:
         """Correct the accelerations for rows that stick or are curved."""
-        for p in range(self.net.stuck):
-            u = self.balance.carrier[self.net.rows * instant + p]
+        for p in range(self.branches.stuck):
+            u = self.balance.carrier[self.elements.rows * instant + p]
             for i in range(n):
-                self.a[n * c + i] += self.inverses.carried[n * (self.net.rows * c + p) + i] * u
+                self.a[n * c + i] += self.inverses.carried[n * (self.elements.rows * c + p) + i] * u
         bends = self.balance.bends.count
         if bends == 1:
             return self._bend(n, 1, c, k, instant)
@@ -190,14 +191,14 @@ class Columns:
     @inline
     def _bend(self, n: int, bends: int, c: int, k: int, instant: int) -> int:
         """Find the accelerations of the curved rows, and add the effect of their forces to all others."""
-        at = 2 * self.net.rows * instant
+        at = 2 * self.elements.rows * instant
         for p in range(bends):
             r = self.balance.bends.row[p]
             d = 0.0
             w = 0.0
             x = 0.0
             for i in range(n):
-                b = self.net.row_direction[n * r + i]
+                b = self.elements.row_direction[n * r + i]
                 d += b * self.q[n * c + i]
                 w += b * self.v[n * c + i]
                 x += b * self.a[n * c + i]
@@ -209,7 +210,7 @@ class Columns:
             return status
         for p in range(bends):
             force = self.iteration.force_of(p)
-            at = n * (self.net.rows * c + p)
+            at = n * (self.elements.rows * c + p)
             for i in range(n):
                 self.a[n * c + i] -= self.inverses.yield_of[at + i] * force
         self.iteration.keep(bends, c, k)
@@ -222,8 +223,8 @@ class Columns:
             x = 0.0
             rate = 0.0
             for i in range(n):
-                x += self.net.row_direction[n * r + i] * a[i]
-                rate += self.net.row_direction[n * r + i] * j[i]
+                x += self.elements.row_direction[n * r + i] * a[i]
+                rate += self.elements.row_direction[n * r + i] * j[i]
             self.iteration.begin(p, x, rate)
 
     # -- the end -----------------------------------------------------------------------------------

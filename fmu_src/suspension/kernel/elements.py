@@ -13,7 +13,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .language import inline, of_python
-from .laws import Laws, law_numbers
+from .laws import law_numbers
 from .layout import (
     BRANCHES,
     C0,
@@ -31,7 +31,11 @@ from .series_springs import SeriesSprings
 
 if TYPE_CHECKING:
     from ..systems import Element, System
+    from .arrays import Memory
     from .language import Doubles
+    from .laws import Laws
+    from .signals import Signals
+    from .state import KernelState
 
 # The kinds of switches: of one of the element's laws, of its contact (1: off) or of its dry friction
 # (-1, 1, or 0 if it sticks).
@@ -40,13 +44,14 @@ KINDS = ("spring", "damper", "modulation", "contact", "friction")
 ELASTIC = 1  # the middle piece of an element that yields
 
 
-class Elements(Laws):
+class Elements:
     """The elements, with a branch for each kind: `branch[BRANCHES e + kind]`.
 
     Parameters
     ----------
+    memory, state : the memory that contains the arrays, and the state, which contains the branches
+    signals, laws : the roads on which elements stand, and their laws
     system : `systems.System`
-    joins : as in `laws.Laws`
 
     Raises
     ------
@@ -56,26 +61,32 @@ class Elements(Laws):
 
     n: int
     rows: int
-    elements: int
+    count: int
 
-    def __init__(self, system: System, joins: bool) -> None:
-        Laws.__init__(self, system, joins)
+    def __init__(
+        self,
+        memory: Memory,
+        state: KernelState,
+        signals: Signals,
+        laws: Laws,
+        system: System,
+    ) -> None:
+        self.signals, self.laws = signals, laws
         self.n = len(system.mass)
-        self._read_rows(system)
-        memory = self.memory
+        self._read_rows(memory, system)
         self.series = SeriesSprings(memory, system)
-        elements = self.elements
+        elements = self.count
         self.yields, self.modulated = memory.marks(elements), memory.marks(elements)
         self.friction, self.limit = memory.zeros(elements), memory.zeros(elements)
         self.free_length, self.free_energy = memory.zeros(elements), memory.zeros(elements)
-        self.branch = self.state.memory.marks(BRANCHES * elements)
+        self.branch = state.memory.marks(BRANCHES * elements)
         rows = self.rows
         self.row_d, self.row_v = memory.zeros(rows), memory.zeros(rows)
         self.row_f = memory.zeros(rows)
         self.row_k, self.row_c = memory.zeros(rows), memory.zeros(rows)
 
     @of_python
-    def _read_rows(self, system: System) -> None:
+    def _read_rows(self, memory: Memory, system: System) -> None:
         names = list(system.signals)
         rows: list[tuple[tuple[float, ...], int]] = []
         element_row = []
@@ -91,11 +102,10 @@ class Elements(Laws):
             if key not in rows:
                 rows.append(key)
             element_row.append(rows.index(key))
-        self.rows, self.elements = len(rows), len(element_row)
-        memory = self.memory
+        self.rows, self.count = len(rows), len(element_row)
         self.row_direction = memory.doubles(x for row in rows for x in row[0])
         self.row_signal = memory.integers(row[1] for row in rows)
-        self.element_row = memory.integers(element_row)
+        self.row_of = memory.integers(element_row)
         rubbing = [r for r, e in zip(element_row, system.elements, strict=True) if e.friction]
         if len(set(rubbing)) < len(rubbing):
             raise ValueError(
@@ -104,7 +114,7 @@ class Elements(Laws):
 
     def enter_element(self, e: int, x: Doubles, at: int) -> int:
         """Read element e from x[at:], as given by `element_numbers`; return where it ends."""
-        at = self.enter_laws(e, x, at)
+        at = self.laws.enter_laws(e, x, at)
         self.modulated[e] = x[at] != 0.0
         self.friction[e] = x[at + 1]
         self.limit[e] = x[at + 2]
@@ -126,8 +136,8 @@ class Elements(Laws):
                 w += self.row_direction[r * n + i] * v[i]
             s = self.row_signal[r]
             if s >= 0:
-                d -= self.road[4 * s]
-                w -= self.road[4 * s + 1]
+                d -= self.signals.road[4 * s]
+                w -= self.signals.road[4 * s + 1]
             self.row_d[r] = d
             self.row_v[r] = w
         if self.series.internal:
@@ -138,18 +148,18 @@ class Elements(Laws):
     @inline
     def piece_now(self, e: int, law: int) -> int:
         """Return the present piece of a law of element e."""
-        return self.first[LAWS * e + law] + self.branch[BRANCHES * e + law]
+        return self.laws.first[LAWS * e + law] + self.branch[BRANCHES * e + law]
 
     def damper_force(self, e: int) -> float:
         """Return the damper force at `row_d`, `row_v`."""
-        r = self.element_row[e]
+        r = self.row_of[e]
         return self.damper_force_at(e, self.row_d[r], self.row_v[r])
 
     def damper_force_at(self, e: int, d: float, w: float) -> float:
         """Return the damper force D(w) m(d)."""
-        force = self.law(self.piece_now(e, DAMPER), w)
+        force = self.laws.law(self.piece_now(e, DAMPER), w)
         if self.modulated[e]:
-            force *= self.law(self.piece_now(e, MODULATION), d)
+            force *= self.laws.law(self.piece_now(e, MODULATION), d)
         return force
 
     def element_force(self, e: int) -> float:
@@ -157,8 +167,8 @@ class Elements(Laws):
         if self.branch[BRANCHES * e + CONTACT]:
             force = self.limit[e]
         else:
-            d = self.row_d[self.element_row[e]]
-            force = self.law(self.piece_now(e, SPRING), d) + self.damper_force(e)
+            d = self.row_d[self.row_of[e]]
+            force = self.laws.law(self.piece_now(e, SPRING), d) + self.damper_force(e)
         return force + self.branch[BRANCHES * e + FRICTION] * self.friction[e]
 
     def row_forces(self) -> None:
@@ -167,21 +177,21 @@ class Elements(Laws):
             self.row_f[r] = 0.0
             self.row_k[r] = 0.0
             self.row_c[r] = 0.0
-        for e in range(self.elements):
-            r = self.element_row[e]
+        for e in range(self.count):
+            r = self.row_of[e]
             if self.branch[BRANCHES * e + CONTACT]:
                 self.row_f[r] += self.limit[e]
             else:
-                self.law_and_slope(self.piece_now(e, DAMPER), self.row_v[r])
-                force, slope = self.value, self.slope
+                self.laws.law_and_slope(self.piece_now(e, DAMPER), self.row_v[r])
+                force, slope = self.laws.value, self.laws.slope
                 if self.modulated[e]:
-                    self.law_and_slope(self.piece_now(e, MODULATION), self.row_d[r])
-                    self.row_k[r] += force * self.slope
-                    force *= self.value
-                    slope *= self.value
-                self.law_and_slope(self.piece_now(e, SPRING), self.row_d[r])
-                self.row_f[r] += self.value + force
-                self.row_k[r] += self.slope
+                    self.laws.law_and_slope(self.piece_now(e, MODULATION), self.row_d[r])
+                    self.row_k[r] += force * self.laws.slope
+                    force *= self.laws.value
+                    slope *= self.laws.value
+                self.laws.law_and_slope(self.piece_now(e, SPRING), self.row_d[r])
+                self.row_f[r] += self.laws.value + force
+                self.row_k[r] += self.laws.slope
                 self.row_c[r] += slope
             if self.friction[e] > 0.0:
                 self.row_f[r] += self.branch[BRANCHES * e + FRICTION] * self.friction[e]
@@ -191,22 +201,22 @@ class Elements(Laws):
         ps = self.piece_now(e, SPRING)
         pd = self.piece_now(e, DAMPER)
         d, v, a, j = row[at], row[at + 1], row[at + 2], row[at + 3]
-        k = self.law_slope(ps, d)
-        c = self.law_slope(pd, v)
-        damping0 = self.law(pd, v)
+        k = self.laws.law_slope(ps, d)
+        c = self.laws.law_slope(pd, v)
+        damping0 = self.laws.law(pd, v)
         damping1 = c * a
-        damping2 = c * j + self.law_curvature(pd, v) * a * a
+        damping2 = c * j + self.laws.law_curvature(pd, v) * a * a
         if self.modulated[e]:
             pm = self.piece_now(e, MODULATION)
-            m0 = self.law(pm, d)
-            m1 = self.law_slope(pm, d) * v
-            m2 = self.law_slope(pm, d) * a + self.law_curvature(pm, d) * v * v
+            m0 = self.laws.law(pm, d)
+            m1 = self.laws.law_slope(pm, d) * v
+            m2 = self.laws.law_slope(pm, d) * a + self.laws.law_curvature(pm, d) * v * v
             damping2 = damping2 * m0 + 2.0 * damping1 * m1 + damping0 * m2
             damping1 = damping1 * m0 + damping0 * m1
             damping0 *= m0
-        self.force0 = self.law(ps, d) + damping0
+        self.force0 = self.laws.law(ps, d) + damping0
         self.force1 = k * v + damping1
-        self.force2 = k * a + self.law_curvature(ps, d) * v * v + damping2
+        self.force2 = k * a + self.laws.law_curvature(ps, d) * v * v + damping2
 
     # -- contact and yield ---------------------------------------------------------------------------
 
@@ -216,11 +226,11 @@ class Elements(Laws):
 
     def permanent_set(self, e: int, d: float) -> float:
         """Return the deflection at which a yielding spring has no force, from its force at d."""
-        return d - self.law(self.piece_now(e, SPRING), d) / self.elastic_rate(e)
+        return d - self.laws.law(self.piece_now(e, SPRING), d) / self.elastic_rate(e)
 
     def elastic_rate(self, e: int) -> float:
         """Return the rate of a yielding spring while it does not yield."""
-        return self.piece[(self.first[LAWS * e + SPRING] + ELASTIC) * PIECE + C1]
+        return self.laws.piece[(self.laws.first[LAWS * e + SPRING] + ELASTIC) * PIECE + C1]
 
     def element_energy(self, e: int, d: float) -> float:
         """Return the energy stored in element e at deflection d."""
@@ -228,12 +238,12 @@ class Elements(Laws):
             return self.free_potential(e, d)
         if self.yields[e]:
             return self._yielding_energy(e, d)
-        return self.potential(self.piece_now(e, SPRING), d)
+        return self.laws.potential(self.piece_now(e, SPRING), d)
 
     def _yielding_energy(self, e: int, d: float) -> float:
         """Return f^2 / 2k of the spring plus the energy of kinematic hardening in the permanent set."""
         rate = self.elastic_rate(e)
-        flow = self.piece[(self.first[LAWS * e] + 2) * PIECE + C1]
+        flow = self.laws.piece[(self.laws.first[LAWS * e] + 2) * PIECE + C1]
         p = self.permanent_set(e, d)
         return 0.5 * rate * ((d - p) * (d - p) + flow / (rate - flow) * p * p)
 
@@ -244,11 +254,11 @@ class Elements(Laws):
         slightly beyond the end of flow.
         """
         side = self.branch[BRANCHES * e + SPRING] - ELASTIC
-        return self.piece[(self.first[LAWS * e] + 2) * PIECE + C0] * side
+        return self.laws.piece[(self.laws.first[LAWS * e] + 2) * PIECE + C0] * side
 
     def dissipation(self, e: int) -> float:
         """Return the power dissipated by element e at `row_d`, `row_v`."""
-        w = self.row_v[self.element_row[e]]
+        w = self.row_v[self.row_of[e]]
         power = self.branch[BRANCHES * e + FRICTION] * self.friction[e] * w
         if not self.branch[BRANCHES * e + CONTACT]:
             power += self.damper_force(e) * w

@@ -112,7 +112,7 @@ class Errors:
     def find_jerks(self, h: float) -> None:
         """Find the jerks with which the attempt is read between its ends."""
         self.keep_jerks()
-        if not self.net.stuck and h * self.modes.quickest >= _LONG_PHASE:
+        if not self.net.branches.stuck and h * self.modes.quickest >= _LONG_PHASE:
             self._replace_jerks(h)
 
     def _replace_jerks(self, h: float) -> None:
@@ -204,7 +204,7 @@ class Errors:
         """
         phase = h * (self.modes.quickest + self.modes.road_rate)
         cube = phase * phase * phase
-        if _MISSED * cube * cube * phase <= self.tolerance or self.net.stuck:
+        if _MISSED * cube * cube * phase <= self.tolerance or self.net.branches.stuck:
             return
         self.note_middle(h)
 
@@ -250,7 +250,7 @@ class Errors:
         -32 e / h^2. In a motion of phase p per step the residual lacks p^2 e / h^2 of that.
         """
         phase = h * self.modes.quickest
-        if self.net.stuck or phase > _READ_PHASE:
+        if self.net.branches.stuck or phase > _READ_PHASE:
             return False
         if self.balance.bends.count == 0:
             self.find_lack(h, False)

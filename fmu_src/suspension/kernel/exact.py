@@ -54,18 +54,19 @@ class Propagator:
 
     def __init__(self, motion: Motion, balance: Balance) -> None:
         self.net, self.n = motion.net, motion.n
+        self.signals = self.net.signals
         self.straight = balance.straight
         self.stiffness, self.damping = balance.tangent_k, balance.tangent_c
         self.q0, self.v0, self.a0 = motion.q, motion.v, motion.a
         self.q2, self.v2 = motion.qb, motion.vb
         self.q1, self.v1 = self.net.memory.zeros(self.n), self.net.memory.zeros(self.n)  # halfway
-        most = 2 * self.n + _POWERS + 2 * self.net.signals
+        most = 2 * self.n + _POWERS + 2 * self.signals.count
         memory, size = self.net.memory, most * most
         self.rates, self.term = memory.zeros(size), memory.zeros(size)
         self.product, self.change = memory.zeros(size), memory.zeros(size)
         self.state, self.step = memory.zeros(most), memory.zeros(most)
         self.column = memory.zeros(self.n)
-        self.multiplier = memory.zeros(self.net.elements)
+        self.multiplier = memory.zeros(self.net.elements.count)
         self.size = most
 
     def attempt(self, t: float, h: float) -> int:
@@ -113,10 +114,10 @@ class Propagator:
                     total *= self.part / _SHORT
                 if self.part * total > _SHORT:
                     return False
-        for s in range(self.net.signals):
+        for s in range(self.signals.count):
             g = self._segment(s)
-            speed = fabs(self.net.segment[g + SPEED])
-            if self.net.segment[g + AMPLITUDE] != 0.0 and speed * self.part > _SHORT:
+            speed = fabs(self.signals.segment[g + SPEED])
+            if self.signals.segment[g + AMPLITUDE] != 0.0 and speed * self.part > _SHORT:
                 return False
         return True
 
@@ -124,8 +125,8 @@ class Propagator:
         """Find X, scaled to one part with velocities as distance per part, and x at t without q, q'."""
         n = self.n
         cosines = 0
-        for s in range(self.net.signals):
-            if self.net.segment[self._segment(s) + AMPLITUDE] != 0.0:
+        for s in range(self.signals.count):
+            if self.signals.segment[self._segment(s) + AMPLITUDE] != 0.0:
                 cosines += 1
         self.size = size = 2 * n + _POWERS + 2 * cosines
         for i in range(size * size):
@@ -142,17 +143,17 @@ class Propagator:
         self.state[2 * n] = 1.0
         for k in range(1, _POWERS):
             self._clear()
-            for s in range(self.net.signals):
+            for s in range(self.signals.count):
                 for order in range(3):
-                    self.net.road[4 * s + order] = self._derivative(s, t, k + order)
+                    self.signals.road[4 * s + order] = self._derivative(s, t, k + order)
             self.net.add_loads(self.straight.k, self.straight.c, self.column, 0, 0)
             factor *= self.part
             self._enter_column(2 * n + k, factor)
             self.state[2 * n + k] = 0.0
             self.rates[(2 * n + k) * size + 2 * n + k - 1] = 1.0
         at = 2 * n + _POWERS
-        for s in range(self.net.signals):
-            if self.net.segment[self._segment(s) + AMPLITUDE] != 0.0:
+        for s in range(self.signals.count):
+            if self.signals.segment[self._segment(s) + AMPLITUDE] != 0.0:
                 self._enter_sinusoid(s, at, t)
                 at += 2
         self._enter_start()
@@ -169,37 +170,44 @@ class Propagator:
             self.rates[(n + i) * size + 2 * n] = x
 
     def _segment(self, s: int) -> int:
-        return (self.net.signal_first[s] + self.net.signal_now[s]) * SEGMENT
+        return (self.signals.signal_first[s] + self.signals.signal_now[s]) * SEGMENT
 
     def _enter_sinusoid(self, s: int, at: int, t: float) -> None:
         """Enter cosine and sine of signal s, which rotate at w; its derivatives are -w sin, -w^2 cos."""
         g = self._segment(s)
-        amplitude, speed = self.net.segment[g + AMPLITUDE], self.net.segment[g + SPEED]
-        angle = self.net.segment[g + ANGLE] + speed * (t - self.net.segment[g + ORIGIN])
+        amplitude, speed = (
+            self.signals.segment[g + AMPLITUDE],
+            self.signals.segment[g + SPEED],
+        )
+        angle = self.signals.segment[g + ANGLE] + speed * (t - self.signals.segment[g + ORIGIN])
         self.state[at], self.state[at + 1] = cos(angle), sin(angle)
         self.rates[at * self.size + at + 1] = -speed * self.part
         self.rates[(at + 1) * self.size + at] = speed * self.part
         for side in range(2):
             self._clear()
             if side == 0:
-                self.net.road[4 * s] = amplitude
-                self.net.road[4 * s + 2] = -amplitude * speed * speed
+                self.signals.road[4 * s] = amplitude
+                self.signals.road[4 * s + 2] = -amplitude * speed * speed
             else:
-                self.net.road[4 * s + 1] = -amplitude * speed
+                self.signals.road[4 * s + 1] = -amplitude * speed
             self.net.add_loads(self.straight.k, self.straight.c, self.column, 0, 0)
             self._enter_column(at + side, self.part * self.part)
 
     def _clear(self) -> None:
-        for i in range(4 * self.net.signals):
-            self.net.road[i] = 0.0
+        for i in range(4 * self.signals.count):
+            self.signals.road[i] = 0.0
         for i in range(self.n):
             self.column[i] = 0.0
 
     def _derivative(self, s: int, t: float, order: int) -> float:
         """Return a derivative, of order 1 or more, of the cubic part of signal s."""
         g = self._segment(s)
-        x = t - self.net.segment[g + ORIGIN]
-        c1, c2, c3 = self.net.segment[g + C1], self.net.segment[g + C2], self.net.segment[g + C3]
+        x = t - self.signals.segment[g + ORIGIN]
+        c1, c2, c3 = (
+            self.signals.segment[g + C1],
+            self.signals.segment[g + C2],
+            self.signals.segment[g + C3],
+        )
         if order == 1:
             return c1 + x * (2.0 * c2 + x * 3.0 * c3)
         if order == 2:
@@ -209,8 +217,10 @@ class Propagator:
     def _enter_column(self, j: int, factor: float) -> None:
         """Enter the acceleration due to the force in `column`; sticking rows follow their roads."""
         solve(self.net.mass_factor, 0, self.n, self.column)
-        if self.net.stuck:
-            self.net.stick(self.net.mass_factor, 0, self.column, self.net.zero, 2, self.multiplier)
+        if self.net.branches.stuck:
+            self.net.sticking.stick(
+                self.net.mass_factor, 0, self.column, self.net.sticking.zero, 2, self.multiplier
+            )
         for i in range(self.n):
             self.rates[(self.n + i) * self.size + j] = factor * self.column[i]
 
@@ -280,7 +290,7 @@ class Exact(Method):
         status = self.propagator.attempt(t, h)
         if status != 0:
             return status
-        self.net.all_signals(t + h)  # the propagator uses their numbers
+        self.net.signals.all_signals(t + h)  # the propagator uses their numbers
         self.end(t + h)
         self.errors.begin(h)
         self.errors.read_middle(h)

@@ -59,7 +59,7 @@ class Filling:
         self.runs: Size = runs
         self.count: Size = len(times)
         self.n: Size = self.integrator.net.series.outer
-        self.elements: Size = self.integrator.net.elements
+        self.elements: Size = self.integrator.net.elements.count
         for out, wide in (
             (displacements, self.n),
             (velocities, self.n),
@@ -100,7 +100,7 @@ class Filling:
         Exception : any that a function of an element has raised.
         """
         self.last = last if last >= 0 else self.count
-        self.integrator.look_at_pace()
+        self.integrator.pace.look_at_pace()
         while True:
             with cython.nogil:
                 status = self.go_on(0)

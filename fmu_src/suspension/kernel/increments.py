@@ -40,6 +40,7 @@ class Increments:
 
     def __init__(self, network: Network) -> None:
         self.net, self.n = network, network.n
+        self.elements, self.signals = self.net.elements, self.net.signals
         self.once = False  # whether to use the tangents at the start only
         memory, n, size = self.net.memory, self.n, self.n * self.n
         self.stiffness, self.damping = memory.zeros(size), memory.zeros(size)
@@ -48,7 +49,7 @@ class Increments:
         self.rhs, self.correction = memory.zeros(n), memory.zeros(n)
         self.change = memory.zeros(n)  # of `rhs` in the last iteration
         # tangents of the rows at the start of a step, and those used for it
-        rows = self.net.rows
+        rows = self.elements.rows
         self.start_k, self.start_c = memory.zeros(rows), memory.zeros(rows)
         self.mean_k, self.mean_c = memory.zeros(rows), memory.zeros(rows)
 
@@ -99,12 +100,12 @@ class Increments:
         n = self.n
         for i in range(n):
             self.pq[i], self.pv[i], self.sa[i] = q[i], v[i], a[i]
-        self.net.all_signals(t)
-        self.net.row_states(self.pq, self.pv)
-        self.net.row_forces()
-        for r in range(self.net.rows):
-            self.start_k[r] = self.mean_k[r] = self.net.row_k[r]
-            self.start_c[r] = self.mean_c[r] = self.net.row_c[r]
+        self.signals.all_signals(t)
+        self.elements.row_states(self.pq, self.pv)
+        self.elements.row_forces()
+        for r in range(self.elements.rows):
+            self.start_k[r] = self.mean_k[r] = self.elements.row_k[r]
+            self.start_c[r] = self.mean_c[r] = self.elements.row_c[r]
         self.net.assemble(self.mean_k, self.mean_c, self.stiffness, self.damping)
 
     def _add_resistance(self, h: float) -> None:
@@ -145,13 +146,13 @@ class Increments:
 
     def _average(self, t: float, share: float, q: Doubles, v: Doubles) -> None:
         """Move the tangents by a share towards the mean of those at both ends (15.7)."""
-        self.net.all_signals(t)
-        self.net.row_states(q, v)
-        self.net.row_forces()
-        for r in range(self.net.rows):
-            mean = 0.5 * (self.start_k[r] + self.net.row_k[r])
+        self.signals.all_signals(t)
+        self.elements.row_states(q, v)
+        self.elements.row_forces()
+        for r in range(self.elements.rows):
+            mean = 0.5 * (self.start_k[r] + self.elements.row_k[r])
             self.mean_k[r] += share * (mean - self.mean_k[r])
-            mean = 0.5 * (self.start_c[r] + self.net.row_c[r])
+            mean = 0.5 * (self.start_c[r] + self.elements.row_c[r])
             self.mean_c[r] += share * (mean - self.mean_c[r])
         self.net.assemble(self.mean_k, self.mean_c, self.stiffness, self.damping)
 
@@ -159,11 +160,11 @@ class Increments:
         """Set `rhs` to Delta f of (15.6): loads, and roads through the same tangents as the motion."""
         for i in range(self.n):
             self.rhs[i] = 0.0
-        self.net.all_signals(t)
+        self.signals.all_signals(t)
         self.net.add_loads(self.mean_k, self.mean_c, self.rhs, 0, 0)
         for i in range(self.n):
             self.rhs[i] = -self.rhs[i]
-        self.net.all_signals(t + h)
+        self.signals.all_signals(t + h)
         self.net.add_loads(self.mean_k, self.mean_c, self.rhs, 0, 0)
 
 
@@ -187,7 +188,7 @@ class Mean(Extrapolated):
 
     def attempt(self, t: float, h: float) -> int:
         """Step from t to t + h; return 0 or a key of `outcomes.FAILURES`."""
-        if not self.balance.bends.count or self.net.stuck:
+        if not self.balance.bends.count or self.net.branches.stuck:
             return self.extrapolate(t, h)
         for i in range(self.n):
             self.motion.qb[i], self.motion.vb[i] = self.motion.q[i], self.motion.v[i]

@@ -56,9 +56,6 @@ __all__ = [
     "laws_of",
 ]
 
-_ENOUGH_STEPS = 200000  # steps between two estimates of the number of steps still to come
-_MOST_STEPS = 30000000  # still to come, in one call
-
 
 class Integrator(TimeLoop):
     """Steps one system and owns its whole state.
@@ -108,8 +105,6 @@ class Integrator(TimeLoop):
     @of_python
     def _make_room(self) -> None:
         """Allocate the arrays for changes of signals and parameters, and find the size of the state."""
-        self.given = self.net.memory.zeros(4)
-        self.rate_before = self.net.memory.zeros(max(self.net.rows, 1))
         # called with the present time at each pause of a long run; returns whether to continue
         self.going_on = None
         self.state_size: Size = len(self.state.content())
@@ -144,12 +139,12 @@ class Integrator(TimeLoop):
         """
         residual = earlier.energy_residual(UNBOUNDED)
         # springs in series are relaxed if there were others before
-        same = self.n if earlier.n == self.n else self.net.series.outer
-        self.net.set_datum(earlier.state.datum)
+        same = self.net.n if earlier.net.n == self.net.n else self.net.series.outer
+        self.net.signals.set_datum(earlier.state.datum)
         for i in range(same):
             self.motion.q[i], self.motion.v[i] = earlier.motion.q[i], earlier.motion.v[i]
             self.motion.origin[i] = earlier.motion.origin[i]
-        for e in range(self.net.elements):
+        for e in range(self.net.elements.count):
             if counterpart[e] >= 0:
                 self.ledger.work[e] = earlier.ledger.work[counterpart[e]]
                 self.limited.time[e] = earlier.limited.time[counterpart[e]]
@@ -162,7 +157,7 @@ class Integrator(TimeLoop):
         The state is then that after `take_over` by a new integrator, but only the laws are read again.
         """
         residual = self.energy_residual(UNBOUNDED)
-        self.net.enter_elements(x, at)
+        self.net.branches.enter_elements(x, at)
         self._go_on(residual)
 
     def _go_on(self, residual: float) -> None:
@@ -190,10 +185,9 @@ class Integrator(TimeLoop):
         coefficients : four numbers
         jumps : whether to treat a change of the value as such a jump
         """
-        interval = self.state.time - self.net.set_at(signal)
-        for i in range(4):
-            self.given[i] = coefficients[i]
-        self.replace_signal(signal, self.given, interval, jumps)
+        interval = self.state.time - self.net.signals.set_at(signal)
+        memory = Memory()
+        self.replace_signal(signal, memory.doubles(coefficients), interval, jumps)
 
     def replace_signal(
         self, signal: int, coefficients: Doubles, interval: float, jumps: bool
@@ -204,24 +198,23 @@ class Integrator(TimeLoop):
         """
         before = self.transitions.energy()
         before -= self.state.exchange
-        for r in range(self.net.rows):
-            self.rate_before[r] = self.net.row_v[r]
+        self.transitions.jumps.remember_rates()
         self.transitions.remember()
-        jump = self.net.replace_signal(signal, self.state.time, coefficients)
-        if self.net.is_road[signal]:  # a load moves no element, not even one that is on a corner
+        jump = self.net.signals.replace_signal(signal, self.state.time, coefficients)
+        if self.net.signals.is_road[
+            signal
+        ]:  # a load moves no element, not even one that is on a corner
             if jumps and jump != 0.0:
                 # a damper at rest is at its corner: the road's new velocity decides on which side it acts
-                self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
+                self.net.branches.locate_branches(self.state.time, self.motion.q, self.motion.v)
                 self.stepper.refresh(self.state.time)
-                self.transitions.jumps.impulse(
-                    signal, jump, interval, self.rate_before, self.motion.v
-                )
-            self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
+                self.transitions.jumps.impulse(signal, jump, interval, self.motion.v)
+            self.net.branches.locate_branches(self.state.time, self.motion.q, self.motion.v)
         if jumps:  # at the start the road has always been there: no contact has begun or ended
             self.transitions.book_contacts()
         self.transitions.note()
         if not jumps:  # an element at rest can slip only the way that all loads together push it
-            self.net.follow_slips(self.state.time, self.motion.q, self.motion.v)
+            self.net.branches.follow_slips(self.state.time, self.motion.q, self.motion.v)
         self._enter_branches()
         if not jumps:
             self._break_loose()
@@ -236,10 +229,10 @@ class Integrator(TimeLoop):
     def _lost(self, signal: int, jump: float, interval: float) -> float:
         """Book the energy that dampers dissipate as a road jumps between samples, and return it, J."""
         total = 0.0
-        for e in range(self.net.elements):
-            r = self.net.element_row[e]
-            if self.net.row_signal[r] == signal:
-                w = 0.5 * (self.rate_before[r] + self.net.row_v[r])
+        for e in range(self.net.elements.count):
+            r = self.net.elements.row_of[e]
+            if self.net.elements.row_signal[r] == signal:
+                w = 0.5 * (self.transitions.jumps.rate_before[r] + self.net.elements.row_v[r])
                 lost = self.transitions.jumps.lost(e, jump, interval, w)
                 self.ledger.lose(e, lost)
                 total += lost
@@ -262,7 +255,7 @@ class Integrator(TimeLoop):
         -------
         0, or the key in `outcomes.FAILURES` of the reason why the run ended early.
         """
-        self.look_at_pace()
+        self.pace.look_at_pace()
         while True:
             with cython.nogil:
                 status = self.step_until(until, stop)
@@ -276,13 +269,9 @@ class Integrator(TimeLoop):
     @of_python
     def raise_failure(self, status: int) -> None:
         """Raise the exception that a function of an element has raised, if it has ended the run."""
-        failure, self.net.failure = self.net.failure, None
+        failure, self.net.laws.failure = self.net.laws.failure, None
         if status != 0 and failure is not None:
             raise failure
-
-    def look_at_pace(self) -> None:
-        """Start measuring the pace of the run."""
-        self.begun, self.started = self.state.step_count, self.state.time
 
     @uses_python
     def reason_to_end(self, until: float) -> int:
@@ -292,21 +281,12 @@ class Integrator(TimeLoop):
         too many steps are still to come at the present pace.
         """
         self.noted.all()
-        self.since_pause = 0
+        self.pace.since_pause = 0
         if cython.compiled:
             PyErr_CheckSignals()
         if self.going_on is not None and not self.going_on(self.state.time):
             return INTERRUPTED
-        return 0 if self.keeps_pace(until) else TOO_MANY
-
-    def keeps_pace(self, until: float) -> bool:
-        """Return whether the number of steps still to come, at the present pace, is acceptable."""
-        taken = self.state.step_count - self.begun
-        if taken >= _ENOUGH_STEPS:
-            if taken * (until - self.state.time) > _MOST_STEPS * (self.state.time - self.started):
-                return False
-            self.look_at_pace()
-        return True
+        return 0 if self.pace.keeps_pace(until) else TOO_MANY
 
     @property
     def log(self) -> list[Switch]:
@@ -341,7 +321,7 @@ class Integrator(TimeLoop):
         """
         self._show_last_branches()
         self.reading.find_forces(t, self.dense.end - self.dense.start)
-        self.net.exchange_branches()
+        self.net.branches.exchange_branches()
 
     @property
     def sample_q(self) -> memoryview[float]:
@@ -361,12 +341,12 @@ class Integrator(TimeLoop):
     @property
     def sample_f(self) -> memoryview[float]:
         """The force of each element at the last sampled time, N; see `sample_forces`."""
-        return self.net.memory.seen(self.reading.f, self.net.elements)
+        return self.net.memory.seen(self.reading.f, self.net.elements.count)
 
     @property
     def sample_set(self) -> memoryview[float]:
         """The permanent set of each element that yields at the last sampled time, m."""
-        return self.net.memory.seen(self.reading.set, self.net.elements)
+        return self.net.memory.seen(self.reading.set, self.net.elements.count)
 
     @open_to_python
     def energy_residual(self, t: float = UNBOUNDED) -> float:
@@ -389,7 +369,7 @@ class Integrator(TimeLoop):
         the work done by each signal as a road or a load.
         """
         self.find_energies(t)
-        ledger, elements = self.ledger, self.net.elements
+        ledger, elements = self.ledger, self.net.elements.count
         works = [ledger.until[k] for k in range(ledger.works)]
         kept = [ledger.kept[e] for e in range(elements)]
         return ledger.kinetic, kept, works[:elements], works[elements:]
@@ -398,21 +378,21 @@ class Integrator(TimeLoop):
         """Find the entries of the ledger at a time t within the last step, or at its end, in `ledger`."""
         if t >= self.dense.end:
             self.ledger.find_all()
-            self.net.all_signals(self.state.time)
+            self.net.signals.all_signals(self.state.time)
             self.ledger.take_stock(self.motion.q, self.motion.v)
             return
         self._show_last_branches()
         self.ledger.find_until(t)
         self.dense.read(t)
-        self.net.all_signals(t)
+        self.net.signals.all_signals(t)
         self.ledger.take_stock(self.dense.q, self.dense.v)
-        self.net.exchange_branches()
+        self.net.branches.exchange_branches()
 
     def _show_last_branches(self) -> None:
         """Exchange the present branches for those of the last step."""
         if self.state.in_step or self.dense.end <= self.dense.start:
-            self.net.keep_branches()
-        self.net.exchange_branches()
+            self.net.branches.keep_branches()
+        self.net.branches.exchange_branches()
 
     @open_to_python
     def limited_time_at(self, e: int, t: float) -> float:
@@ -423,13 +403,17 @@ class Integrator(TimeLoop):
     @open_to_python
     def at_limit(self, e: int) -> bool:
         """Return whether element e is now at its limit (a tyre off the road)."""
-        return self.net.branch[BRANCHES * e + CONTACT] != 0
+        return self.net.elements.branch[BRANCHES * e + CONTACT] != 0
 
     @open_to_python
     def yielding(self, e: int) -> bool:
         """Return whether element e, which can yield, did so in the last step."""
         at = BRANCHES * e + SPRING
-        return (self.net.branch[at] if self.state.in_step else self.net.kept_branch[at]) != 1
+        return (
+            self.net.elements.branch[at]
+            if self.state.in_step
+            else self.net.branches.kept_branch[at]
+        ) != 1
 
     @open_to_python
     def stable_step(self) -> float:
@@ -460,7 +444,7 @@ class Integrator(TimeLoop):
 
         Springs in series are included as if their dampers were rigid.
         """
-        n, modes, places = self.n, self.stepper.modes, range(self.net.series.outer)
+        n, modes, places = self.net.n, self.stepper.modes, range(self.net.series.outer)
         k = [
             [modes.stiffness[j * n + i] + self.net.series.stiffness[j * n + i] for j in places]
             for i in places

@@ -32,7 +32,8 @@ class Inverses:
     def __init__(self, balance: Balance, sequence: Sequence[int]) -> None:
         self.balance = balance
         self.net, self.n, self.columns = self.balance.net, self.balance.n, len(sequence)
-        n, rows, columns = self.n, max(self.net.rows, 1), self.columns
+        self.elements, self.branches = self.net.elements, self.net.branches
+        n, rows, columns = self.n, max(self.elements.rows, 1), self.columns
         memory = self.net.memory
         self.substeps = memory.integers(sequence)
         self.step = -1.0  # macro step of the matrices, s; -1 if there are none
@@ -63,7 +64,7 @@ class Inverses:
         if self._invert(n, h) != 0:
             return 1
         for c in range(self.columns):
-            if self.net.stuck and self._hold(n, c) != 0:
+            if self.branches.stuck and self._hold(n, c) != 0:
                 return 1
             if self.balance.bends.count:
                 self._couple(n, c)
@@ -110,7 +111,7 @@ class Inverses:
         for i in range(n):
             x = 0.0
             for m in range(n):
-                b = self.net.row_direction[n * r + m]
+                b = self.elements.row_direction[n * r + m]
                 x += self.inverse[n * n * c + over * i + down * m] * b
             self.f[i] = x
 
@@ -119,7 +120,7 @@ class Inverses:
         """Return b' f of row r."""
         x = 0.0
         for i in range(n):
-            x += self.net.row_direction[n * r + i] * self.f[i]
+            x += self.elements.row_direction[n * r + i] * self.f[i]
         return x
 
     def _hold(self, n: int, c: int) -> int:
@@ -128,12 +129,12 @@ class Inverses:
         For each row in turn, W <- W - W b b' W / b' W b; the accelerations caused by the roads of the
         rows before it are projected likewise.
         """
-        for p in range(self.net.stuck):
-            r = self.net.element_row[self.net.stuck_element[p]]
+        for p in range(self.branches.stuck):
+            r = self.elements.row_of[self.branches.stuck_element[p]]
             self._spread(n, c, r, 1, n)
             self.alone[p] = self._along(n, r)
-        for p in range(self.net.stuck):
-            r = self.net.element_row[self.net.stuck_element[p]]
+        for p in range(self.branches.stuck):
+            r = self.elements.row_of[self.branches.stuck_element[p]]
             self._spread(n, c, r, 1, n)
             size = self._along(n, r)
             if not size > _DEPENDENT * self.alone[p]:
@@ -145,20 +146,20 @@ class Inverses:
                 for m in range(n):
                     self.inverse[n * n * c + n * m + i] -= self.held[i] * self.f[m]
             for o in range(p):
-                at = n * (self.net.rows * c + o)
+                at = n * (self.elements.rows * c + o)
                 x = 0.0
                 for i in range(n):
-                    x += self.net.row_direction[n * r + i] * self.carried[at + i]
+                    x += self.elements.row_direction[n * r + i] * self.carried[at + i]
                 for i in range(n):
                     self.carried[at + i] -= x * self.held[i]
             for i in range(n):
-                self.carried[n * (self.net.rows * c + p) + i] = self.held[i]
+                self.carried[n * (self.elements.rows * c + p) + i] = self.held[i]
         return 0
 
     @inline
     def _couple(self, n: int, c: int) -> None:
         """Find W b and b' W b of the curved rows."""
-        bends, rows = self.balance.bends.count, self.net.rows
+        bends, rows = self.balance.bends.count, self.elements.rows
         for p in range(bends):
             self._spread(n, c, self.balance.bends.row[p], 1, n)
             for i in range(n):

@@ -45,7 +45,7 @@ class Iteration:
 
     def __init__(self, inverses: Inverses) -> None:
         self.inverses = inverses
-        self.bends, self.rows = self.inverses.balance.bends, self.inverses.net.rows
+        self.bends, self.rows = self.inverses.balance.bends, self.inverses.net.elements.rows
         memory, bent = self.inverses.net.memory, self.inverses.columns * max(self.rows, 1)
         # d*, w*, and x without curved forces; x and its last correction, of which the second part is due
         # to the curvature; slope of the force along x, and its rise by the curvature

@@ -47,8 +47,9 @@ class Knots:
         self.switches = switches
         self.stepper, self.motion = self.switches.stepper, self.switches.motion
         self.net, self.crossing = self.switches.net, self.switches.crossing
+        self.elements, self.laws = self.net.elements, self.net.laws
         # the laws of joined pieces, and one piece of each
-        self.count, laws = 0, LAWS * self.net.elements
+        self.count, laws = 0, LAWS * self.elements.count
         memory = self.net.memory
         self.element, self.kind = memory.marks(laws), memory.marks(laws)
         self.piece = memory.marks(laws)
@@ -66,10 +67,10 @@ class Knots:
     def enter_branches(self) -> None:
         """List the laws of joined pieces, after a change of branch."""
         self.count = 0
-        for e in range(self.net.elements):
+        for e in range(self.elements.count):
             for kind in range(CONTACT):
-                p = self.net.piece_now(e, kind)
-                if self.net.run_last[p] > self.net.run_first[p]:
+                p = self.elements.piece_now(e, kind)
+                if self.laws.run_last[p] > self.laws.run_first[p]:
                     k = self.count
                     self.element[k], self.kind[k], self.piece[k] = e, kind, p
                     self.count += 1
@@ -80,7 +81,7 @@ class Knots:
         if shorter <= _LIKELY * self.motion.state.proposal:
             return h
         self.motion.foresee(shorter)
-        self.net.all_signals(self.motion.state.time + shorter)
+        self.net.signals.all_signals(self.motion.state.time + shorter)
         self.stepper.errors.begin(shorter)
         self._find(shorter, _LEAST_KNOT, self.most_effect)
         return self.at * shorter if self.at < 1.0 else h
@@ -120,7 +121,7 @@ class Knots:
     @inline
     def _argument(self, e: int, kind: int) -> int:
         """Return where `rows.row` has the argument of a law at the start of the attempt."""
-        return 8 * self.net.element_row[e] + (1 if kind == DAMPER else 0)
+        return 8 * self.elements.row_of[e] + (1 if kind == DAMPER else 0)
 
     def _passes_another(self, way: float) -> bool:
         """Return whether the attempt, continued by `way`, passes a point of another row.
@@ -134,7 +135,7 @@ class Knots:
                 continue
             x = row[at + 4]
             there = x + way * (row[at + 5] + way * row[at + 6] / 2.0)
-            if self.net.place(self.piece[i], x) != self.net.place(self.piece[i], there):
+            if self.laws.place(self.piece[i], x) != self.laws.place(self.piece[i], there):
                 return True
         return False
 
@@ -148,9 +149,9 @@ class Knots:
         self.stepper.rows.read(self.motion.state.time, h)
         for i in range(self.count):
             e, kind, p = self.element[i], self.kind[i], self.piece[i]
-            first, last = self.net.run_first[p], self.net.run_last[p]
+            first, last = self.laws.run_first[p], self.laws.run_last[p]
             row = self._argument(e, kind)
-            k = self.net.place(p, self.stepper.rows.row[row])
+            k = self.laws.place(p, self.stepper.rows.row[row])
             degree = self.switches.polynomial(e, kind, h)
             self.crossing.extent(degree)
             unit = -1.0
@@ -159,7 +160,7 @@ class Knots:
                 while first <= m <= last and self._passes(m, side):
                     if unit < 0.0:
                         unit = self._effect(e, kind, h) / (most * self.stepper.errors.allowed)
-                    size = unit * self.net.jump[m if side < 0 else m + 1]
+                    size = unit * self.laws.jump[m if side < 0 else m + 1]
                     if size > 1.0 and self._ends(side, degree, least, row, size):
                         break
                     m += side
@@ -167,26 +168,26 @@ class Knots:
     @inline
     def _passes(self, p: int, side: int) -> bool:
         """Find the end of piece p; return whether the polynomial may pass it."""
-        self.is_end = p == (self.net.run_first[p] if side < 0 else self.net.run_last[p])
+        self.is_end = p == (self.laws.run_first[p] if side < 0 else self.laws.run_last[p])
         at = PIECE * (p if side < 0 else p + 1) + START
         if not self.is_end:
-            self.bound = self.net.piece[at]
+            self.bound = self.laws.piece[at]
         else:
-            self.bound = self.net.low[p] if side < 0 else self.net.high[p]
+            self.bound = self.laws.low[p] if side < 0 else self.laws.high[p]
         return self.crossing.low < self.bound if side < 0 else self.crossing.high > self.bound
 
     def _effect(self, e: int, kind: int, h: float) -> float:
         """Return the error that the attempt makes where the second derivative of a law jumps by 1, m."""
-        n, r = self.net.n, self.net.element_row[e]
+        n, r = self.net.n, self.elements.row_of[e]
         row, at = self.stepper.rows.row, self._argument(e, kind)
         rate = max(fabs(row[at + 1]), fabs(row[at + 5]), fabs(row[at + 4] - row[at]) / h)
         most = 0.0
         for i in range(n):
             x = 0.0
             for m in range(n):
-                x += self.net.flexibility[n * m + i] * self.net.row_direction[n * r + m]
+                x += self.net.flexibility[n * m + i] * self.elements.row_direction[n * r + m]
             most = max(most, fabs(x) * self.stepper.errors.velocity_scale[i])
-        if self.net.modulated[e]:
+        if self.elements.modulated[e]:
             most *= self._factor(e, kind, row, 8 * r)
         return _MISSED_JUMP * h * h * h * rate * rate * most
 
@@ -194,9 +195,9 @@ class Knots:
         """Return the larger of the factors of a modulated damper's law at both ends of the attempt."""
         if kind == SPRING:
             return 1.0
-        other = self.net.piece_now(e, MODULATION if kind == DAMPER else DAMPER)
+        other = self.elements.piece_now(e, MODULATION if kind == DAMPER else DAMPER)
         at += 1 if kind == MODULATION else 0
-        return max(fabs(self.net.law(other, row[at])), fabs(self.net.law(other, row[at + 4])))
+        return max(fabs(self.laws.law(other, row[at])), fabs(self.laws.law(other, row[at + 4])))
 
     def _ends(self, side: int, degree: int, least: float, row: int, size: float) -> bool:
         """Let the attempt end on the point in `bound`, or beyond it, if it passes it after `least`.

@@ -103,7 +103,7 @@ class Landing:
 
     def _keep_near(self, h: float) -> float:
         """Store the attempt just made; return how far from its end it may be read."""
-        if self.stepper.net.stuck or not self._reads():
+        if self.stepper.net.branches.stuck or not self._reads():
             return 0.0
         self._keep_attempt(h)
         return min(_NEAR_END * h, _NEAR_PHASE / (self.stepper.modes.quickest + 1.0))

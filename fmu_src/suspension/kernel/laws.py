@@ -29,12 +29,12 @@ from .layout import (
     STORED,
     UNBOUNDED,
 )
-from .signals import Signals
 
 if TYPE_CHECKING:
     from typing import Any
 
     from ..systems import Element, System
+    from .arrays import Memory
 
 if not cython.compiled:
     from math import exp, fabs, log1p, pow, sinh
@@ -47,23 +47,22 @@ _SMALL_ARGUMENT = 0.549  # of tanh, half the logarithm of 3
 _LOG_2 = 0.6931471805599453
 
 
-class Laws(Signals):
-    """The pieces of every law, in addition to the signals.
+class Laws:
+    """The pieces of every law.
 
     Parameters
     ----------
+    memory : the memory that contains the arrays
     system : `systems.System`
     joins : whether curved pieces that meet with the same slope, as in a smooth table, are one branch
     """
 
     failure: Exception | None
 
-    def __init__(self, system: System, joins: bool) -> None:
-        Signals.__init__(self, system.signals)
+    def __init__(self, memory: Memory, system: System, joins: bool) -> None:
         self.joins = joins
-        memory = self.memory
         count = [pieces for element in system.elements for pieces in pieces_of(element)]
-        self.count = memory.integers(count)
+        self.pieces = memory.integers(count)
         self.first = memory.integers(accumulate(count, initial=0))
         self.piece = memory.zeros(PIECE * sum(count))
         self.straight = memory.integers([1] * sum(count))
@@ -85,7 +84,7 @@ class Laws(Signals):
         for i in range(PIECE * (last - first)):
             self.piece[PIECE * first + i] = x[at + i]
         for law in range(LAWS * e, LAWS * (e + 1)):
-            end = self.first[law] + self.count[law]
+            end = self.first[law] + self.pieces[law]
             for p in range(self.first[law], end):
                 k = p * PIECE
                 curved = (
@@ -110,7 +109,7 @@ class Laws(Signals):
     def _join(self, law: int) -> None:
         """Find which pieces of a law are joined."""
         first = self.first[law]
-        last = first + self.count[law] - 1
+        last = first + self.pieces[law] - 1
         for p in range(first, last + 1):
             self.run_first[p] = self.run_last[p] = p
         for p in range(first + 1, last + 1):
@@ -317,7 +316,7 @@ class Laws(Signals):
         """Return the piece of a law at x; at a corner the upper one, of joined pieces the first."""
         k = 0
         first = self.first[law]
-        while k + 1 < self.count[law] and self.piece[(first + k + 1) * PIECE + START] <= x:
+        while k + 1 < self.pieces[law] and self.piece[(first + k + 1) * PIECE + START] <= x:
             k += 1
         return self.run_first[first + k] - first
 

@@ -45,10 +45,11 @@ class Ledger:
     """
 
     def __init__(self, balance: Balance, rows: Rows, dense: Dense) -> None:
-        self.balance, self.rows, self.dense = balance, rows, dense
+        self.balance, self.dense = balance, dense
         self.net, self.straight = self.balance.net, self.balance.straight
-        elements, most = self.net.elements, max(self.net.rows, 1)
-        self.works = elements + self.net.signals
+        self.elements = self.net.elements
+        elements, most = self.elements.count, max(self.elements.rows, 1)
+        self.works = elements + self.net.signals.count
         memory = self.net.memory
         # works so far; those of jumps of roads at the time of the last jump; those in a part of a step
         self.state = self.net.state
@@ -67,7 +68,7 @@ class Ledger:
         self.needs = memory.marks(most)  # of each row: nothing, `_SUMS` or `_AT_POINTS`
         self.moving = False  # whether any signal changes within the step
         self.loaded = False  # whether any load is not zero throughout the present segments
-        self.readings = StepReadings(self.rows, dense)
+        self.readings = StepReadings(rows, dense)
         self.potential = Potential(self.straight)
         self.start()
 
@@ -75,63 +76,63 @@ class Ledger:
         """Reset the works of signals, and all balances."""
         # energy that roads and loads have moved in or out, all counted as positive
         self.state.supplied = self.state.most_stored = 0.0
-        for i in range(self.net.elements, self.works):
+        for i in range(self.elements.count, self.works):
             self.work[i] = self.brought[i] = 0.0
 
     def enter(self) -> None:
         """Read which forces dissipate and which store energy in the present branches and segments."""
-        for r in range(self.net.rows):
+        for r in range(self.elements.rows):
             self.needs[r] = 0
         self.potential.enter()
         self.dissipating = 0
-        for e in range(self.net.elements):
+        for e in range(self.elements.count):
             at = BRANCHES * e
-            f = self.net.branch[at + FRICTION] * self.net.friction[e]
+            f = self.elements.branch[at + FRICTION] * self.elements.friction[e]
             c = 0.0
             self.curved[e] = 0
-            if not self.net.branch[at + CONTACT]:
+            if not self.elements.branch[at + CONTACT]:
                 if self.straight.bent_damper[e]:
                     self.curved[e] = 1
                 else:
                     f += self.straight.damper_f[e]
                     c = self.straight.damper_c[e]
-                if self.net.yields[e] and self.net.branch[at + SPRING] != ELASTIC:
-                    f += self.net.flow_force(e)
+                if self.elements.yields[e] and self.elements.branch[at + SPRING] != ELASTIC:
+                    f += self.elements.flow_force(e)
             self.loss[e], self.loss_rate[e] = f, c
             if f != 0.0 or c != 0.0 or self.curved[e]:
-                r = self.net.element_row[e]
+                r = self.elements.row_of[e]
                 self.needs[r] = _AT_POINTS if self.curved[e] else max(self.needs[r], _SUMS)
                 self.element[self.dissipating] = e
                 self.dissipating += 1
         self.loaded = False
         for m in range(self.net.loads):
             s = self.net.load_signal[m]
-            if self.net.road[4 * s] != 0.0 or not self.net.is_level(s):
+            if self.net.signals.road[4 * s] != 0.0 or not self.net.signals.is_level(s):
                 self.loaded = True
 
     def read_rows(self, t: float, h: float) -> None:
         """Read the rows at both ends of the attempt that becomes the last step, unless signals change."""
-        self.moving = not (self.balance.loads_hold or self.net.still())
-        if not (self.moving or self.rows.end_known):
-            self.rows.read(t, h)
+        self.moving = not (self.balance.loads_hold or self.net.signals.still())
+        if not (self.moving or self.readings.rows.end_known):
+            self.readings.rows.read(t, h)
 
     def book(self) -> None:
         """Add the works of the last step, with its branches; leave the signals at its end."""
         h = self.dense.end - self.dense.start
         self.state.exchange_in_step = self.state.exchange
         if h > 0.0 and self.moving:
-            if self.net.stuck:
+            if self.net.branches.stuck:
                 self._book_points()
             else:
                 self.readings.read_signals(h)
         if self.moving:
-            self.net.all_signals(self.dense.end)
-        if h > 0.0 and not (self.moving and self.net.stuck):
+            self.net.signals.all_signals(self.dense.end)
+        if h > 0.0 and not (self.moving and self.net.branches.stuck):
             self._book_parts(h, self.moving)
 
     def _book_parts(self, h: float, moving: bool) -> None:
         """Add the works of elements, roads and loads one by one, with the signals read before."""
-        for r in range(self.net.rows):
+        for r in range(self.elements.rows):
             if moving or self.needs[r] == _AT_POINTS:
                 self.readings.read_row(r, h, moving)
             elif self.needs[r] == _SUMS:
@@ -139,8 +140,8 @@ class Ledger:
         for k in range(self.dissipating):
             self._book_element(self.element[k], h)
         if moving:
-            for r in range(self.net.rows):
-                if self.net.row_signal[r] >= 0:
+            for r in range(self.elements.rows):
+                if self.elements.row_signal[r] >= 0:
                     self._book_road(r, h)
         if self.loaded:
             for m in range(self.net.loads):
@@ -148,12 +149,12 @@ class Ledger:
 
     def _book_element(self, e: int, h: float) -> None:
         """Add what element e has dissipated."""
-        r = self.net.element_row[e]
+        r = self.elements.row_of[e]
         work = self.loss[e] * self.readings.way[r] + self.loss_rate[e] * self.readings.square[r]
         if self.curved[e]:
             for k in range(POINTS):
                 w = self.readings.w[POINTS * r + k]
-                force = self.net.damper_force_at(e, self.readings.d[POINTS * r + k], w)
+                force = self.elements.damper_force_at(e, self.readings.d[POINTS * r + k], w)
                 work += self.readings.weight[k] * h * force * w
         self.work[e] += work
         if work < 0.0:
@@ -161,7 +162,7 @@ class Ledger:
 
     def _book_road(self, r: int, h: float) -> None:
         """Add the work of the road under row r."""
-        s = self.net.row_signal[r]
+        s = self.elements.row_signal[r]
         bent = -1
         for p in range(self.balance.bends.count):
             if self.balance.bends.row[p] == r:
@@ -179,11 +180,13 @@ class Ledger:
     def _book_load(self, m: int, h: float, moving: bool) -> None:
         """Add the work of load m."""
         s = self.net.load_signal[m]
-        if not moving and self.net.road[4 * s] == 0.0:
+        if not moving and self.net.signals.road[4 * s] == 0.0:
             return
         self.readings.read_ends(self.net.load_direction, self.net.n * m, h)
         if not moving:
-            self._supply(s, self.net.road[4 * s] * (self.readings.ends[4] - self.readings.ends[0]))
+            self._supply(
+                s, self.net.signals.road[4 * s] * (self.readings.ends[4] - self.readings.ends[0])
+            )
             return
         for k in range(POINTS):
             way = 0.0
@@ -195,8 +198,8 @@ class Ledger:
         """Add the works point by point, with the forces of sticking rows on moving roads."""
         self.find_part(self.dense.start)
         for i in range(self.works):
-            if i >= self.net.elements:
-                self._supply(i - self.net.elements, self.part[i])
+            if i >= self.elements.count:
+                self._supply(i - self.elements.count, self.part[i])
             else:
                 self.work[i] += self.part[i]
 
@@ -208,40 +211,40 @@ class Ledger:
         for k in range(POINTS):
             t = since + self.readings.point[k] * h
             self.dense.read(t)
-            self.net.all_signals(t)
-            self.net.row_states(self.dense.q, self.dense.v)
-            self.net.row_forces()
+            self.net.signals.all_signals(t)
+            self.elements.row_states(self.dense.q, self.dense.v)
+            self.elements.row_forces()
             self.net.accelerate(self.scratch)
-            self.net.hold(self.net.multiplier)
+            self.net.sticking.hold()
             weight = self.readings.weight[k] * h
-            for e in range(self.net.elements):
-                self.part[e] += weight * self.net.dissipation(e)
-            for r in range(self.net.rows):
-                s = self.net.row_signal[r]
+            for e in range(self.elements.count):
+                self.part[e] += weight * self.elements.dissipation(e)
+            for r in range(self.elements.rows):
+                s = self.elements.row_signal[r]
                 if s >= 0:
-                    power = -self.net.row_f[r] * self.net.road[4 * s + 1]
-                    self.part[self.net.elements + s] += weight * power
+                    power = -self.elements.row_f[r] * self.net.signals.road[4 * s + 1]
+                    self.part[self.elements.count + s] += weight * power
             for m in range(self.net.loads):
                 w = 0.0
                 for i in range(self.net.n):
                     w += self.net.load_direction[m * self.net.n + i] * self.dense.v[i]
                 s = self.net.load_signal[m]
-                self.part[self.net.elements + s] += weight * self.net.road[4 * s] * w
+                self.part[self.elements.count + s] += weight * self.net.signals.road[4 * s] * w
 
     def take_stock(self, q: Doubles, v: Doubles) -> None:
         """Find the kinetic energy and that stored in each element, with the signals in `road`."""
-        self.net.row_states(q, v)
+        self.elements.row_states(q, v)
         self.kinetic = self.net.energy(v)
-        for e in range(self.net.elements):
-            r = self.net.element_row[e]
-            self.kept[e] = self.net.element_energy(e, self.net.row_d[r])
+        for e in range(self.elements.count):
+            r = self.elements.row_of[e]
+            self.kept[e] = self.elements.element_energy(e, self.elements.row_d[r])
             if self.net.series.of_element[e] >= 0:
-                w = self.net.row_v[r]
+                w = self.elements.row_v[r]
                 self.kept[e] = 0.5 * w * self.net.series.force(e, w)
             self.kinetic -= self.kept[e]
 
     def _supply(self, signal: int, energy: float) -> None:
-        self.work[self.net.elements + signal] += energy
+        self.work[self.elements.count + signal] += energy
         self.state.supplied += fabs(energy)
 
     def bring_in(self, signal: int, energy: float) -> None:
@@ -250,7 +253,7 @@ class Ledger:
             self.state.brought_at = self.state.time
             for i in range(self.works):
                 self.brought[i] = 0.0
-        self.brought[self.net.elements + signal] += energy
+        self.brought[self.elements.count + signal] += energy
         self._supply(signal, energy)
 
     def lose(self, e: int, energy: float) -> None:
@@ -279,16 +282,16 @@ class Ledger:
         This and the residual are those at the time for which the entries were last found.
         """
         lost = -self.exchanged
-        for e in range(self.net.elements):
+        for e in range(self.elements.count):
             lost += self.until[e]
         return lost
 
     def residual(self) -> float:
         """Return T + U + dissipated - supplied - exchanged at contact switches - initial: 0 if exact."""
         balance = self.kinetic + self.lost() - self.state.initial_energy
-        for e in range(self.net.elements):
+        for e in range(self.elements.count):
             balance += self.kept[e]
-        for i in range(self.net.elements, self.works):
+        for i in range(self.elements.count, self.works):
             balance -= self.until[i]
         return balance
 
@@ -307,9 +310,9 @@ class Ledger:
         if stored > _TIMES * (initial + self.state.supplied) + _LEAST:
             return ENERGY_GROWS
         balance = stored - self.state.initial_energy
-        for i in range(self.net.elements):
+        for i in range(self.elements.count):
             balance += self.work[i]
-        for i in range(self.net.elements, self.works):
+        for i in range(self.elements.count, self.works):
             balance -= self.work[i]
         most = max(self.state.most_stored, self.state.supplied) + initial
         if not (exact or fabs(balance) <= most + _LEAST):

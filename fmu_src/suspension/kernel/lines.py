@@ -85,7 +85,7 @@ class Lines:
             x = self.term_factor[m] * self._state(quantity, self.term_index[m])
             total = x if m == first else total + x
         for m in range(self.signal_first[k], self.signal_first[k + 1]):
-            self.net.from_zero(self.signal[m], self.run.time, True, self.read_signal, 0)
+            self.net.signals.from_zero(self.signal[m], self.run.time, True, self.read_signal, 0)
             total += self.signal_factor[m] * self.read_signal[1 if quantity == _V else 0]
         return total + self.offset[k] if self.offset[k] != 0.0 else total
 

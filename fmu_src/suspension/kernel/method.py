@@ -104,7 +104,7 @@ class Method:
             for i in range(self.n):
                 self.motion.qb[i], self.motion.vb[i] = qb[i], vb[i]
         except Exception as error:
-            self.net.note_failure(error)
+            self.net.laws.note_failure(error)
             return DIVERGED
         self.end(t + h)
         return 0

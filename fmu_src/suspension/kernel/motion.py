@@ -26,7 +26,7 @@ class Motion:
     """
 
     def __init__(self, network: Network) -> None:
-        n, elements = network.n, network.elements
+        n, elements = network.n, network.elements.count
         self.net, self.n, self.elements = network, n, elements
         self.outer = self.net.series.outer
         memory = self.net.memory
@@ -108,5 +108,5 @@ class Motion:
     def keep_multipliers(self) -> None:
         """Store the present forces of sticking, as attempts overwrite those of the network."""
         for e in range(self.elements):
-            self.multiplier[e] = self.net.multiplier[e]
-            self.multiplier_rate[e] = self.net.multiplier_rate[e]
+            self.multiplier[e] = self.net.sticking.multiplier[e]
+            self.multiplier_rate[e] = self.net.sticking.multiplier_rate[e]

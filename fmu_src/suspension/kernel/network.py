@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 
 import cython
 
-from .arrays import Lent
+from .arrays import Lent, Memory
 from .branches import Branches
-from .elements import element_numbers
+from .elements import Elements, element_numbers
 from .language import of_python, open_to_python
-from .laws import functions_of, pieces_of
+from .laws import Laws, functions_of, pieces_of
 from .layout import (
     LAWS,
     PIECE,
@@ -23,6 +23,9 @@ from .layout import (
     START,
     UNBOUNDED,
 )
+from .signals import Signals
+from .state import KernelState
+from .sticking import Sticking
 
 if TYPE_CHECKING:
     from typing import Any
@@ -43,8 +46,8 @@ _PARTS = 20.0
 _NEWTON = 4
 
 
-class Network(Branches):
-    """The numbers of one system, its branches, and its forces and tangents in them.
+class Network:
+    """The parts of one system, its masses and loads, and its forces and tangents in their branches.
 
     Parameters
     ----------
@@ -61,8 +64,14 @@ class Network(Branches):
 
     def __init__(self, system: System, joins: bool = False) -> None:
         system = system.with_internal()
-        Branches.__init__(self, system, joins)
-        n, elements = self.n, self.elements
+        self.memory, self.state = memory, state = Memory(), KernelState()
+        self.n = n = len(system.mass)
+        self.signals = Signals(memory, state, system.signals)
+        self.laws = Laws(memory, system, joins)
+        self.elements = Elements(memory, state, self.signals, self.laws, system)
+        self.series = self.elements.series
+        self.branches = Branches(memory, state, self.elements, system)
+        self.sticking = Sticking(memory, self.branches)
         names = list(system.signals)
         self.loads = len(system.loads)
         for load in system.loads:
@@ -71,27 +80,19 @@ class Network(Branches):
                     f"a load follows {load.signal!r}, which is not a signal of the system; its signals: "
                     f"{', '.join(names) or 'none'}"
                 )
-        memory = self.memory
         self.load_direction = memory.zeros(max(self.loads * n, 1))
         self.load_signal = memory.integers(
             [names.index(load.signal) for load in system.loads] or [0]
         )
         self._find_roads()
         self.joint = memory.zeros(8)  # two segments where they meet
-        self.multiplier, self.multiplier_rate = memory.zeros(elements), memory.zeros(elements)
-        self.kick = memory.zeros(elements)
         self.rate, self.lack = memory.zeros(n), memory.zeros(n)
-        self.spread, self.reaction = memory.zeros(elements * n), memory.zeros(elements)
-        self.coupling = memory.zeros(elements * elements)
-        self.zero, self.scratch = memory.zeros(n), memory.zeros(n)
         self.modes, self.modes2 = memory.zeros(n * n), memory.zeros(n * n)
         self.mass, self.mass_factor = memory.zeros(n * n), memory.zeros(n * n)
         self.flexibility = memory.zeros(n * n)
         if any(len(row) != n for row in system.mass):
             raise ValueError("mass matrix and directions must have one entry per coordinate")
-        self.load_names = [load.signal for load in system.loads]
-        self.signal_sizes: list[tuple[str, int]] = _sizes(system)
-        self.element_shapes = list(map(_shape, system.elements))
+        self.shape = _shape(system)
         numbers = array("d")
         add_numbers(system, numbers)
         self.size = len(numbers)
@@ -103,13 +104,15 @@ class Network(Branches):
     def _find_roads(self) -> None:
         """Find which signals are roads, and whether all roads and masses can be raised without effect."""
         self.can_rise = True
-        for r in range(self.rows):
-            s = self.row_signal[r]
-            rise = sum(self.row_direction[r * self.n + i] for i in range(self.series.outer))
+        for r in range(self.elements.rows):
+            s = self.elements.row_signal[r]
+            rise = sum(
+                self.elements.row_direction[r * self.n + i] for i in range(self.series.outer)
+            )
             if rise != (1.0 if s >= 0 else 0.0):
                 self.can_rise = False
             if s >= 0:
-                self.is_road[s] = 1
+                self.signals.is_road[s] = 1
                 for m in range(self.loads):
                     if self.load_signal[m] == s:
                         self.can_rise = False
@@ -120,14 +123,14 @@ class Network(Branches):
         A displacement of 1 km is rounded to 1e-13 m, which moves stiff masses visibly and crosses corners
         back and forth. Heights up to ten times `reach`, the scale of the motion, are measured from zero.
         """
-        self.set_datum(0.0)
+        self.signals.set_datum(0.0)
         if self.can_rise:
-            for r in range(self.rows):
-                s = self.row_signal[r]
+            for r in range(self.elements.rows):
+                s = self.elements.row_signal[r]
                 if s >= 0:
-                    self.signal(s, t)
-                    if fabs(self.road[4 * s]) > _HIGH * reach:
-                        self.set_datum(self.road[4 * s])
+                    self.signals.signal(s, t)
+                    if fabs(self.signals.road[4 * s]) > _HIGH * reach:
+                        self.signals.set_datum(self.signals.road[4 * s])
                     return
 
     @of_python
@@ -137,10 +140,8 @@ class Network(Branches):
         return (
             len(system.mass) == self.n
             and len(system.internal) == self.series.internal
-            and len(system.elements) == self.elements
-            and [load.signal for load in system.loads] == self.load_names
-            and _sizes(system) == self.signal_sizes
-            and list(map(_shape, system.elements)) == self.element_shapes
+            and len(system.elements) == self.elements.count
+            and _shape(system) == self.shape
         )
 
     def enter_system(self, x: Doubles, at: int) -> int:
@@ -156,30 +157,29 @@ class Network(Branches):
             return 1
         for k in range(n):
             for i in range(n):
-                self.scratch[i] = 1.0 if i == k else 0.0
-            solve(self.mass_factor, 0, n, self.scratch)
+                self.lack[i] = 1.0 if i == k else 0.0
+            solve(self.mass_factor, 0, n, self.lack)
             for i in range(n):
-                self.flexibility[i * n + k] = self.scratch[i]
+                self.flexibility[i * n + k] = self.lack[i]
         at = self.series.enter_springs(self.mass, x, at)
         for i in range(self.loads * n):
             self.load_direction[i] = x[at + i]
-        at = self.enter_signals(x, at + self.loads * n)
-        self.enter_elements(x, at)
+        at = self.signals.enter_signals(x, at + self.loads * n)
+        self.branches.enter_elements(x, at)
         return 0
 
     def forget(self) -> None:
         """Reset to the state before any motion, without lift-off, slip or flow."""
-        self.forget_branches()
-        for e in range(self.elements):
-            self.multiplier[e] = self.multiplier_rate[e] = 0.0
+        self.branches.forget_branches()
+        self.sticking.forget()
 
     # -- numbers of the system that change in a run: elastic pieces move, inputs are replaced ---------
 
     @of_python
     def place_moving(self) -> None:
         """Allocate these numbers in the state."""
-        yielding = sum(1 for e in range(self.elements) if self.yields[e])
-        single = sum(1 for s in range(self.signals) if self.signal_count[s] == 1)
+        yielding = sum(1 for e in range(self.elements.count) if self.elements.yields[e])
+        single = sum(1 for s in range(self.signals.count) if self.signals.signal_count[s] == 1)
         self.moving = self.state.memory.zeros(3 * PIECE * yielding + (SEGMENT + 1) * single)
 
     def take_moving(self) -> None:
@@ -189,21 +189,21 @@ class Network(Branches):
     def put_moving_back(self) -> None:
         """Copy them from the state."""
         self._copy_moving(False)
-        for s in range(self.signals):
-            if self.signal_count[s] == 1:
-                self.find_level(self.signal_first[s])
+        for s in range(self.signals.count):
+            if self.signals.signal_count[s] == 1:
+                self.signals.find_level(self.signals.signal_first[s])
 
     def _copy_moving(self, saving: bool) -> None:
         at = 0
-        for e in range(self.elements):
-            if self.yields[e]:
-                first = PIECE * self.first[LAWS * e]
-                at = self._copy_numbers(self.piece, first, 3 * PIECE, at, saving)
-        for s in range(self.signals):
-            if self.signal_count[s] == 1:
-                k = self.signal_first[s]
-                at = self._copy_numbers(self.segment, SEGMENT * k, SEGMENT, at, saving)
-                at = self._copy_numbers(self.height, k, 1, at, saving)
+        for e in range(self.elements.count):
+            if self.elements.yields[e]:
+                first = PIECE * self.laws.first[LAWS * e]
+                at = self._copy_numbers(self.laws.piece, first, 3 * PIECE, at, saving)
+        for s in range(self.signals.count):
+            if self.signals.signal_count[s] == 1:
+                k = self.signals.signal_first[s]
+                at = self._copy_numbers(self.signals.segment, SEGMENT * k, SEGMENT, at, saving)
+                at = self._copy_numbers(self.signals.height, k, 1, at, saving)
 
     def _copy_numbers(self, x: Doubles, first: int, count: int, at: int, saving: bool) -> int:
         """Copy numbers of x to `moving`, or back; return where the next ones go."""
@@ -216,21 +216,21 @@ class Network(Branches):
 
     def enter_segments(self, t: float) -> None:
         """Move every signal to its segment from t on, as at a start."""
-        for s in range(self.signals):
-            self.enter_segment(s, t)
+        for s in range(self.signals.count):
+            self.signals.enter_segment(s, t)
 
     @open_to_python
     def next_corner(self, t: float) -> float:
         """Return the next time after t at which the value or the rate of a signal jumps, or UNBOUNDED."""
         corner = UNBOUNDED
-        for s in range(self.signals):
-            first = self.signal_first[s]
-            for k in range(first + 1, first + self.signal_count[s]):
-                start = self.segment[k * SEGMENT + START]
+        for s in range(self.signals.count):
+            first = self.signals.signal_first[s]
+            for k in range(first + 1, first + self.signals.signal_count[s]):
+                start = self.signals.segment[k * SEGMENT + START]
                 if start <= t or start >= corner:
                     continue
-                self.read_segment(k - 1, start, self.height[k - 1], self.joint, 0)
-                self.read_segment(k, start, self.height[k], self.joint, 4)
+                self.signals.read_segment(k - 1, start, self.signals.height[k - 1], self.joint, 0)
+                self.signals.read_segment(k, start, self.signals.height[k], self.joint, 4)
                 value, rate = self.joint[4] - self.joint[0], self.joint[5] - self.joint[1]
                 if fabs(value) > _CORNER or fabs(rate) > _CORNER:
                     corner = start
@@ -247,12 +247,12 @@ class Network(Branches):
         for i in range(n * n):
             stiffness[i] = 0.0
             damping[i] = self.series.skew[i]
-        for r in range(self.rows):
+        for r in range(self.elements.rows):
             for i in range(n):
-                bi = self.row_direction[r * n + i]
+                bi = self.elements.row_direction[r * n + i]
                 if bi != 0.0:
                     for j in range(n):
-                        bb = bi * self.row_direction[r * n + j]
+                        bb = bi * self.elements.row_direction[r * n + j]
                         if bb != 0.0:
                             stiffness[i * n + j] += bb * k[r]
                             damping[i * n + j] += bb * c[r]
@@ -263,86 +263,41 @@ class Network(Branches):
         for i in range(n):
             out[i] = 0.0
         for m in range(self.loads):
-            p = self.road[4 * self.load_signal[m]]
+            p = self.signals.road[4 * self.load_signal[m]]
             for i in range(n):
                 out[i] += self.load_direction[m * n + i] * p
-        for r in range(self.rows):
+        for r in range(self.elements.rows):
             for i in range(n):
-                out[i] -= self.row_direction[r * n + i] * self.row_f[r]
+                out[i] -= self.elements.row_direction[r * n + i] * self.elements.row_f[r]
         self.series.add_forces(out)
 
     def add_loads(self, k: Doubles, c: Doubles, out: Doubles, at: int, order: int) -> None:
         """Add the forces of loads and roads, or their rates, with `road` and k, c of each row."""
         n = self.n
         for m in range(self.loads):
-            p = self.road[4 * self.load_signal[m] + order]
+            p = self.signals.road[4 * self.load_signal[m] + order]
             if p != 0.0:
                 for i in range(n):
                     out[at + i] += self.load_direction[m * n + i] * p
-        for r in range(self.rows):
-            s = self.row_signal[r]
+        for r in range(self.elements.rows):
+            s = self.elements.row_signal[r]
             if s >= 0:
-                f = k[r] * self.road[4 * s + order] + c[r] * self.road[4 * s + order + 1]
+                f = (
+                    k[r] * self.signals.road[4 * s + order]
+                    + c[r] * self.signals.road[4 * s + order + 1]
+                )
                 if f != 0.0:
                     for i in range(n):
-                        out[at + i] += self.row_direction[r * n + i] * f
+                        out[at + i] += self.elements.row_direction[r * n + i] * f
 
     def accelerate(self, out: Doubles) -> None:
         """Find accelerations by the equation of motion, with `row_f` and the signals in `road`."""
         self.net_force(out)
         solve(self.mass_factor, 0, self.n, out)
-        if self.stuck:
-            self.stick(self.mass_factor, 0, out, self.zero, 2, self.multiplier)
-
-    def stick(
-        self, factor: Doubles, at: int, x: Doubles, base: Doubles, order: int, multiplier: Doubles
-    ) -> int:
-        """Correct the solution x of `factor` so that stuck rows follow their roads.
-
-        The condition is b' (base + x) = the derivative of the road of the given order. x changes along
-        the solutions for b; their multipliers are the forces required for sticking. Return 1 if the
-        conditions of the rows that stick contradict each other.
-        """
-        n, m = self.n, self.stuck
-        for p in range(m):
-            r = self.element_row[self.stuck_element[p]]
-            for i in range(n):
-                self.scratch[i] = self.row_direction[r * n + i]
-            solve(factor, at, n, self.scratch)
-            s = self.row_signal[r]
-            self.reaction[p] = self.road[4 * s + order] if s >= 0 else 0.0
-            for i in range(n):
-                self.spread[p * n + i] = self.scratch[i]
-                self.reaction[p] -= self.row_direction[r * n + i] * (base[i] + x[i])
-        for p in range(m):
-            r = self.element_row[self.stuck_element[p]]
-            for k in range(m):
-                g = 0.0
-                for i in range(n):
-                    g += self.row_direction[r * n + i] * self.spread[k * n + i]
-                self.coupling[p * m + k] = g
-        if decompose(self.coupling, 0, m) != 0:
-            return 1
-        solve(self.coupling, 0, m, self.reaction)
-        for p in range(m):
-            multiplier[self.stuck_element[p]] = -self.reaction[p]
-            for i in range(n):
-                x[i] += self.spread[p * n + i] * self.reaction[p]
-        return 0
-
-    def rest(self, v: Doubles) -> None:
-        """Remove the remaining rates of rows that stick from v, with the signals in `road`.
-
-        Steps constrain accelerations only; on a curved road, rates then deviate by more than rounding.
-        """
-        if self.stuck:
-            self.stick(self.mass_factor, 0, v, self.zero, 1, self.kick)
-
-    def hold(self, multiplier: Doubles) -> None:
-        """Add the forces of sticking to the rows, for the works."""
-        for p in range(self.stuck):
-            e = self.stuck_element[p]
-            self.row_f[self.element_row[e]] += multiplier[e]
+        if self.branches.stuck:
+            self.sticking.stick(
+                self.mass_factor, 0, out, self.sticking.zero, 2, self.sticking.multiplier
+            )
 
     def jerk(self, v: Doubles, a: Doubles, out: Doubles) -> None:
         """Find third derivatives by the derivative of the equation of motion."""
@@ -350,27 +305,29 @@ class Network(Branches):
         for i in range(n):
             out[i] = 0.0
         for m in range(self.loads):
-            p = self.road[4 * self.load_signal[m] + 1]
+            p = self.signals.road[4 * self.load_signal[m] + 1]
             for i in range(n):
                 out[i] += self.load_direction[m * n + i] * p
-        for r in range(self.rows):
+        for r in range(self.elements.rows):
             dv = 0.0
             da = 0.0
             for i in range(n):
-                dv += self.row_direction[r * n + i] * v[i]
-                da += self.row_direction[r * n + i] * a[i]
-            s = self.row_signal[r]
+                dv += self.elements.row_direction[r * n + i] * v[i]
+                da += self.elements.row_direction[r * n + i] * a[i]
+            s = self.elements.row_signal[r]
             if s >= 0:
-                dv -= self.road[4 * s + 1]
-                da -= self.road[4 * s + 2]
-            rate = self.row_k[r] * dv + self.row_c[r] * da
+                dv -= self.signals.road[4 * s + 1]
+                da -= self.signals.road[4 * s + 2]
+            rate = self.elements.row_k[r] * dv + self.elements.row_c[r] * da
             for i in range(n):
-                out[i] -= self.row_direction[r * n + i] * rate
+                out[i] -= self.elements.row_direction[r * n + i] * rate
         self.series.take_rates(a)
         self.series.add_forces(out)
         solve(self.mass_factor, 0, n, out)
-        if self.stuck:
-            self.stick(self.mass_factor, 0, out, self.zero, 3, self.multiplier_rate)
+        if self.branches.stuck:
+            self.sticking.stick(
+                self.mass_factor, 0, out, self.sticking.zero, 3, self.sticking.multiplier_rate
+            )
 
     def is_damped(self, stiffness: Doubles, damping: Doubles, share: float, omega: float) -> bool:
         """Return whether damping exceeds a share of the stiffness in all modes faster than omega.
@@ -386,8 +343,11 @@ class Network(Branches):
 
     def _decays_within(self, h: float) -> bool:
         """Return whether a damper stops its masses within a small part of h, with `row_c`."""
-        for r in range(self.rows):
-            if self.row_c[r] != 0.0 and self.row_c[r] * self.mobility(r) * h > SLAVED:
+        for r in range(self.elements.rows):
+            if (
+                self.elements.row_c[r] != 0.0
+                and self.elements.row_c[r] * self.mobility(r) * h > SLAVED
+            ):
                 return True
         return False
 
@@ -396,7 +356,10 @@ class Network(Branches):
         mobility = 0.0
         for i in range(self.n):
             for k in range(self.n):
-                b = self.row_direction[r * self.n + i] * self.row_direction[r * self.n + k]
+                b = (
+                    self.elements.row_direction[r * self.n + i]
+                    * self.elements.row_direction[r * self.n + k]
+                )
                 mobility += b * self.flexibility[i * self.n + k]
         return mobility
 
@@ -413,7 +376,7 @@ class Network(Branches):
             self.rate[i] = v[i]
         for _iteration in range(_NEWTON):
             self.net_force(self.lack)
-            self.assemble(self.row_k, self.row_c, self.modes2, self.modes)
+            self.assemble(self.elements.row_k, self.elements.row_c, self.modes2, self.modes)
             for i in range(n):
                 for k in range(n):
                     mass = self.mass[k * n + i]
@@ -423,12 +386,12 @@ class Network(Branches):
             if decompose(self.modes, 0, n) != 0:
                 return
             solve(self.modes, 0, n, self.lack)
-            if self.stuck:
-                self.stick(self.modes, 0, self.lack, self.rate, 1, self.kick)
+            if self.branches.stuck:
+                self.sticking.stick(self.modes, 0, self.lack, self.rate, 1, self.sticking.kick)
             for i in range(n):
                 self.rate[i] += self.lack[i]
-            self.row_states(q, self.rate)
-            self.row_forces()
+            self.elements.row_states(q, self.rate)
+            self.elements.row_forces()
 
     def read_forces(
         self, t: float, h: float, q: Doubles, v: Doubles, a: Doubles, forces: Doubles, sets: Doubles
@@ -437,25 +400,31 @@ class Network(Branches):
 
         q, v and a are read within a step of length h, or at its ends.
         """
-        self.all_signals(t)
-        self.row_states(q, v)
-        self.row_forces()
+        self.signals.all_signals(t)
+        self.elements.row_states(q, v)
+        self.elements.row_forces()
         if self._decays_within(h):
             self._slave_rates(h, q, v, a)
-        for e in range(self.elements):
-            forces[e] = self.element_force(e)
+        for e in range(self.elements.count):
+            forces[e] = self.elements.element_force(e)
+            r = self.elements.row_of[e]
             if self.series.of_element[e] >= 0:
-                forces[e] = self.series.force(e, self.row_v[self.element_row[e]])
-            if forces[e] > self.limit[e] and self.friction[e] == 0.0:
+                forces[e] = self.series.force(e, self.elements.row_v[r])
+            if forces[e] > self.elements.limit[e] and self.elements.friction[e] == 0.0:
                 # a tyre cannot pull, not even by the error of interpolation within a step
-                self.row_f[self.element_row[e]] -= forces[e] - self.limit[e]
-                forces[e] = self.limit[e]
+                pull = forces[e] - self.elements.limit[e]
+                self.elements.row_f[r] = self.elements.row_f[r] - pull
+                forces[e] = self.elements.limit[e]
         self.accelerate(a)
-        for e in range(self.elements):
-            if self.yields[e]:
-                sets[e] = self.permanent_set(e, self.row_d[self.element_row[e]])
-        for p in range(self.stuck):
-            forces[self.stuck_element[p]] += self.multiplier[self.stuck_element[p]]
+        for e in range(self.elements.count):
+            if self.elements.yields[e]:
+                sets[e] = self.elements.permanent_set(
+                    e, self.elements.row_d[self.elements.row_of[e]]
+                )
+        for p in range(self.branches.stuck):
+            forces[self.branches.stuck_element[p]] += self.sticking.multiplier[
+                self.branches.stuck_element[p]
+            ]
 
     # -- energy --------------------------------------------------------------------------------------
 
@@ -466,8 +435,8 @@ class Network(Branches):
         for i in range(n):
             for k in range(n):
                 energy += 0.5 * v[i] * self.mass[i * n + k] * v[k]
-        for e in range(self.elements):
-            energy += self.element_energy(e, self.row_d[self.element_row[e]])
+        for e in range(self.elements.count):
+            energy += self.elements.element_energy(e, self.elements.row_d[self.elements.row_of[e]])
         return energy
 
 
@@ -499,14 +468,17 @@ def laws_of(system: System) -> list[float]:
 
 
 @of_python
-def _sizes(system: System) -> list[tuple[str, int]]:
-    """Return the names of the signals and their numbers of segments."""
-    return [(name, len(signal.segments)) for name, signal in system.signals.items()]
+def _shape(system: System) -> tuple[Any, ...]:
+    """Return what is fixed in a system; systems of the same shape can exchange their numbers."""
+    return (
+        [load.signal for load in system.loads],
+        [(name, len(signal.segments)) for name, signal in system.signals.items()],
+        list(map(_shape_of_element, system.elements)),
+    )
 
 
 @of_python
-def _shape(element: Element) -> tuple[Any, ...]:
-    """Return what is fixed in an element; elements of the same shape can exchange their numbers."""
+def _shape_of_element(element: Element) -> tuple[Any, ...]:
     return (
         element.name,
         element.direction,

@@ -19,7 +19,7 @@ class Reading:
 
     def __init__(self, network: Network) -> None:
         self.net = network
-        memory, n, elements = self.net.memory, self.net.n, self.net.elements
+        memory, n, elements = self.net.memory, self.net.n, self.net.elements.count
         self.q, self.v, self.a = memory.zeros(n), memory.zeros(n), memory.zeros(n)
         self.low = memory.zeros(n)  # displacements, measured from the datum
         self.f, self.set = memory.zeros(elements), memory.zeros(elements)

@@ -25,10 +25,10 @@ class Rows:
 
     def __init__(self, motion: Motion, balance: Balance, errors: Errors) -> None:
         self.motion, self.balance, self.errors = motion, balance, errors
-        self.net = self.motion.net
-        memory = self.net.memory
-        self.row = memory.zeros(8 * max(self.net.rows, 1))
-        self.road = memory.zeros(8 * max(self.net.signals, 1))
+        self.elements, self.signals = self.motion.net.elements, self.motion.net.signals
+        memory = self.motion.net.memory
+        self.row = memory.zeros(8 * max(self.elements.rows, 1))
+        self.road = memory.zeros(8 * max(self.signals.count, 1))
         self.roads_known = False
         self.start_known = self.end_known = False  # whether all rows have been read there
         self.continues = False  # whether the start is the end of the last step
@@ -46,7 +46,7 @@ class Rows:
         known = self.start_known and not (self.own_jerks or self.errors.own_jerks)
         self.own_jerks = self.errors.own_jerks
         self.continues = self.continues and known
-        for r in range(self.net.rows):
+        for r in range(self.elements.rows):
             if not known:
                 self._read_row(r, 0)
             self._read_row(r, 1)
@@ -64,11 +64,11 @@ class Rows:
         self.continues = self.start_known = self.end_known
         self.end_known = False
         if self.start_known:
-            for r in range(self.net.rows):
+            for r in range(self.elements.rows):
                 for k in range(8 * r, 8 * r + 4):
                     self.row[k] = self.row[k + 4]
             if not self.balance.loads_hold:
-                for s in range(self.net.signals):
+                for s in range(self.signals.count):
                     for k in range(8 * s, 8 * s + 4):
                         self.road[k] = self.road[k + 4]
 
@@ -76,29 +76,29 @@ class Rows:
         """Read signals at both ends of the attempt just made, and leave them as they are at its end."""
         self._read_road_end(t + h)
         if not self.start_known:
-            self.net.all_signals(t)
+            self.signals.all_signals(t)
             self._note_road(0)
-            self.net.all_signals(t + h)
+            self.signals.all_signals(t + h)
         self.roads_known = True
 
     def _read_road_end(self, t: float) -> None:
         """Read signals at the end of the attempt just made or shortened."""
         if self.balance.loads_hold:
-            self.net.all_signals(t)
+            self.signals.all_signals(t)
         self._note_road(1)  # otherwise the attempt has left the signals evaluated there
 
     def _note_road(self, end: int) -> None:
-        for s in range(self.net.signals):
+        for s in range(self.signals.count):
             for k in range(4):
-                self.road[8 * s + 4 * end + k] = self.net.road[4 * s + k]
+                self.road[8 * s + 4 * end + k] = self.signals.road[4 * s + k]
 
     def _read_row(self, r: int, end: int) -> None:
         """Find the deflection of row r and three derivatives at the start or end of the attempt."""
         # with a constant in place of n the compiler unrolls the loop
-        if self.net.n == 2:
+        if self.elements.n == 2:
             self._sum_row(2, r, end)
         else:
-            self._sum_row(self.net.n, r, end)
+            self._sum_row(self.elements.n, r, end)
 
     @inline
     def _sum_row(self, n: int, r: int, end: int) -> None:
@@ -111,13 +111,13 @@ class Rows:
         d2 = 0.0
         d3 = 0.0
         for i in range(n):
-            b = self.net.row_direction[r * n + i]
+            b = self.elements.row_direction[r * n + i]
             d0 += b * q[i]
             d1 += b * v[i]
             d2 += b * a[i]
             d3 += b * j[i]
-        if self.net.row_signal[r] >= 0:
-            at = 8 * self.net.row_signal[r] + 4 * end
+        if self.elements.row_signal[r] >= 0:
+            at = 8 * self.elements.row_signal[r] + 4 * end
             d0 -= self.road[at]
             d1 -= self.road[at + 1]
             d2 -= self.road[at + 2]

@@ -71,7 +71,7 @@ class Run:
         self.memory = memory = Memory()
         self.inputs = Inputs(memory, inputs)
         self.contacts = Contacts(memory, tyres)
-        self.account = Account(memory, self.integrator.net.signals)
+        self.account = Account(memory, self.integrator.net.signals.count)
         self.line_signal = memory.integers([line[0] for line in lines])
         self.line_input = memory.integers([line[1] for line in lines])
         self.line_rate = memory.integers([line[2] for line in lines])
@@ -196,16 +196,16 @@ class Run:
         External forces act from the start on and are not part of the equilibrium.
         """
         found = 0
-        for s in range(self.integrator.net.signals):
+        for s in range(self.integrator.net.signals.count):
             self.rest.level[s] = 0.0
-        for r in range(self.integrator.net.rows):
-            s = self.integrator.net.row_signal[r]
+        for r in range(self.integrator.net.elements.rows):
+            s = self.integrator.net.elements.row_signal[r]
             if s >= 0:
-                self.integrator.net.from_zero(s, self.time, False, self.road, 0)
+                self.integrator.net.signals.from_zero(s, self.time, False, self.road, 0)
                 self.rest.level[s] = self.road[0]
                 if self.rest.level[s] != 0.0:
                     found = 1
-        for i in range(self.integrator.n):
+        for i in range(self.integrator.net.n):
             self.rest.q[i] = 0.0
         return self.rest.find() if found else 0
 
@@ -229,7 +229,7 @@ class Run:
         ------
         ValueError : if these are not the laws of such a system.
         """
-        size = self.integrator.net.laws_size
+        size = self.integrator.net.branches.laws_size
         if len(laws) != size:
             raise ValueError(f"{len(laws)} numbers given; the laws of these elements have {size}")
         lent = Lent(laws)
@@ -240,7 +240,9 @@ class Run:
         self.account.find(self.integrator, self.time)
         for k in range(self.lines):
             self._enter_course(k)
-            integrator.net.replace_signal(self.line_signal[k], self.line_time[k], self.coefficients)
+            integrator.net.signals.replace_signal(
+                self.line_signal[k], self.line_time[k], self.coefficients
+            )
         integrator.take_over(self.integrator, counterpart)
         self._begin_anew(integrator)
 

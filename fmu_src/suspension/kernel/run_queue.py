@@ -142,14 +142,14 @@ class RunQueue:
     def _begin(self) -> int:
         at = (self.first + self.made) * self.width
         status = self.integrator.begin_row(self.numbers, at, self.start)
-        self.integrator.look_at_pace()
+        self.integrator.pace.look_at_pace()
         self.filling.begin()
         if self.every > 0:
             self.filling.next_mark = 0
         self.underway = True
         if status != 0:
             return NO_MASS
-        return DIVERGED if self.integrator.net.failed else 0
+        return DIVERGED if self.integrator.net.laws.failed else 0
 
     def _end(self, status: int) -> None:
         """Store how the present run has ended."""

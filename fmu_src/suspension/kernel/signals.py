@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import cython
 
-from .arrays import Memory
 from .language import inline
 from .layout import (
     AMPLITUDE,
@@ -23,13 +22,14 @@ from .layout import (
     START,
     UNBOUNDED,
 )
-from .state import KernelState
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ..signals import Signal
+    from .arrays import Memory
     from .language import Doubles
+    from .state import KernelState
 
 if not cython.compiled:
     from math import cos, fabs, sin
@@ -42,26 +42,26 @@ class Signals:
 
     Parameters
     ----------
+    memory, state : the memory that contains the arrays, and the state
     signals : `signals.Signal` by name
     """
 
-    signals: int
+    count: int
 
-    def __init__(self, signals: Mapping[str, Signal]) -> None:
-        self.memory = memory = Memory()
-        self.state = KernelState()
+    def __init__(self, memory: Memory, state: KernelState, signals: Mapping[str, Signal]) -> None:
+        self.state = state
         count = [len(signal.segments) for signal in signals.values()]
-        self.signals = len(count)
+        self.count = len(count)
         self.signal_count = memory.integers(count or [0])
         self.signal_first = memory.integers(accumulate(count, initial=0))
-        self.signal_now = self.state.memory.marks(max(self.signals, 1))
+        self.signal_now = self.state.memory.marks(max(self.count, 1))
         self.segments = sum(count)
         self.segment = memory.zeros(SEGMENT * max(sum(count), 1))
         self.level = memory.marks(max(sum(count), 1))  # whether a segment is constant
         # roads are measured from the datum, as all displacements are in the kernel
-        self.is_road = memory.marks(max(self.signals, 1))
+        self.is_road = memory.marks(max(self.count, 1))
         self.height = memory.zeros(max(sum(count), 1))  # c0 of each segment, measured from zero
-        self.road = memory.zeros(4 * max(self.signals, 1))  # value and three derivatives of each
+        self.road = memory.zeros(4 * max(self.count, 1))  # value and three derivatives of each
 
     def enter_signals(self, x: Doubles, at: int) -> int:
         """Read the segments of all signals from x[at:]; return where they end."""
@@ -78,7 +78,7 @@ class Signals:
         if datum == self.state.datum:
             return
         self.state.datum = datum
-        for s in range(self.signals):
+        for s in range(self.count):
             if self.is_road[s]:
                 for k in range(self.signal_first[s], self.signal_first[s] + self.signal_count[s]):
                     self.segment[k * SEGMENT + C0] = self.height[k] - datum
@@ -190,12 +190,12 @@ class Signals:
         self.read_segment(k, t, self.height[k], out, to)
 
     def all_signals(self, t: float) -> None:
-        for s in range(self.signals):
+        for s in range(self.count):
             self.signal(s, t)
 
     def still(self) -> bool:
         """Return whether all signals are constant in their present segments."""
-        for s in range(self.signals):
+        for s in range(self.count):
             if not self.is_level(s):
                 return False
         return True
@@ -208,7 +208,7 @@ class Signals:
     def next_joint(self) -> float:
         """Return the next time at which a signal changes segment."""
         joint = UNBOUNDED
-        for s in range(self.signals):
+        for s in range(self.count):
             k = self.signal_now[s] + 1
             if k < self.signal_count[s]:
                 start = self.segment[(self.signal_first[s] + k) * SEGMENT + START]
@@ -218,7 +218,7 @@ class Signals:
     def road_limit(self, t: float) -> float:
         """Return the longest macro step that the sinusoids of the present segments allow."""
         limit = UNBOUNDED
-        for s in range(self.signals):
+        for s in range(self.count):
             at = (self.signal_first[s] + self.signal_now[s]) * SEGMENT
             if self.segment[at + AMPLITUDE] != 0.0:
                 speed = fabs(

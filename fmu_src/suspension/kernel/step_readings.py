@@ -33,9 +33,10 @@ class StepReadings:
 
     def __init__(self, rows: Rows, dense: Dense) -> None:
         self.rows, self.dense = rows, dense
-        self.net, self.row = self.rows.net, self.rows.row
+        self.net, self.row = self.rows.motion.net, self.rows.row
+        self.elements, self.signals = self.net.elements, self.net.signals
         memory = self.net.memory
-        most, signals = max(self.net.rows, 1), max(self.net.signals, 1)
+        most, signals = max(self.elements.rows, 1), max(self.signals.count, 1)
         self.point, self.weight = memory.doubles(_POINT), memory.doubles(_WEIGHT)
         value, rate = _readings(self.dense.cubic, self.dense.to_end)
         self.value, self.rate = memory.doubles(value), memory.doubles(rate)
@@ -50,10 +51,10 @@ class StepReadings:
     def read_signals(self, h: float) -> None:
         """Find values and rates of all signals at the points."""
         for k in range(POINTS):
-            self.net.all_signals(self.dense.start + self.point[k] * h)
-            for s in range(self.net.signals):
-                self.u[POINTS * s + k] = self.net.road[4 * s]
-                self.du[POINTS * s + k] = self.net.road[4 * s + 1]
+            self.signals.all_signals(self.dense.start + self.point[k] * h)
+            for s in range(self.signals.count):
+                self.u[POINTS * s + k] = self.signals.road[4 * s]
+                self.du[POINTS * s + k] = self.signals.road[4 * s + 1]
 
     def read_ends(self, direction: Doubles, at: int, h: float) -> None:
         """Set `ends` to displacement and derivatives along a direction at both ends of the step."""
@@ -90,8 +91,8 @@ class StepReadings:
         """Find deflection and rate of a row at the points."""
         s = -1
         if moving:
-            s = self.net.row_signal[r]
-            self.read_ends(self.net.row_direction, self.net.n * r, h)
+            s = self.elements.row_signal[r]
+            self.read_ends(self.elements.row_direction, self.net.n * r, h)
         else:
             self._take_ends(r, h)
         way = 0.0

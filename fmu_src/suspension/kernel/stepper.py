@@ -37,9 +37,9 @@ class Stepper:
             raise ValueError(
                 f"a system of {n} coordinates: at most {MOST_COORDINATES} are possible"
             )
-        if network.rows > MOST_ROWS:
+        if network.elements.rows > MOST_ROWS:
             raise ValueError(
-                f"elements along {network.rows} directions: at most {MOST_ROWS} are possible"
+                f"elements along {network.elements.rows} directions: at most {MOST_ROWS} are possible"
             )
         self.net, self.n = network, n
         self.motion = Motion(network)
@@ -56,13 +56,13 @@ class Stepper:
         self.balance.enter()
         self.method.enter()
         self.balance.begin(t, self.motion.q, self.motion.v, self.motion.a, self.motion.j)
-        if self.net.stuck:
+        if self.net.branches.stuck:
             self.motion.keep_multipliers()
         self.modes.follow()
 
     def attempt(self, t: float, h: float) -> int:
         """Step from t to t + h with all branches fixed; write the end to qb, vb, ab, jb."""
-        self.rows.end_known = self.net.failed = False
+        self.rows.end_known = self.net.laws.failed = False
         self.errors.time, self.errors.step = t, h
         self.errors.order = self.method.order - 1
         return self.method.attempt(t, h)

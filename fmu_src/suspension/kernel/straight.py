@@ -20,7 +20,8 @@ class Straight:
 
     def __init__(self, network: Network) -> None:
         self.net = network
-        memory, elements, rows = self.net.memory, self.net.elements, self.net.rows
+        self.elements, self.laws = self.net.elements, self.net.laws
+        memory, elements, rows = self.net.memory, self.elements.count, self.elements.rows
         # of each element, without its limit: force at rest and rate of its spring, then of its damper
         self.spring_f, self.spring_k = memory.zeros(elements), memory.zeros(elements)
         self.damper_f, self.damper_c = memory.zeros(elements), memory.zeros(elements)
@@ -32,13 +33,13 @@ class Straight:
 
     def enter(self) -> None:
         """Read the present branches."""
-        for r in range(self.net.rows):
+        for r in range(self.elements.rows):
             self.f[r] = self.k[r] = self.c[r] = 0.0
-        for e in range(self.net.elements):
+        for e in range(self.elements.count):
             self._read(e)
-            r = self.net.element_row[e]
-            if self.net.branch[BRANCHES * e + CONTACT]:
-                self.f[r] += self.net.limit[e]
+            r = self.elements.row_of[e]
+            if self.elements.branch[BRANCHES * e + CONTACT]:
+                self.f[r] += self.elements.limit[e]
             else:
                 if not self.bent_spring[e]:
                     self.f[r] += self.spring_f[e]
@@ -46,21 +47,24 @@ class Straight:
                 if not self.bent_damper[e]:
                     self.f[r] += self.damper_f[e]
                     self.c[r] += self.damper_c[e]
-            self.f[r] += self.net.branch[BRANCHES * e + FRICTION] * self.net.friction[e]
+            self.f[r] += self.elements.branch[BRANCHES * e + FRICTION] * self.elements.friction[e]
 
     def _read(self, e: int) -> None:
         """Read the pieces of element e."""
-        spring, damper = self.net.piece_now(e, SPRING), self.net.piece_now(e, DAMPER)
-        self.bent_spring[e] = not self.net.straight[spring]
-        self.bent_damper[e] = not self.net.straight[damper]
+        spring, damper = (
+            self.elements.piece_now(e, SPRING),
+            self.elements.piece_now(e, DAMPER),
+        )
+        self.bent_spring[e] = not self.laws.straight[spring]
+        self.bent_damper[e] = not self.laws.straight[damper]
         factor = 1.0
-        if self.net.modulated[e]:
-            p = self.net.piece_now(e, MODULATION)
-            factor = self.net.law(p, 0.0)
-            if not self.net.straight[p] or self.net.piece[PIECE * p + C1] != 0.0:
+        if self.elements.modulated[e]:
+            p = self.elements.piece_now(e, MODULATION)
+            factor = self.laws.law(p, 0.0)
+            if not self.laws.straight[p] or self.laws.piece[PIECE * p + C1] != 0.0:
                 self.bent_damper[e] = 1
         self.curved[e] = self.bent_spring[e] != 0 or self.bent_damper[e] != 0
-        self.spring_f[e] = self.net.intercept(spring)
-        self.spring_k[e] = self.net.piece[PIECE * spring + C1]
-        self.damper_f[e] = factor * self.net.intercept(damper)
-        self.damper_c[e] = factor * self.net.law_slope(damper, 0.0)
+        self.spring_f[e] = self.laws.intercept(spring)
+        self.spring_k[e] = self.laws.piece[PIECE * spring + C1]
+        self.damper_f[e] = factor * self.laws.intercept(damper)
+        self.damper_c[e] = factor * self.laws.law_slope(damper, 0.0)

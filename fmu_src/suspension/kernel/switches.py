@@ -40,9 +40,10 @@ class Switches:
     def __init__(self, stepper: Stepper) -> None:
         self.stepper = stepper
         self.net, self.motion = self.stepper.net, self.stepper.motion
+        self.elements = self.net.elements
         self.rows, self.row = self.stepper.rows, self.stepper.rows.row
         self.crossing = Crossing()
-        most = len(KINDS) * self.net.elements
+        most = len(KINDS) * self.elements.count
         memory = self.net.memory
         self.watched = 0
         self.watched_element, self.watched_kind = memory.marks(most), memory.marks(most)
@@ -65,14 +66,14 @@ class Switches:
         """List the watched quantities, after a change of branch."""
         self.watched = 0
         self.rows.forget()
-        for m in range(self.net.switchable):
-            e = self.net.switch_element[m]
-            kind = self.net.switch_kind[m]
+        for m in range(self.net.branches.switchable):
+            e = self.net.branches.switch_element[m]
+            kind = self.net.branches.switch_kind[m]
             # a row that sticks passes no corner, despite rounding
-            if kind < CONTACT and self.net.row_stuck[self.net.element_row[e]]:
+            if kind < CONTACT and self.net.branches.row_stuck[self.elements.row_of[e]]:
                 continue
-            low = self.net.bound(e, kind, -1)
-            high = self.net.bound(e, kind, 1)
+            low = self.net.branches.bound(e, kind, -1)
+            high = self.net.branches.bound(e, kind, 1)
             if low > -_NEVER or high < _NEVER:
                 k = self.watched
                 self.watched_element[k], self.watched_kind[k] = e, kind
@@ -119,10 +120,14 @@ class Switches:
 
     def _is_far(self, k: int, e: int, kind: int, end: int, h: float) -> bool:
         """Return whether the coefficients that one end sets (0: the start, 4) are within the bounds."""
-        at = 8 * self.net.element_row[e] + end
+        at = 8 * self.elements.row_of[e] + end
         if kind == CONTACT:
             self._contact_force(e, at)
-            x, dx, ddx = self.net.force0, self.net.force1, self.net.force2
+            x, dx, ddx = (
+                self.elements.force0,
+                self.elements.force1,
+                self.elements.force2,
+            )
         else:
             at += 1 if kind == DAMPER else 0
             x, dx, ddx = self.row[at], self.row[at + 1], self.row[at + 2]
@@ -141,25 +146,37 @@ class Switches:
 
     def polynomial(self, e: int, kind: int, h: float) -> int:
         """Set the polynomial of a watched quantity over the attempt; return its degree."""
-        at = 8 * self.net.element_row[e]
+        at = 8 * self.elements.row_of[e]
         if kind in (SPRING, MODULATION):
             self.crossing.hermite7(self.row, at, h)
             return 7
         if kind == CONTACT:
             self._contact_force(e, at)
-            f0, f1, f2 = self.net.force0, self.net.force1, self.net.force2
+            f0, f1, f2 = (
+                self.elements.force0,
+                self.elements.force1,
+                self.elements.force2,
+            )
             self._contact_force(e, at + 4)
             if self._is_slaved(e, h):
                 f1 += self._rate_left(e, self.motion.j, self.motion.jerk)
-                self.crossing.hermite3(f0, f1, self.net.force0, self._end_rate(e, h), h)
+                self.crossing.hermite3(f0, f1, self.elements.force0, self._end_rate(e, h), h)
                 return 3
-            self.crossing.hermite5(f0, f1, f2, self.net.force0, self.net.force1, self.net.force2, h)
+            self.crossing.hermite5(
+                f0,
+                f1,
+                f2,
+                self.elements.force0,
+                self.elements.force1,
+                self.elements.force2,
+                h,
+            )
             return 5
-        if kind == FRICTION and self.net.branch[BRANCHES * e + FRICTION] == 0:
+        if kind == FRICTION and self.elements.branch[BRANCHES * e + FRICTION] == 0:
             # the force of sticking
             self.crossing.hermite3(
                 self.motion.multiplier[e], self.motion.multiplier_rate[e],
-                self.net.multiplier[e], self.net.multiplier_rate[e], h,
+                self.net.sticking.multiplier[e], self.net.sticking.multiplier_rate[e], h,
             )  # fmt: skip
             return 3
         self.crossing.hermite5(
@@ -170,9 +187,9 @@ class Switches:
 
     def _is_slaved(self, e: int, h: float) -> bool:
         """Return whether a tyre on the road stops its masses within a small part of the attempt."""
-        if not self.stepper.errors.own_jerks or self.net.branch[BRANCHES * e + CONTACT]:
+        if not self.stepper.errors.own_jerks or self.elements.branch[BRANCHES * e + CONTACT]:
             return False
-        mobility = self.net.mobility(self.net.element_row[e])
+        mobility = self.net.mobility(self.elements.row_of[e])
         return self.straight.damper_c[e] * mobility * h > SLAVED
 
     def _rate_left(self, e: int, j: Doubles, jerk: Doubles) -> float:
@@ -180,17 +197,17 @@ class Switches:
 
         M j = p' - sum b f': like the force of a strong damper, its rate is what the others leave for it.
         """
-        r = self.net.element_row[e]
+        r = self.elements.row_of[e]
         less = 0.0
         for i in range(self.net.n):
-            less += self.net.row_direction[r * self.net.n + i] * (j[i] - jerk[i])
+            less += self.elements.row_direction[r * self.net.n + i] * (j[i] - jerk[i])
         return less / self.net.mobility(r)
 
     def _end_rate(self, e: int, h: float) -> float:
         """Return the rate of the contact force last found, at the end of the attempt."""
         if not self._is_slaved(e, h):
-            return self.net.force1
-        return self.net.force1 + self._rate_left(e, self.motion.jb, self.motion.end_jerk)
+            return self.elements.force1
+        return self.elements.force1 + self._rate_left(e, self.motion.jb, self.motion.end_jerk)
 
     def _left_over(self, e: int, acceleration: float) -> float:
         """Return the force that the others leave for a tyre, minus its own, which has yet to decay.
@@ -202,31 +219,31 @@ class Switches:
         for i in range(self.net.n):
             fastest = max(fastest, fabs(self.motion.vb[i]))
         lost = ROUNDING_OF_RATES * self.straight.damper_c[e] * fastest * self.side
-        return acceleration / self.net.mobility(self.net.element_row[e]) - lost
+        return acceleration / self.net.mobility(self.elements.row_of[e]) - lost
 
     @inline
     def _contact_force(self, e: int, at: int) -> None:
         """Find the force as `unlimited_force` does, with fewer operations if all pieces are straight."""
         if self.straight.curved[e]:
-            self.net.unlimited_force(e, self.row, at)
+            self.elements.unlimited_force(e, self.row, at)
             return
         f = self.straight.spring_f[e] + self.straight.damper_f[e]
         k, c = self.straight.spring_k[e], self.straight.damper_c[e]
-        self.net.force0 = f + k * self.row[at] + c * self.row[at + 1]
-        self.net.force1 = k * self.row[at + 1] + c * self.row[at + 2]
-        self.net.force2 = k * self.row[at + 2] + c * self.row[at + 3]
+        self.elements.force0 = f + k * self.row[at] + c * self.row[at + 1]
+        self.elements.force1 = k * self.row[at + 1] + c * self.row[at + 2]
+        self.elements.force2 = k * self.row[at + 2] + c * self.row[at + 3]
 
     def _search(self, k: int, side: int, bound: float, degree: int, h: float) -> None:
         """Store the first exit over a bound, if it is the earliest."""
         e, kind = self.watched_element[k], self.watched_kind[k]
-        returns = self.net.departing[BRANCHES * e + kind] == side
+        returns = self.net.branches.departing[BRANCHES * e + kind] == side
         if returns and kind == SPRING and self._is_within_error(bound, side):
             return
         departing = returns or (
             # exactly on the bound, as at rest; contact and sticking start inside
             self.crossing.bezier[0] == bound
             and kind != CONTACT
-            and (kind != FRICTION or self.net.branch[BRANCHES * e + FRICTION] != 0)
+            and (kind != FRICTION or self.elements.branch[BRANCHES * e + FRICTION] != 0)
         )
         at = self.crossing.exit(bound, side, degree, departing)
         if self._takes_earliest(k, at, side) and kind == CONTACT and side < 0:
@@ -243,8 +260,8 @@ class Switches:
 
     def _look_for_gap(self, e: int, at: float, h: float) -> None:
         """Find whether contact is not regained after all, as a gap has opened by then."""
-        self.crossing.hermite7(self.row, 8 * self.net.element_row[e], h)
-        self.only_opens = self.crossing.value(at, 7) > self.net.opening[e]
+        self.crossing.hermite7(self.row, 8 * self.elements.row_of[e], h)
+        self.only_opens = self.crossing.value(at, 7) > self.net.branches.opening[e]
 
     def _takes_earliest(self, k: int, at: float, side: int) -> bool:
         """Store an exit if it is earlier than those found so far, and return whether it is.
@@ -268,9 +285,9 @@ class Switches:
 
         That is while there is a gap below the tyre, or if its law is curved.
         """
-        if not self.net.branch[BRANCHES * e + CONTACT]:
+        if not self.elements.branch[BRANCHES * e + CONTACT]:
             return False
-        if self.row[8 * self.net.element_row[e]] > self.net.opening[e]:
+        if self.row[8 * self.elements.row_of[e]] > self.net.branches.opening[e]:
             self._search_gap(k, h)
             return True
         if self.straight.curved[e]:
@@ -281,11 +298,11 @@ class Switches:
     def _search_gap(self, k: int, h: float) -> None:
         """Store the time at which a gap closes, if it is the earliest."""
         e = self.watched_element[k]
-        bound = self.net.opening[e]
-        self.crossing.hermite7(self.row, 8 * self.net.element_row[e], h)
+        bound = self.net.branches.opening[e]
+        self.crossing.hermite7(self.row, 8 * self.elements.row_of[e], h)
         self.crossing.extent(7)
         if self.crossing.low < bound:
-            departing = self.net.departing[BRANCHES * e + CONTACT] == -1
+            departing = self.net.branches.departing[BRANCHES * e + CONTACT] == -1
             at = self.crossing.exit(bound, -1, 7, departing)
             if self._takes_earliest(k, at, -1):
                 self.across = True
@@ -297,15 +314,25 @@ class Switches:
         It is followed in parts.
         """
         e = self.watched_element[k]
-        departing = self.net.departing[BRANCHES * e + CONTACT] == -1
+        departing = self.net.branches.departing[BRANCHES * e + CONTACT] == -1
         share = 1.0 / _STRETCHES
-        self._read_points(self.net.element_row[e], h, share)
+        self._read_points(self.elements.row_of[e], h, share)
         for m in range(_STRETCHES):
-            self.net.unlimited_force(e, self.point, 4 * m)
-            f0, f1, f2 = self.net.force0, self.net.force1, self.net.force2
-            self.net.unlimited_force(e, self.point, 4 * m + 4)
+            self.elements.unlimited_force(e, self.point, 4 * m)
+            f0, f1, f2 = (
+                self.elements.force0,
+                self.elements.force1,
+                self.elements.force2,
+            )
+            self.elements.unlimited_force(e, self.point, 4 * m + 4)
             self.crossing.hermite5(
-                f0, f1, f2, self.net.force0, self.net.force1, self.net.force2, h * share
+                f0,
+                f1,
+                f2,
+                self.elements.force0,
+                self.elements.force1,
+                self.elements.force2,
+                h * share,
             )
             at = self.crossing.exit(self.low[k], -1, 5, departing and m == 0)
             if at <= 1.0:
@@ -332,19 +359,19 @@ class Switches:
         an attempt of that length does not reach it.
         """
         e, kind = self.element, self.kind
-        at = 8 * self.net.element_row[e]
-        self.rows.read_end(self.net.element_row[e], t)
-        bound = self.net.bound(e, kind, self.side)
+        at = 8 * self.elements.row_of[e]
+        self.rows.read_end(self.elements.row_of[e], t)
+        bound = self.net.branches.bound(e, kind, self.side)
         if self.across:
-            value, rate, bound = self.row[at + 4], self.row[at + 5], self.net.opening[e]
+            value, rate, bound = self.row[at + 4], self.row[at + 5], self.net.branches.opening[e]
         elif kind == CONTACT:
-            self.net.unlimited_force(e, self.row, at + 4)
-            value = self.net.force0
+            self.elements.unlimited_force(e, self.row, at + 4)
+            value = self.elements.force0
             rate = self._end_rate(e, t - self.stepper.errors.time)
             if self._is_slaved(e, t - self.stepper.errors.time):
                 value += self._left_over(e, self.row[at + 6])
-        elif kind == FRICTION and self.net.branch[BRANCHES * e + FRICTION] == 0:
-            value, rate = self.net.multiplier[e], self.net.multiplier_rate[e]
+        elif kind == FRICTION and self.elements.branch[BRANCHES * e + FRICTION] == 0:
+            value, rate = self.net.sticking.multiplier[e], self.net.sticking.multiplier_rate[e]
         else:
             order = 1 if kind in (DAMPER, FRICTION) else 0
             value, rate = self.row[at + 4 + order], self.row[at + 5 + order]

@@ -30,6 +30,7 @@ from .outcomes import (
     STEP_TOO_SMALL,
     UNSTABLE,
 )
+from .pace import PAUSE, Pace
 from .reading import Reading
 from .signals import ROAD_PHASE
 from .stability import POLICIES, StabilityMonitor
@@ -50,7 +51,6 @@ if not cython.compiled:
 
 _AGAIN, _STALLS = -2, -3  # of attempts, see `_try`
 _FLIPS = 24  # changes of branch at one instant, when several elements are at their corners
-_PAUSE = 5000  # steps after which Python can handle signals, such as an interrupt
 _STALLED = 100  # consecutive steps in which no time passes
 _OVERRUNS = 1000  # overruns (see `_overrun`) allowed in a run
 _LEAST_THETA = 1.37
@@ -106,23 +106,28 @@ class TimeLoop:
         # fixed steps of higher order keep their order only if they end where the second derivative jumps
         self.net = Network(system, joins=step == 0.0 or order == 2)
         self.stepper = Stepper(self.net, kind, order, tolerance, theta)
-        self.method, self.motion = self.stepper.method, self.stepper.motion
+        self.motion = self.stepper.motion
         self.state = self.net.state
         self.switches = Switches(self.stepper)
-        self.knots, self.trial = Knots(self.switches), Trial()
+        self.knots, self.trial, self.pace = Knots(self.switches), Trial(), Pace(self.state)
         if beyond_stable not in POLICIES:
             raise ValueError(f"beyond_stable {beyond_stable!r} is not one of {', '.join(POLICIES)}")
-        self.monitor = StabilityMonitor(self.stepper.modes, beyond_stable, self.method.limit)
-        self.n = self.net.n
+        self.monitor = StabilityMonitor(
+            self.stepper.modes, beyond_stable, self.stepper.method.limit
+        )
         memory = self.net.memory
         self.dense = Dense(
-            memory, self.state.memory, self.motion, self.method.cubic, self.method.to_end
+            memory,
+            self.state.memory,
+            self.motion,
+            self.stepper.method.cubic,
+            self.stepper.method.to_end,
         )
         self.ledger = Ledger(self.stepper.balance, self.stepper.rows, self.dense)
         self.fixed_step = step
         self.ends_on_switches, self.energy = landing, energy
         self.halts = 0  # set by a host that must see every switch, or every step
-        self.stepper.errors.controlled = self.method.controls and step == 0.0
+        self.stepper.errors.controlled = self.stepper.method.controls and step == 0.0
         self.stepper.errors.full_growth_error = (0.9 / 4.0) ** (order + 1)
         self.landing = Landing(self.switches, memory)
         # the result at the last sampled instant
@@ -148,7 +153,8 @@ class TimeLoop:
         """Return whether a system differs from the present one only in its numbers."""
         return (
             self.net.fits(system)
-            and METHODS[self.method_name].order_of(system, *self.wanted) == self.method.order
+            and METHODS[self.method_name].order_of(system, *self.wanted)
+            == self.stepper.method.order
         )
 
     @of_python
@@ -212,7 +218,7 @@ class TimeLoop:
     def _enter_state(self, x: Doubles, at: int) -> None:
         """Start from the displacements and velocities in x[at:], with springs in series relaxed."""
         self.net.find_datum(self.state.time, self.state.scale)
-        for i in range(self.n):
+        for i in range(self.net.n):
             self.motion.q[i] = self.motion.v[i] = 0.0
         for i in range(self.net.series.outer):
             self.motion.q[i] = x[at + i] - self.state.datum
@@ -224,14 +230,14 @@ class TimeLoop:
     def _stand_still(self, time: float, reach: float) -> None:
         """Reset to rest in equilibrium."""
         self.motion.start()
-        self.net.set_datum(0.0)
-        for e in range(self.net.elements):
+        self.net.signals.set_datum(0.0)
+        for e in range(self.net.elements.count):
             self.ledger.work[e] = self.limited.time[e] = 0.0
         self._restart(time, reach)
 
     def _restart(self, time: float, reach: float) -> None:
         """Discard all earlier branches and steps, but not the motion and the works of elements."""
-        self.since_pause = 0
+        self.pace.since_pause = 0
         self.state.stand_still(time, reach)
         self.limited.start()
         self.motion.forget()
@@ -243,18 +249,18 @@ class TimeLoop:
 
     def _begin(self) -> None:
         """Find branches, accelerations and energy of the present state, and set both ends of the step."""
-        self.net.settle(self.state.time, self.motion.q, self.motion.v)
-        self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
+        self.net.branches.settle(self.state.time, self.motion.q, self.motion.v)
+        self.net.branches.locate_branches(self.state.time, self.motion.q, self.motion.v)
         self._enter_branches()
         self._break_loose()
-        for i in range(self.n):
+        for i in range(self.net.n):
             self.dense.qa[i] = self.dense.qb[i] = self.motion.q[i]
             self.dense.va[i] = self.dense.vb[i] = self.motion.v[i]
             self.dense.aa[i] = self.dense.ab[i] = self.motion.a[i]
             self.dense.ja[i] = self.dense.jb[i] = self.motion.j[i]
             self.motion.drift[i] = 0.0
         self.dense.start = self.dense.end = self.state.step_start = self.state.time
-        self.net.row_states(self.motion.q, self.motion.v)
+        self.net.elements.row_states(self.motion.q, self.motion.v)
         self.state.initial_energy = self.net.energy(self.motion.v) - self.state.exchange
 
     def _break_loose(self) -> None:
@@ -262,20 +268,22 @@ class TimeLoop:
         for _flip in range(_FLIPS):
             most = 0.0
             loose = -1
-            for p in range(self.net.stuck):
-                e = self.net.stuck_element[p]
-                over = fabs(self.motion.multiplier[e]) - self.net.breakaway[e]
+            for p in range(self.net.branches.stuck):
+                e = self.net.branches.stuck_element[p]
+                over = fabs(self.motion.multiplier[e]) - self.net.branches.breakaway[e]
                 if over > most:
                     most, loose = over, e
             if loose < 0:
                 return
             side = 1 if self.motion.multiplier[loose] > 0.0 else -1
-            self.net.enter(loose, FRICTION, side, self.state.time, self.motion.q, self.motion.v)
+            self.net.branches.enter(
+                loose, FRICTION, side, self.state.time, self.motion.q, self.motion.v
+            )
             self._enter_branches()
 
     def _enter_branches(self) -> None:
         """Update everything that depends on the branches and the segments of signals."""
-        self.trial.joint = self.net.next_joint()
+        self.trial.joint = self.net.signals.next_joint()
         self.stepper.refresh(self.state.time)
         self.switches.enter_branches()
         if self.stepper.balance.bends.joined:
@@ -291,9 +299,9 @@ class TimeLoop:
         """
         while self.state.time < until:
             events = self.noted.count
-            if self.noted.is_half_full() or self.since_pause >= _PAUSE:
+            if self.noted.is_half_full() or self.pace.since_pause >= PAUSE:
                 return PAUSED
-            self.since_pause += 1
+            self.pace.since_pause += 1
             before = self.state.time
             status = self._step(until if stop else UNBOUNDED)
             if status != 0:
@@ -355,12 +363,12 @@ class TimeLoop:
     def _follow_state(self, before: float) -> None:
         """Find the numbers outside the state, which was put back; their heights refer to `before`."""
         datum, self.state.datum = self.state.datum, before
-        self.net.set_datum(datum)
+        self.net.signals.set_datum(datum)
         self.net.put_moving_back()
         self.dense.start, self.dense.end = self.state.step_start, self.state.time
         self.dense.known = False
         self.noted.start()
-        self.net.list_stuck()
+        self.net.branches.list_stuck()
         self._enter_branches()
 
     # -- steps ---------------------------------------------------------------------------------------
@@ -382,7 +390,7 @@ class TimeLoop:
                 h = self.fixed_step  # exactly, so that its factorisation is reused
             return self.monitor.fit(self.state.time, h)
         omega = sqrt(self.stepper.modes.omega_squared)
-        road = self.net.road_limit(self.state.time)
+        road = self.net.signals.road_limit(self.state.time)
         self.stepper.modes.road_rate = ROAD_PHASE / road if road > 0.0 else 0.0
         if not self.stepper.errors.controlled:
             # the period error of the linear-acceleration method is (omega h)^2 / 24
@@ -390,7 +398,7 @@ class TimeLoop:
             h = self._while_decaying(h)
         else:
             h = self.state.proposal if self.state.proposal > 0.0 else _FIRST_PHASE / (omega + 1.0)
-            h = self.stepper.modes.bound(h, self.method.least_damping)
+            h = self.stepper.modes.bound(h, self.stepper.method.least_damping)
         return road if h > road else h
 
     def _while_decaying(self, h: float) -> float:
@@ -478,7 +486,7 @@ class TimeLoop:
                 self.trial.on_knot = True
                 self.trial.length = cut
                 return True
-        if self.stepper.errors.error > self.method.most_error:
+        if self.stepper.errors.error > self.stepper.method.most_error:
             self.trial.length *= self.stepper.errors.factor()
             return True
         return False
@@ -505,7 +513,9 @@ class TimeLoop:
         self.trial.length = self.landing.length
         if self.stepper.errors.controlled and self.stepper.balance.bends.count:
             excess = self.stepper.errors.of_reading(self.trial.length)
-            if excess > self.method.most_error:  # it is proportional to the square of the length
+            if (
+                excess > self.stepper.method.most_error
+            ):  # it is proportional to the square of the length
                 self.trial.length -= self.trial.length / sqrt(excess)
                 return _AGAIN
         self.trial.lands = not (self.switches.recedes or self.switches.only_opens)
@@ -535,12 +545,12 @@ class TimeLoop:
             self._enter_branches()
         elif self.stepper.balance.bends.count:
             self.stepper.modes.follow()
-        if self._has_diverged() or self.net.failed:
+        if self._has_diverged() or self.net.laws.failed:
             return DIVERGED
         if self.energy and (
             self.state.step_count % _CHECKED == 0 or self.state.step_count < _CHECKED
         ):
-            return self.ledger.check(self.motion.q, self.motion.v, self.method.exact)
+            return self.ledger.check(self.motion.q, self.motion.v, self.stepper.method.exact)
         return REACHED
 
     @inline
@@ -561,8 +571,8 @@ class TimeLoop:
         # an element that has just switched stays marked while others switch at the same time
         if self.state.entered and self._passes(h):
             self.state.entered = False
-            self.net.clear_marks()
-        if self.net.stuck:
+            self.net.branches.clear_marks()
+        if self.net.branches.stuck:
             self.motion.keep_multipliers()
         self.state.in_step = True
         self.state.step_start, self.state.time = self.state.time, t

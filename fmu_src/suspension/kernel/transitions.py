@@ -38,23 +38,25 @@ class Transitions:
         noted: SwitchLog,
     ) -> None:
         self.net, self.motion, self.ledger = network, motion, ledger
+        self.elements, self.branches = self.net.elements, self.net.branches
+        self.signals = self.net.signals
         self.limited, self.noted = limited, noted
         self.state = self.motion.state
         self.jumps = Jumps(self.net)
-        self.before = memory.marks(BRANCHES * self.net.elements)
+        self.before = memory.marks(BRANCHES * self.elements.count)
 
     def energy(self) -> float:
         """Return kinetic energy and the energy stored in the elements, in the present branches."""
-        self.net.all_signals(self.state.time)
-        self.net.row_states(self.motion.q, self.motion.v)
+        self.signals.all_signals(self.state.time)
+        self.elements.row_states(self.motion.q, self.motion.v)
         return self.net.energy(self.motion.v)
 
     def switch(self, e: int, kind: int, side: int) -> None:
         """Move element e to the neighbouring branch, and log that."""
         self._leave_step()
-        before = self.net.branch[BRANCHES * e + kind]
-        new = self.net.enter(e, kind, side, self.state.time, self.motion.q, self.motion.v)
-        if self.net.yields[e] and kind < CONTACT:
+        before = self.elements.branch[BRANCHES * e + kind]
+        new = self.branches.enter(e, kind, side, self.state.time, self.motion.q, self.motion.v)
+        if self.elements.yields[e] and kind < CONTACT:
             before = new - side  # a change of sign of the rate ends the flow of the spring
         self.noted.note(self.state.time, e, kind, before, new)
 
@@ -62,31 +64,31 @@ class Transitions:
         """Choose the branches from the state, with those of flow if `flows`; log the changes."""
         self.remember()
         if flows:
-            self.net.follow(self.state.time, self.motion.q, self.motion.v)
+            self.branches.follow(self.state.time, self.motion.q, self.motion.v)
         else:
-            self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
+            self.branches.locate_branches(self.state.time, self.motion.q, self.motion.v)
         self.note()
 
     def remember(self) -> None:
         """Store the branches before new ones are chosen."""
         self._leave_step()
-        for i in range(BRANCHES * self.net.elements):
-            self.before[i] = self.net.branch[i]
+        for i in range(BRANCHES * self.elements.count):
+            self.before[i] = self.elements.branch[i]
 
     def note(self) -> None:
         """Log the changes since then."""
-        for i in range(BRANCHES * self.net.elements):
-            if self.net.branch[i] != self.before[i]:
+        for i in range(BRANCHES * self.elements.count):
+            if self.elements.branch[i] != self.before[i]:
                 e, kind = i // BRANCHES, i % BRANCHES
-                self.noted.note(self.state.time, e, kind, self.before[i], self.net.branch[i])
+                self.noted.note(self.state.time, e, kind, self.before[i], self.elements.branch[i])
 
     def book_contacts(self) -> None:
         """Book the exchange of tyres that have just left or met the road, which is not work of a road."""
         for k in range(self.limited.count):
             e = self.limited.element[k]
             at = BRANCHES * e + CONTACT
-            if self.net.branch[at] != self.before[at]:
-                self.net.book_exchange(e, self.state.time, self.motion.q, self.motion.v)
+            if self.elements.branch[at] != self.before[at]:
+                self.branches.book_exchange(e, self.state.time, self.motion.q, self.motion.v)
 
     def pass_joint(self) -> None:
         """Enter the next segments of signals; the effect of a jump of a road is work of that road."""
@@ -94,8 +96,8 @@ class Transitions:
         before = self.energy()
         before -= self.state.exchange
         jumped = False
-        for s in range(self.net.signals):
-            jump = self.net.enter_segment(s, self.state.time)
+        for s in range(self.signals.count):
+            jump = self.signals.enter_segment(s, self.state.time)
             if jump != 0.0:
                 jumped = True
                 self.jumps.kerb(s, jump, self.motion.v)
@@ -107,11 +109,11 @@ class Transitions:
                 before = now
         if not jumped:
             self.remember()
-            self.net.follow_slips(self.state.time, self.motion.q, self.motion.v)
+            self.branches.follow_slips(self.state.time, self.motion.q, self.motion.v)
             self.note()
 
     def _leave_step(self) -> None:
         """Store the branches of the step that ends here before they change."""
         if self.state.in_step:
-            self.net.keep_branches()
+            self.branches.keep_branches()
             self.state.in_step = False

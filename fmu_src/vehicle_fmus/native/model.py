@@ -33,7 +33,7 @@ from .translate import needed, translated
 
 _ROOTS = [
     *(("Integrator", name) for name in (
-        "begin_row", "step_until", "look_at_pace", "keeps_pace", "_enter_state", "sample",
+        "begin_row", "step_until", "_enter_state", "sample",
         "sample_forces", "limited_time_at", "energy_residual", "stable_step", "yielding", "at_limit",
         "_follow_state",
     )),
@@ -42,7 +42,9 @@ _ROOTS = [
     )),
     *(("Contacts", name) for name in ("begin", "note", "next", "forget_waiting")),
     *(("Account", name) for name in ("begin", "find", "find_drift")),
-    *(("Network", name) for name in ("from_zero", "next_corner", "take_moving")),
+    *(("Pace", name) for name in ("look_at_pace", "keeps_pace")),
+    *(("Network", name) for name in ("next_corner", "take_moving")),
+    ("Signals", "from_zero"),
 ]  # fmt: skip
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _HOST = "".join(
@@ -111,11 +113,13 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
         [system.element(axle.tyre) for axle in tyres], sampled,
     )  # fmt: skip
     net = plain.net
-    free = [net.row_direction] if any(isinstance(b, Number) for b in directions) else []
+    free = [net.elements.row_direction] if any(isinstance(b, Number) for b in directions) else []
     kernel = specialised(
-        sources(used=[type(plain.method).__name__]), run, _HOST, free, state=plain.state
+        sources(used=[type(plain.stepper.method).__name__]), run, _HOST, free, state=plain.state
     )
-    filled = [net.segment, net.height, net.level, net.piece]  # with the row of numbers
+    signals = net.signals
+    # with the row of numbers
+    filled = [signals.segment, signals.height, signals.level, net.laws.piece]
     machine = image(plain, "integrator", kernel, "Machine", later=filled, state=plain.state)
     conduct = image(run, "run", kernel, "Conduct", outside=[plain, net])
     rest = [0.0] * len(system.coordinates)
@@ -124,7 +128,7 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
     read, rates = outputs_in_c(model, system, tape), rates_in_c(model, system, tape)
     fields: dict[str, Number] = dict(machine.noted)
     if free:
-        at = machine.arrays[id(net.row_direction)]
+        at = machine.arrays[id(net.elements.row_direction)]
         fields |= {f"{at}[{k}]": b for k, b in enumerate(directions) if isinstance(b, Number)}
     row = plain.row(system, rest, rest)
     laws = len(row) - len(plain_module("network").laws_of(packed))
@@ -191,7 +195,7 @@ def _directions(plain: Any, system: System) -> list[Any]:
         if key not in rows:
             rows.append(key)
         found.append(rows.index(key))
-    if found != list(plain.net.element_row):
+    if found != list(plain.net.elements.row_of):
         raise ValueError("the directions of the system depend on how it is built")
     return [b for direction, _ in rows for b in direction]
 

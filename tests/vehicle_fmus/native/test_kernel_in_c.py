@@ -30,7 +30,7 @@ int go(const double *times, int count, double *out) {
     Integrator_begin_row(one, row, 0, 0.0);
     for (int k = 0; k < count; k++) {
         while ((status = Integrator_step_until(one, times[k], 0)) == PAUSED) {
-            one->since_pause = one->noted->count = 0;
+            one->pace->since_pause = one->noted->count = 0;
         }
         if (status) return status;
         Integrator_sample(one, times[k]);
@@ -80,9 +80,9 @@ def test_the_same_bits_as_the_compiled_kernel(
     model, parameters, options = RUNS[what]
     system = build(model, parameters)
     plain = plain_integrator()(system, **options)
-    kernel = sources(used=[type(plain.method).__name__])
-    rest = [0.0] * plain.n
-    main = MAIN % (", ".join(map(number, plain.row(system, rest, rest))), plain.n)
+    kernel = sources(used=[type(plain.stepper.method).__name__])
+    rest = [0.0] * plain.net.n
+    main = MAIN % (", ".join(map(number, plain.row(system, rest, rest))), plain.net.n)
     if is_specialised:
         kernel = specialised(kernel, plain, main)
     code = translated(kernel, needed(kernel, ROOTS), main)
@@ -94,7 +94,7 @@ def test_the_same_bits_as_the_compiled_kernel(
         [compiler, *flags, "-o", str(library), str(tmp_path / "kernel.c"), "-lm"], check=True
     )
     times = [0.002 * k for k in range(501)]
-    found = (ctypes.c_double * (3 * plain.n * len(times)))()
+    found = (ctypes.c_double * (3 * plain.net.n * len(times)))()
     given = (ctypes.c_double * len(times))(*times)
     assert ctypes.CDLL(str(library)).go(given, len(times), found) == 0
     integrator: Any = engine.Integrator(system, **options)
@@ -104,5 +104,5 @@ def test_the_same_bits_as_the_compiled_kernel(
         integrator.sample(time)
         integrator.sample_forces(time)
         motion = (integrator.sample_q, integrator.sample_v, integrator.sample_a)
-        wanted += [x for i in range(plain.n) for x in (array[i] for array in motion)]
+        wanted += [x for i in range(plain.net.n) for x in (array[i] for array in motion)]
     assert list(found) == wanted

@@ -263,8 +263,8 @@ static int step(Instance *one, double until, int stop) {
         note_switches(one, one->quiet ? -INFINITY : until);
         if (status == HALTED) status = 0;
         if (status != PAUSED) break;
-        integrator->since_pause = 0;
-        if (!Integrator_keeps_pace(integrator, until)) {
+        integrator->pace->since_pause = 0;
+        if (!Pace_keeps_pace(integrator->pace, until)) {
             status = TOO_MANY;
             break;
         }
@@ -295,9 +295,9 @@ static int step(Instance *one, double until, int stop) {
 }
 
 static void look_at_pace(Instance *one) {
-    Integrator *integrator = &one->now.machine.integrator;
-    integrator->since_pause = 0;
-    Integrator_look_at_pace(integrator);
+    Pace *pace = one->now.machine.integrator.pace;
+    pace->since_pause = 0;
+    Pace_look_at_pace(pace);
 }
 
 /* Note the state of a machine. */
@@ -575,8 +575,8 @@ static void find_forces(Instance *one) {
 static void find_roads(Instance *one) {
     if (!one->roads_known) {
         Run *run = &one->now.conduct.run;
-        Network *net = run->integrator->net;
-        for (int s = 0; s < SIGNALS; s++) Network_from_zero(net, s, run->time, 1, one->roads[s], 0);
+        Signals *signals = run->integrator->net->signals;
+        for (int s = 0; s < SIGNALS; s++) Signals_from_zero(signals, s, run->time, 1, one->roads[s], 0);
         one->roads_known = 1;
     }
 }
