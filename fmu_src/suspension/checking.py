@@ -106,6 +106,12 @@ def _pieces_in_order(law: Characteristic, name: str) -> Iterator[str]:
     for piece in law.pieces:
         if not piece.scale > 0.0:
             yield f"{name}: the scale of the saturating term must be positive, {piece.scale:g} given"
+    for piece, end in zip(law.pieces, (*starts[1:], inf), strict=True):
+        if piece.power and piece.exponent < 1.0 and piece.start <= piece.origin <= end:
+            yield (
+                f"{name}: the slope of the power law with exponent {piece.exponent:g} is infinite at "
+                f"{piece.origin:g}; leave that to a piece without it"
+            )
     if tuple(law.corners) != tuple(starts[1:]):
         yield f"{name}: corners are {law.corners}, but its pieces meet at {tuple(starts[1:])}"
 

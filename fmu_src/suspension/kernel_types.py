@@ -40,7 +40,7 @@ _RESULTS = {"len": "int", "sum": "int", "list": "list"} | dict.fromkeys(
     ("sqrt", "fabs", "exp", "float"), "double"
 )
 _OBJECTS = ("list", "tuple", "bytes", "object")
-_ANY_OBJECT = ("Any", "Callable", "Exception", "Iterable", "Lendable", "Sequence", "str")
+_ANY_OBJECT = ("Any", "BaseException", "Callable", "Iterable", "Lendable", "Sequence", "str")
 _OF_PYTHON = {"of_python", "property", "staticmethod"}
 
 

@@ -41,7 +41,8 @@ class Piece(NamedTuple):
     """One piece, valid from `start` upwards, of s = x - origin.
 
     `c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale) + power |s|^exponent sgn s + own(s)`,
-    with `scale` > 0 and `exponent` > 0
+    with `scale` > 0 and `exponent` > 0; it is at least 1 in a piece that contains its origin, where the
+    slope would be infinite
     """
 
     start: float

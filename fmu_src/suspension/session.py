@@ -290,17 +290,20 @@ class Session:
         return coming
 
     def _step(self, until: float, stop: bool) -> None:
-        status = self._integrator.advance(until, stop)
-        self._note_switches(until if until > self.time else -inf)
-        for text in self._notices.new(self._integrator, self._run):
-            self._report("info", text)
+        integrator = self._integrator
+        status = integrator.advance(until, stop)
+        reason = ""
         if status not in (0, HALTED):
-            self.ok = False
-            self._run.time = self._integrator.time
-            step = self._integrator.step_count
-            where = f"at {self.time:.6g} s, in step {step}"
+            where = f"at {integrator.time:.6g} s, in step {integrator.step_count}"
             fixed = bool(self._now["solver.step"])
-            reason = why_stopped(status, where, self._integrator, self.system, fixed=fixed)
+            # it names the last switches in the log, which is then taken
+            reason = why_stopped(status, where, integrator, self.system, fixed=fixed)
+        self._note_switches(until if until > self.time else -inf)
+        for text in self._notices.new(integrator, self._run):
+            self._report("info", text)
+        if reason:
+            self.ok = False
+            self._run.time = integrator.time
             self._report("error", reason)
             raise SimulationError(reason)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -70,6 +71,27 @@ def test_a_matrix_without_inverse_is_named_with_its_stiffness_and_step() -> None
 def test_a_session_says_it_too() -> None:
     session = Session("QuarterCar", {"solver.step": 0.08, "solver.beyond_stable": "refuse"})
     with pytest.raises(SimulationError, match=r"which moves wheel\S* most\); shorten it"):
+        session.advance(1.0)
+
+
+def test_a_session_names_the_switches_between_which_no_time_passes() -> None:
+    """It also takes them off the integrator's log, which it must not do first."""
+    session = Session("QuarterCar", {"road.height": 0.08})
+
+    class Stalling:
+        def __init__(self, integrator: Integrator) -> None:
+            self.integrator = integrator
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(self.integrator, name)
+
+        def advance(self, until: float, stop: bool) -> int:
+            assert self.integrator.advance(until, stop) == 0
+            return outcomes.NO_TIME_PASSES
+
+    session._integrator = Stalling(session._integrator)  # type: ignore[assignment]
+    session._notices = SimpleNamespace(new=lambda *_: [])  # type: ignore[assignment]
+    with pytest.raises(SimulationError, match=r"the last are those of the .*contact of tyre"):
         session.advance(1.0)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .language import of_python, open_to_python
+from .layout import UNBOUNDED
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -50,9 +51,14 @@ class Contacts:
 
     @open_to_python
     def note(self, time: float, e: int, airborne: bool) -> None:
-        """Add a lift-off or touchdown of element e to the switches that wait for their time."""
+        """Add a lift-off or touchdown of element e to the switches that wait for their time.
+
+        If too many wait, the first of them is counted before its time.
+        """
+        if self.waiting == _WAITING:
+            self.next(UNBOUNDED)
         for c in range(self.tyres):
-            if self.tyre[c] == e and self.waiting < _WAITING:
+            if self.tyre[c] == e:
                 self.waiting_time[self.waiting] = time
                 self.waiting_tyre[self.waiting] = c
                 self.waiting_airborne[self.waiting] = airborne

@@ -30,6 +30,8 @@ from .layout import (
 from .series_springs import SeriesSprings
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
     from ..systems import Element, System
     from .arrays import Memory
     from .language import Doubles
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
 # (-1, 1, or 0 if it sticks).
 KINDS = ("spring", "damper", "modulation", "contact", "friction")
 
+_REDUCED_TO_ZERO = 1e-9  # relative size of a component that is due to rounding
 ELASTIC = 1  # the middle piece of an element that yields
 
 
@@ -55,8 +58,8 @@ class Elements:
 
     Raises
     ------
-    ValueError : if a direction has the wrong length, a road is not a signal, or two elements with
-        friction act along the same direction.
+    ValueError : if a direction has the wrong length, a road is not a signal, or the directions of the
+        elements with friction depend on each other.
     """
 
     n: int
@@ -106,10 +109,12 @@ class Elements:
         self.row_direction = memory.doubles(x for row in rows for x in row[0])
         self.row_signal = memory.integers(row[1] for row in rows)
         self.row_of = memory.integers(element_row)
-        rubbing = [r for r, e in zip(element_row, system.elements, strict=True) if e.friction]
-        if len(set(rubbing)) < len(rubbing):
+        rubbing = [e for e in system.elements if e.friction]
+        if not _are_independent([e.direction for e in rubbing]):
             raise ValueError(
-                "two elements with friction act along the same direction; combine them into one"
+                f"the friction of {', '.join(e.name for e in rubbing)} acts along dependent directions, "
+                "so that each force is undetermined while all stick; combine those along one direction, "
+                "or leave out the friction of one"
             )
 
     def enter_element(self, e: int, x: Doubles, at: int) -> int:
@@ -265,6 +270,22 @@ class Elements:
             if self.yields[e] and self.branch[BRANCHES * e + SPRING] != ELASTIC:
                 power += self.flow_force(e) * w
         return power
+
+
+@of_python
+def _are_independent(directions: Iterable[Sequence[float]]) -> bool:
+    """Return whether none of the directions is a sum of multiples of others."""
+    rows = [list(direction) for direction in directions]
+    while rows:
+        row = rows.pop()
+        k = max(range(len(row)), key=lambda i: abs(row[i]))
+        if row[k] == 0.0:
+            return False
+        for other in rows:
+            ratio, size = other[k] / row[k], max(map(abs, other))
+            reduced = [x - ratio * y for x, y in zip(other, row, strict=True)]
+            other[:] = [x if abs(x) > _REDUCED_TO_ZERO * size else 0.0 for x in reduced]
+    return True
 
 
 @of_python

@@ -90,6 +90,8 @@ class Errors:
         """Return the factor of the step that brings the error to the tolerance."""
         if self.error <= self.full_growth_error:
             return 4.0
+        if not isfinite(self.error):
+            return 0.2
         factor = 0.9 * pow(self.error, -1.0 / self.order)
         return min(max(factor, 0.2), 4.0)
 

@@ -53,7 +53,7 @@ class Extrapolated(Method):
 
     def __init__(self, *given: Any) -> None:
         Method.__init__(self, *given)
-        self.controls = True
+        self.controls = self.order > 2  # a single column has none before it to compare with
         self.most_error = _EXCESS
         self.least_damping = _LEAST_DAMPING[self.order]
         sequence = SEQUENCES[self.order]
@@ -153,7 +153,6 @@ class Equilibrium(Extrapolated):
 
     def __init__(self, *given: Any) -> None:
         Extrapolated.__init__(self, *given)
-        self.controls = False
         self.most_error = 1.0
         self.cubic = True
 

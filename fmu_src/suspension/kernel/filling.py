@@ -99,7 +99,7 @@ class Filling:
         ------
         Exception : any that a function of an element has raised.
         """
-        self.last = last if last >= 0 else self.count
+        self.last = min(last, self.count) if last >= 0 else self.count
         self.integrator.pace.look_at_pace()
         while True:
             with cython.nogil:

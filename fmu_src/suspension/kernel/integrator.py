@@ -58,7 +58,7 @@ __all__ = [
 
 
 class Integrator(TimeLoop):
-    """Steps one system and owns its whole state.
+    """Steps one system and owns its whole state; for one thread at a time.
 
     The methods, where omega_max^2 is the largest eigenvalue of M^-1 K and K the present tangent:
 
@@ -184,7 +184,16 @@ class Integrator(TimeLoop):
         signal : number of the signal in the order of the system
         coefficients : four numbers
         jumps : whether to treat a change of the value as such a jump
+
+        Raises
+        ------
+        ValueError : a signal of several segments.
         """
+        if self.net.signals.signal_count[signal] != 1:
+            raise ValueError(
+                f"signal {signal} has {self.net.signals.signal_count[signal]} segments; one of a single "
+                "segment can be replaced"
+            )
         interval = self.state.time - self.net.signals.set_at(signal)
         memory = Memory()
         self.replace_signal(signal, memory.doubles(coefficients), interval, jumps)
@@ -254,7 +263,13 @@ class Integrator(TimeLoop):
         Returns
         -------
         0, or the key in `outcomes.FAILURES` of the reason why the run ended early.
+
+        Raises
+        ------
+        ValueError : if `until` is not a number.
         """
+        if not fabs(until) <= UNBOUNDED:
+            raise ValueError(f"cannot step to {until} s: the time must be finite")
         self.pace.look_at_pace()
         while True:
             with cython.nogil:
@@ -268,9 +283,12 @@ class Integrator(TimeLoop):
 
     @of_python
     def raise_failure(self, status: int) -> None:
-        """Raise the exception that a function of an element has raised, if it has ended the run."""
+        """Raise the exception that a function of an element has raised, if it has ended the run.
+
+        An interrupt is always raised: no shorter step makes it undone.
+        """
         failure, self.net.laws.failure = self.net.laws.failure, None
-        if status != 0 and failure is not None:
+        if failure is not None and (status != 0 or not isinstance(failure, Exception)):
             raise failure
 
     @uses_python
@@ -284,6 +302,8 @@ class Integrator(TimeLoop):
         self.pace.since_pause = 0
         if cython.compiled:
             PyErr_CheckSignals()
+        if self.net.laws.failure is not None and not isinstance(self.net.laws.failure, Exception):
+            return INTERRUPTED
         if self.going_on is not None and not self.going_on(self.state.time):
             return INTERRUPTED
         return 0 if self.pace.keeps_pace(until) else TOO_MANY
@@ -476,11 +496,11 @@ class Integrator(TimeLoop):
 
     @of_python
     def restore(self, state: bytes) -> None:
-        """Return to the state of a snapshot of the same system.
+        """Return to the state of a snapshot of the same system; only its size is checked.
 
         Raises
         ------
-        ValueError : if the snapshot is of another system.
+        ValueError : if a snapshot of this system has another size.
         """
         if len(state) != self.state_size:
             raise ValueError("this snapshot belongs to another system; use one of this integrator")

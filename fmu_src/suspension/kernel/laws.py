@@ -57,7 +57,7 @@ class Laws:
     joins : whether curved pieces that meet with the same slope, as in a smooth table, are one branch
     """
 
-    failure: Exception | None
+    failure: BaseException | None
 
     def __init__(self, memory: Memory, system: System, joins: bool) -> None:
         self.joins = joins
@@ -178,14 +178,16 @@ class Laws:
         """Return force, slope or integral (`what`) of piece p by its function at s; NaN if that fails."""
         try:
             return float(self.functions[p][what](s))
-        except Exception as error:
+        except BaseException as error:  # an interrupt, too, as C cannot pass it on
             self.note_failure(error)
             return float("nan")
 
     @of_python
-    def note_failure(self, error: Exception) -> None:
-        """Keep the first exception; the present attempt is spoilt."""
-        self.failure, self.failed = self.failure or error, True
+    def note_failure(self, error: BaseException) -> None:
+        """Keep the first exception, or an interrupt; the present attempt is spoilt."""
+        if self.failure is None or not isinstance(error, Exception):
+            self.failure = error
+        self.failed = True
 
     def law_and_slope(self, p: int, x: float) -> None:
         """Set `value`, `slope`, `curvature` to those of piece p, or of those it is joined with, at x."""

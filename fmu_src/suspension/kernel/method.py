@@ -103,7 +103,7 @@ class Method:
             qb, vb = self.step(t, h, q, v)
             for i in range(self.n):
                 self.motion.qb[i], self.motion.vb[i] = qb[i], vb[i]
-        except Exception as error:
+        except BaseException as error:  # an interrupt, too, as C cannot pass it on
             self.net.laws.note_failure(error)
             return DIVERGED
         self.end(t + h)

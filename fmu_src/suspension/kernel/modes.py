@@ -11,6 +11,7 @@ from .layout import UNBOUNDED
 
 if TYPE_CHECKING:
     from .balance import Balance
+    from .language import Long
 
 if not cython.compiled:
     from math import fabs, sqrt
@@ -41,7 +42,7 @@ class Modes:
         self.a, self.squared = [0.0] * 1024, [0.0] * 1024  # of literal sizes, as these are C arrays
         self.road_rate = 0.0  # of the fastest sinusoid at the start of a step, rad/s
         # changes with every branch, to mark what belongs to an earlier one as outdated
-        self.stamp = 0
+        self.stamp: Long = 0
 
     def start(self) -> None:
         """Discard all earlier branches."""

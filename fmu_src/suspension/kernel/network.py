@@ -7,6 +7,7 @@ sticks has a constrained rate; the constraint force, its multiplier, decides whe
 from __future__ import annotations
 
 from array import array
+from math import isclose
 from typing import TYPE_CHECKING
 
 import cython
@@ -92,6 +93,10 @@ class Network:
         self.flexibility = memory.zeros(n * n)
         if any(len(row) != n for row in system.mass):
             raise ValueError("mass matrix and directions must have one entry per coordinate")
+        if any(
+            not isclose(system.mass[i][k], system.mass[k][i]) for i in range(n) for k in range(i)
+        ):
+            raise ValueError("the mass matrix must be symmetric and positive definite")
         self.shape = _shape(system)
         numbers = array("d")
         add_numbers(system, numbers)

@@ -263,7 +263,7 @@ class Run:
         """
         memory = Memory()
         self.hand_on(integrator, memory.integers(counterpart))
-        self.integrator = integrator
+        self.integrator, self.rest = integrator, Rest(integrator.net)
 
     # -- whole state ---------------------------------------------------------------------------------
 

@@ -125,6 +125,7 @@ class Signals:
         self.segment[at + ORIGIN] = t
         for i in range(4):
             self.segment[at + C0 + i] = coefficients[i]
+        self.segment[at + AMPLITUDE] = 0.0
         self.height[self.signal_first[s]] = coefficients[0]
         if self.is_road[s]:
             self.segment[at + C0] -= self.state.datum

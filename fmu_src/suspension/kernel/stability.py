@@ -16,6 +16,7 @@ import cython
 from .layout import UNBOUNDED
 
 if TYPE_CHECKING:
+    from .language import Long
     from .modes import Modes
 
 if not cython.compiled:
@@ -44,7 +45,7 @@ class StabilityMonitor:
         self.net, self.n = self.modes.net, self.modes.n
         self.policy: int = POLICIES[policy]
         self.limit = _BELOW * limit
-        self.stamp = -1
+        self.stamp: Long = -1
         self.omega = 0.0
         self.matrix = self.net.memory.zeros(self.n * self.n)
         self.start()

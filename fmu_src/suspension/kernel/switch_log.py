@@ -9,7 +9,7 @@ from .language import of_python
 if TYPE_CHECKING:
     from .arrays import Memory
 
-CAPACITY = 512  # switches that the arrays hold
+CAPACITY = 512  # switches that the arrays hold, and those of one step besides
 
 
 class SwitchLog:
@@ -18,11 +18,12 @@ class SwitchLog:
     Parameters
     ----------
     memory : the memory that contains the arrays
+    in_step : the largest number of switches in one step
     """
 
-    def __init__(self, memory: Memory) -> None:
-        self.memory = memory
-        self.time, self.what = self.memory.zeros(CAPACITY), self.memory.marks(4 * CAPACITY)
+    def __init__(self, memory: Memory, in_step: int) -> None:
+        self.memory, self.capacity = memory, CAPACITY + in_step
+        self.time, self.what = memory.zeros(self.capacity), memory.marks(4 * self.capacity)
         # without those that are still in the arrays
         self.listed: list[tuple[float, int, int, int, int]] = []
         self.start()
@@ -42,7 +43,7 @@ class SwitchLog:
     def note(self, time: float, e: int, kind: int, before: int, after: int) -> None:
         """Log that element e has moved from one branch to another."""
         k = self.count
-        if k < CAPACITY:
+        if k < self.capacity:
             self.time[k] = time
             self.what[4 * k] = e
             self.what[4 * k + 1] = kind

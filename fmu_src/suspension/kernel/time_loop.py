@@ -14,7 +14,7 @@ from .dense import Dense
 from .knots import Knots
 from .landing import Landing
 from .language import inline, of_python
-from .layout import FRICTION, UNBOUNDED
+from .layout import BRANCHES, FRICTION, UNBOUNDED
 from .ledger import Ledger
 from .limited import Limited
 from .methods import METHODS
@@ -135,7 +135,9 @@ class TimeLoop:
         self.limited = Limited(
             self.net, [e for e, element in enumerate(system.elements) if element.limit < UNBOUNDED]
         )
-        self.noted = SwitchLog(memory)
+        # in a step every element may change all its branches, and again at a jump of each signal
+        changes = BRANCHES * self.net.elements.count * (self.net.signals.count + 2)
+        self.noted = SwitchLog(memory, changes)
         self.transitions = Transitions(
             memory, self.net, self.motion, self.ledger, self.limited, self.noted
         )
@@ -203,6 +205,7 @@ class TimeLoop:
         tolerance, but the log continues. Return 1 if the mass matrix is not positive definite.
         """
         self.noted.begin_row()
+        self.net.laws.failed = False
         self.state.step_count = 0
         self.state.time = start
         if self.net.enter_system(x, at + 1 + 2 * self.net.series.outer) != 0:
@@ -306,11 +309,11 @@ class TimeLoop:
             status = self._step(until if stop else UNBOUNDED)
             if status != 0:
                 return status
-            if self._passes(self.state.time - before):
+            if self.noted.count == events or self._passes(self.state.time - before):
                 self.state.stalled = 0
             else:
                 self.state.stalled += 1
-                if self.state.stalled > _STALLED:
+                if self.state.stalled > _STALLED and self.state.time < until:
                     status = self._overrun(until if stop else UNBOUNDED)
                     if status != 0:
                         return status
@@ -375,12 +378,17 @@ class TimeLoop:
 
     @inline
     def _proposed_step(self) -> float:
-        """Return the step chosen by the method, before joints and switches shorten it."""
+        """Return the step chosen by the method, before joints and switches shorten it.
+
+        It is 0 if a fixed step is not stable, and -1 if it is below the rounding of time.
+        """
         if self.fixed_step > 0.0:
             # the grid is counted, not summed, so that it does not drift
             target = self.state.grid_start + (self.state.grid_index + 1) * self.fixed_step
             # of many short steps the rounding of time is the larger one
             close = 1e-9 * self.fixed_step + 4e-16 * fabs(self.state.time)
+            if close > 0.5 * self.fixed_step:
+                return -1.0
             while target <= self.state.time + close:
                 self.state.grid_index += 1
                 target = self.state.grid_start + (self.state.grid_index + 1) * self.fixed_step
@@ -417,8 +425,8 @@ class TimeLoop:
     def _step(self, latest: float) -> int:
         """Take one accepted macro step, ended at joints and switches."""
         h = self._proposed_step()
-        if h == 0.0:
-            return UNSTABLE if self.fixed_step > 0.0 else STEP_TOO_SMALL
+        if h <= 0.0:
+            return UNSTABLE if h == 0.0 and self.fixed_step > 0.0 else STEP_TOO_SMALL
         self.trial.begin(h)
         if self.stepper.errors.controlled and self.stepper.balance.bends.joined:
             shorter = self.knots.ahead(h, min(self.trial.joint, latest))
@@ -444,6 +452,8 @@ class TimeLoop:
         `_STALLS` if one branch after the other is left at once, or the reason why it failed.
         """
         status = self.stepper.attempt(self.state.time, self.trial.length)
+        if self.net.laws.failed:
+            status = DIVERGED
         if status != 0:
             self.trial.length *= 0.25
             return status if self.fixed_step > 0.0 or self.trial.length < 1e-14 else _AGAIN
@@ -486,7 +496,7 @@ class TimeLoop:
                 self.trial.on_knot = True
                 self.trial.length = cut
                 return True
-        if self.stepper.errors.error > self.stepper.method.most_error:
+        if not self.stepper.errors.error <= self.stepper.method.most_error:
             self.trial.length *= self.stepper.errors.factor()
             return True
         return False

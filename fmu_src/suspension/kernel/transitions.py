@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .jumps import Jumps
-from .layout import BRANCHES, CONTACT
+from .layout import BRANCHES, CONTACT, SPRING
 
 if TYPE_CHECKING:
     from .arrays import Memory
@@ -58,6 +58,7 @@ class Transitions:
         new = self.branches.enter(e, kind, side, self.state.time, self.motion.q, self.motion.v)
         if self.elements.yields[e] and kind < CONTACT:
             before = new - side  # a change of sign of the rate ends the flow of the spring
+            kind = SPRING
         self.noted.note(self.state.time, e, kind, before, new)
 
     def relocate(self, flows: bool) -> None:
