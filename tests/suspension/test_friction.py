@@ -136,7 +136,7 @@ def test_the_ledger_closes_and_memory_is_exact(
 
 def test_contradicting_friction_is_refused() -> None:
     twice = Element("leaf", (1.0,), characteristics.linear(1.0), friction=1.0)
-    with pytest.raises(ValueError, match="combine them into one"):
+    with pytest.raises(ValueError, match="combine those along one direction"):
         Integrator(System(("x",), ((1.0,),), (twice, twice), scales=(1.0,)))
     with pytest.raises(ValueError, match="at least 0"):
         Element("leaf", (1.0,), friction=-1.0)

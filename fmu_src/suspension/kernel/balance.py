@@ -96,13 +96,6 @@ class Balance:
             self.loads_hold = self.signals.still()
             self._find_loads(k, k + 1 == self.instants or self.loads_hold)
 
-    def loads_at_end(self, t: float) -> None:
-        """Find the loads at the end of a step, t, and their rates."""
-        if self.loads_hold:
-            return
-        self.signals.all_signals(t)
-        self._find_loads(self.instants - 1, True)
-
     def _repeat(self, k: int, other: int) -> None:
         """Copy the loads of instant k to another instant."""
         for i in range(self.n):
@@ -152,25 +145,22 @@ class Balance:
             self.loads_hold = True
         self._solve(q, v, a, j)
 
-    def end(self, t: float, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> None:
-        """Find acceleration and jerk at the end of a step, t; rows that stick are first set to rest."""
+    def end(self, t: float, q: Doubles, v: Doubles, a: Doubles, j: Doubles, prepared: bool) -> None:
+        """Find acceleration and jerk at the end of a step, t, whose loads may have been `prepared`.
+
+        Rows that stick are first set to rest.
+        """
         if self.branches.stuck:
             self.signals.all_signals(t)
             self.net.sticking.rest(self.net.mass_factor, v)
             self._solve_rows(q, v, a, j)
             return
-        if self.loads_hold and self.bends.count:
+        if self.loads_hold:
+            if self.bends.count:
+                self.signals.all_signals(t)
+        elif not prepared:
             self.signals.all_signals(t)
-        self.loads_at_end(t)
-        self._solve(q, v, a, j)
-
-    def end_step(self, t: float, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> None:
-        """Do the same as `end` after a step whose loads `prepare` has just found."""
-        if self.branches.stuck:
-            self.end(t, q, v, a, j)
-            return
-        if self.loads_hold and self.bends.count:
-            self.signals.all_signals(t)
+            self._find_loads(self.instants - 1, True)
         self._solve(q, v, a, j)
 
     def accelerations(self, t: float, q: Doubles, v: Doubles, a: Doubles) -> None:

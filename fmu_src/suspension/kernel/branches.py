@@ -309,13 +309,17 @@ class Branches:
             if self.elements.yields[e]:
                 d = self.elements.row_d[self.elements.row_of[e]]
                 self.elements.branch[BRANCHES * e + SPRING] = ELASTIC
-                self._set_at(e, self.initial_set[e])
+                self.move_set(e, self.initial_set[e])
                 for side in range(-1, 2, 2):
                     if (d - self.bound(e, SPRING, side)) * side > 0.0:
                         self.elements.branch[BRANCHES * e + SPRING] = ELASTIC + side
                         self._unload(e, d)
 
-    def _set_at(self, e: int, permanent_set: float) -> None:
+    def present_set(self, e: int) -> float:
+        """Return the permanent set of element e, where its elastic piece has no force."""
+        return self.laws.piece[(self.laws.first[LAWS * e] + ELASTIC) * PIECE + ORIGIN]
+
+    def move_set(self, e: int, permanent_set: float) -> None:
         """Move the elastic piece: its zero and its ends on the two lines of flow."""
         at = (self.laws.first[LAWS * e] + ELASTIC) * PIECE
         above = at + PIECE
@@ -331,7 +335,7 @@ class Branches:
 
     def _unload(self, e: int, d: float) -> None:
         """End the flow at deflection d: the element is elastic again, with its new permanent set."""
-        self._set_at(e, self.elements.permanent_set(e, d))
+        self.move_set(e, self.elements.permanent_set(e, d))
         self.elements.branch[BRANCHES * e + SPRING] = ELASTIC
 
     # -- the branches of the last step ----------------------------------------------------------------
@@ -345,9 +349,7 @@ class Branches:
             self.kept_branch[at] = self.elements.branch[at]
         for e in range(self.elements.count):
             if self.elements.yields[e]:
-                self.kept_set[e] = self.laws.piece[
-                    (self.laws.first[LAWS * e] + ELASTIC) * PIECE + ORIGIN
-                ]
+                self.kept_set[e] = self.present_set(e)
 
     def exchange_branches(self) -> None:
         """Exchange the present branches for the stored ones; a second call reverses it."""
@@ -362,8 +364,7 @@ class Branches:
             self.kept_branch[at] = now
         for e in range(self.elements.count):
             if self.elements.yields[e]:
-                p = self.laws.first[LAWS * e] + ELASTIC
-                permanent_set = self.laws.piece[p * PIECE + ORIGIN]
-                self._set_at(e, self.kept_set[e])
+                permanent_set = self.present_set(e)
+                self.move_set(e, self.kept_set[e])
                 self.kept_set[e] = permanent_set
         self.list_stuck()

@@ -92,7 +92,9 @@ class Extrapolated(Method):
             return status
         if self.columns.extrapolate(self.motion.qb, self.motion.vb) != 0:
             return DIVERGED
-        self.balance.end_step(t + h, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
+        self.balance.end(
+            t + h, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb, True
+        )
         self.errors.find_jerks(h)
         if self.errors.controlled:
             self._find_error(h)

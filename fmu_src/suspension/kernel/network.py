@@ -18,8 +18,6 @@ from .elements import Elements, element_numbers
 from .language import of_python, open_to_python
 from .laws import Laws, functions_of, pieces_of
 from .layout import (
-    LAWS,
-    PIECE,
     SEGMENT,
     START,
     UNBOUNDED,
@@ -185,7 +183,7 @@ class Network:
         """Allocate these numbers in the state."""
         yielding = sum(1 for e in range(self.elements.count) if self.elements.yields[e])
         single = sum(1 for s in range(self.signals.count) if self.signals.signal_count[s] == 1)
-        self.moving = self.state.memory.zeros(3 * PIECE * yielding + (SEGMENT + 1) * single)
+        self.moving = self.state.memory.zeros(yielding + (SEGMENT + 1) * single)
 
     def take_moving(self) -> None:
         """Copy them into the state."""
@@ -202,8 +200,11 @@ class Network:
         at = 0
         for e in range(self.elements.count):
             if self.elements.yields[e]:
-                first = PIECE * self.laws.first[LAWS * e]
-                at = self._copy_numbers(self.laws.piece, first, 3 * PIECE, at, saving)
+                if saving:
+                    self.moving[at] = self.branches.present_set(e)
+                else:
+                    self.branches.move_set(e, self.moving[at])
+                at += 1
         for s in range(self.signals.count):
             if self.signals.signal_count[s] == 1:
                 k = self.signals.signal_first[s]

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import TYPE_CHECKING
-
-from .language import of_python
 
 if TYPE_CHECKING:
     from .dense import Dense
@@ -38,8 +35,9 @@ class StepReadings:
         memory = self.net.memory
         most, signals = max(self.elements.rows, 1), max(self.signals.count, 1)
         self.point, self.weight = memory.doubles(_POINT), memory.doubles(_WEIGHT)
-        value, rate = _readings(self.dense.cubic, self.dense.to_end)
-        self.value, self.rate = memory.doubles(value), memory.doubles(rate)
+        # q and h v at the points if, of q, h v, h^2 a and h^3 j at both ends, one is 1 and the others 0
+        self.value, self.rate = memory.zeros(POINTS * ENDS), memory.zeros(POINTS * ENDS)
+        self._find_factors()
         # of each row: the integrals of its rate w and of w^2 over the step
         self.way, self.square = memory.zeros(most), memory.zeros(most)
         # of each row at the points: deflection, rate; of each signal: value, rate
@@ -47,6 +45,26 @@ class StepReadings:
         self.u, self.du = memory.zeros(POINTS * signals), memory.zeros(POINTS * signals)
         # literal, as this is a C array
         self.ends = [0.0] * 8
+
+    def _find_factors(self) -> None:
+        """Find `value` and `rate` by reading the interpolant of a step of 1 s."""
+        self.dense.start, self.dense.end = 0.0, 1.0
+        self._find_factor(self.dense.qa, 0)
+        self._find_factor(self.dense.va, 1)
+        self._find_factor(self.dense.aa, 2)
+        self._find_factor(self.dense.ja, 3)
+        self._find_factor(self.dense.qb, 4)
+        self._find_factor(self.dense.vb, 5)
+        self._find_factor(self.dense.ab, 6)
+        self._find_factor(self.dense.jb, 7)
+        self.dense.start, self.dense.end, self.dense.known = 0.0, 0.0, False
+
+    def _find_factor(self, end: Doubles, m: int) -> None:
+        end[0], self.dense.known = 1.0, False
+        for k in range(POINTS):
+            self.dense.read(self.point[k])
+            self.value[ENDS * k + m], self.rate[ENDS * k + m] = self.dense.q[0], self.dense.v[0]
+        end[0] = 0.0
 
     def read_signals(self, h: float) -> None:
         """Find values and rates of all signals at the points."""
@@ -135,40 +153,3 @@ class StepReadings:
         c3 = 3.0 * (way / h - c1 - 0.5 * c2) if self.dense.to_end else 0.5 * (c3 - c2)
         square = c1 * (c1 + c2 + _TWO_THIRDS * c3) + c2 * (_THIRD * c2 + 0.5 * c3) + 0.2 * c3 * c3
         self.way[r], self.square[r] = way, h * square
-
-
-@cache
-@of_python
-def _readings(cubic: bool, to_end: bool) -> tuple[list[float], list[float]]:
-    """Return q and h v at the points, if one of the numbers at the ends is 1 and all others are 0.
-
-    The numbers are q, h v, h^2 a and h^3 j at the start and at the end; see `dense` for the polynomials.
-    """
-    values, rates = [], []
-    for x in _POINT:
-        for k in range(ENDS):
-            q0, v0, a0, j0, q1, v1, a1, j1 = (float(i == k) for i in range(ENDS))
-            c0, c1, c2, c3 = q0, v0, a0 / 2.0, j0 / 6.0
-            s0 = s1 = s2 = s3 = 0.0
-            if cubic:
-                c3 = q1 - c0 - c1 - c2 if to_end else (a1 - a0) / 6.0
-            else:
-                d0, d1 = q1 - c0 - c1 - c2 - c3, v1 - c1 - 2.0 * c2 - 3.0 * c3
-                d2, d3 = a1 / 2.0 - c2 - 3.0 * c3, j1 / 6.0 - c3
-                s0, s1, s2 = d0, d1 - 4.0 * d0, d2 - 4.0 * d1 + 10.0 * d0
-                s3 = d3 - 4.0 * d2 + 10.0 * d1 - 20.0 * d0
-            value, rate = s3, 0.0
-            for c, node in (
-                (s2, 1.0),
-                (s1, 1.0),
-                (s0, 1.0),
-                (c3, 0.0),
-                (c2, 0.0),
-                (c1, 0.0),
-                (c0, 0.0),
-            ):
-                rate = rate * (x - node) + value
-                value = value * (x - node) + c
-            values.append(value)
-            rates.append(rate)
-    return values, rates
