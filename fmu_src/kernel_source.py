@@ -109,6 +109,8 @@ def one_source(modules: Sequence[Module]) -> tuple[str, set[str]]:
         for node in module.tree.body:
             written = ast.unparse(node)
             match node:
+                case ast.ImportFrom(module="math"):
+                    functions |= {alias.name for alias in node.names}
                 case ast.Import() | ast.ImportFrom(level=0):
                     imports[written] = None
                 case ast.Assign():
@@ -129,15 +131,8 @@ def one_source(modules: Sequence[Module]) -> tuple[str, set[str]]:
                         raise ValueError(f"{name}: {own} is defined in {defined[own]}, too")
                     defined[own] = name
                     bodies.append(ast.unparse(Plain(classes).visit(node)))
-                case ast.If(body=body) if written.startswith("if not cython.compiled"):
-                    functions |= {
-                        alias.name
-                        for each in body
-                        if isinstance(each, ast.ImportFrom) and each.module == "math"
-                        for alias in each.names
-                    }
                 case ast.ImportFrom() | ast.If() | ast.Expr():
-                    pass  # from one another; for type checkers; a docstring
+                    pass  # from one another; for type checkers or uncompiled; a docstring
                 case _:
                     raise ValueError(f"{name}: not at the top of a module: {written}")
     return "\n".join([*imports, *bodies]), functions

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+from math import fabs
 from typing import TYPE_CHECKING
-
-import cython
 
 from .language import of_python, open_to_python
 
@@ -12,9 +11,6 @@ if TYPE_CHECKING:
     from .arrays import Memory
     from .integrator import Integrator
     from .language import Long
-
-if not cython.compiled:
-    from math import fabs
 
 # steps before the balance is first checked; then whenever their number has doubled
 _FIRST_LOOK = 1000

@@ -12,10 +12,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import cython
-
 from .bends import Bends
 from .language import inline
+from .linear import solve
 from .straight import Straight
 
 if TYPE_CHECKING:
@@ -23,10 +22,6 @@ if TYPE_CHECKING:
 
     from .language import Doubles
     from .network import Network
-
-if not cython.compiled:
-    from .linear import solve
-
 
 # sizes of the C arrays here, and in what steps with it
 MOST_COORDINATES, MOST_ROWS = 32, 64

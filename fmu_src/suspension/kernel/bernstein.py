@@ -6,16 +6,11 @@ enough to compare six or eight numbers; the others need bisection and Newton's m
 
 from __future__ import annotations
 
+from math import fabs
 from typing import TYPE_CHECKING
-
-import cython
 
 if TYPE_CHECKING:
     from .language import Doubles
-
-if not cython.compiled:
-    from math import fabs
-
 
 _CLOSE = 1e-8  # of a step; Newton's next correction would be of the order of its square
 

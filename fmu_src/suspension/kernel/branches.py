@@ -6,9 +6,8 @@ have changed (`exchange_branches`).
 
 from __future__ import annotations
 
+from math import fabs
 from typing import TYPE_CHECKING
-
-import cython
 
 from .elements import ELASTIC, element_numbers
 from .layout import (
@@ -33,9 +32,6 @@ if TYPE_CHECKING:
     from .elements import Elements
     from .language import Doubles
     from .state import KernelState
-
-if not cython.compiled:
-    from math import fabs
 
 _CREEP = 1e-10  # 1/s; times the scale of the motion, the slip rate that counts as rest
 

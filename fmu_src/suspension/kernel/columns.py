@@ -26,10 +26,10 @@ columns, which suits vector instructions; with springs in series, B and W are no
 from __future__ import annotations
 
 from functools import cache
+from math import isfinite
 from typing import TYPE_CHECKING
 
-import cython
-
+from .balance import multiply, resist
 from .inverses import Inverses
 from .iteration import Iteration
 from .language import inline, of_python
@@ -40,11 +40,6 @@ if TYPE_CHECKING:
 
     from .balance import Balance
     from .language import Doubles
-
-if not cython.compiled:
-    from math import isfinite
-
-    from .balance import multiply, resist
 
 _SUBSTEPS = 5  # in the longest column
 

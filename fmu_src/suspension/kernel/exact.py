@@ -13,12 +13,13 @@ is damped within a microsecond.
 
 from __future__ import annotations
 
+from math import cos, fabs, isfinite, sin
 from typing import TYPE_CHECKING
 
-import cython
-
+from .errors import _SHARE
 from .language import of_python
 from .layout import AMPLITUDE, ANGLE, C1, C2, C3, ORIGIN, SEGMENT, SPEED
+from .linear import solve
 from .method import Method
 from .outcomes import DIVERGED
 
@@ -29,12 +30,6 @@ if TYPE_CHECKING:
     from .balance import Balance
     from .language import Doubles
     from .motion import Motion
-
-if not cython.compiled:
-    from math import cos, fabs, isfinite, sin
-
-    from .errors import _SHARE
-    from .linear import solve
 
 _TERMS = 16
 _SHORT = 0.5  # largest change of any motion or road in one part, for which the terms suffice

@@ -9,12 +9,11 @@ substeps, but 6.2 if the last column had 4.
 
 from __future__ import annotations
 
+from math import fabs
 from typing import TYPE_CHECKING
 
-import cython
-
 from .columns import SEQUENCES, Columns, instants_of
-from .errors import ROUNDING_OF_RATES
+from .errors import _SHARE, ROUNDING_OF_RATES
 from .language import inline, of_python
 from .method import Method
 from .outcomes import DIVERGED
@@ -23,11 +22,6 @@ if TYPE_CHECKING:
     from typing import Any
 
     from ..systems import Element, System
-
-if not cython.compiled:
-    from math import fabs
-
-    from .errors import _SHARE
 
 # Phase per macro step, of the fastest mode, its decay and the road together, below which the last column
 # is more accurate than the one before by the square of the phase, but at most by `_MOST_BETTER`.

@@ -6,13 +6,13 @@ those at both ends (15.7), which is iterated.
 
 from __future__ import annotations
 
+from math import fabs, isfinite
 from typing import TYPE_CHECKING
-
-import cython
 
 from .extrapolated import Extrapolated
 from .iteration import LEAST_SHARE
 from .layout import UNBOUNDED
+from .linear import decompose, solve
 from .outcomes import DIVERGED, NOT_CONVERGED, NOT_POSITIVE
 
 if TYPE_CHECKING:
@@ -21,11 +21,6 @@ if TYPE_CHECKING:
     from ..systems import System
     from .language import Doubles
     from .network import Network
-
-if not cython.compiled:
-    from math import fabs, isfinite
-
-    from .linear import decompose, solve
 
 _MOST_MEANS = 200
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+from math import fabs
 from typing import TYPE_CHECKING
-
-import cython
 
 from .language import of_python
 
@@ -12,9 +11,6 @@ if TYPE_CHECKING:
     from typing import Any
 
     from .arrays import Memory
-
-if not cython.compiled:
-    from math import fabs
 
 _SAMPLES = 3  # for two slopes
 _LONGEST = 2.0  # longest extrapolation, in intervals of the last slope

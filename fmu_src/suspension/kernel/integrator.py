@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import fabs, sqrt
 from typing import TYPE_CHECKING
 
 import cython
@@ -35,9 +36,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from .language import Numbers, Switch
-
-if not cython.compiled:
-    from math import fabs, sqrt
 
 __all__ = [
     "FAILURES",

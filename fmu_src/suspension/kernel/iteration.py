@@ -10,9 +10,8 @@ order. As x is predicted from those before it, most substeps need one evaluation
 
 from __future__ import annotations
 
+from math import fabs
 from typing import TYPE_CHECKING
-
-import cython
 
 from .balance import MOST_ROWS
 from .language import inline
@@ -22,9 +21,6 @@ from .outcomes import DIVERGED, NOT_CONVERGED, NOT_POSITIVE
 if TYPE_CHECKING:
     from .inverses import Inverses
     from .language import Doubles
-
-if not cython.compiled:
-    from math import fabs
 
 _ITERATIONS = 60
 _ENDLESS = 1e290  # m/s^2; a larger residual means that the iteration has diverged

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
+from math import fabs
 from typing import TYPE_CHECKING
 
-import cython
-
 from .layout import BRANCHES, C1, CONTACT, DAMPER, LAWS, MODULATION, PIECE, SPRING, UNBOUNDED
+from .linear import solve
 
 if TYPE_CHECKING:
     from .language import Doubles
     from .network import Network
-
-if not cython.compiled:
-    from math import fabs
-
-    from .linear import solve
 
 
 class Jumps:

@@ -8,9 +8,8 @@ what comes after it would spoil the step; its septic is then continued to the po
 
 from __future__ import annotations
 
+from math import fabs, pow
 from typing import TYPE_CHECKING
-
-import cython
 
 from .language import inline
 from .layout import CONTACT, DAMPER, LAWS, MODULATION, PIECE, SPRING, START
@@ -18,9 +17,6 @@ from .layout import CONTACT, DAMPER, LAWS, MODULATION, PIECE, SPRING, START
 if TYPE_CHECKING:
     from .language import Doubles
     from .switches import Switches
-
-if not cython.compiled:
-    from math import fabs, pow
 
 # largest sum of w B3(x n) / (6 n^3) over the columns of n substeps with weights w, where the jump is at x
 # in the step, and B3 is the periodic Bernoulli polynomial; the same at orders 6 and 8

@@ -6,9 +6,8 @@ enough; otherwise the step is repeated with the length found.
 
 from __future__ import annotations
 
+from math import fabs
 from typing import TYPE_CHECKING
-
-import cython
 
 from .dense import Dense
 from .layout import UNBOUNDED
@@ -16,9 +15,6 @@ from .layout import UNBOUNDED
 if TYPE_CHECKING:
     from .arrays import Memory
     from .switches import Switches
-
-if not cython.compiled:
-    from math import fabs
 
 _SIMULTANEOUS = 1e-6  # of a step: switches that are closer may be exchanged
 _SHORT_PHASE = 1e-4  # phase of the fastest motion up to which its Taylor series replaces a step

@@ -7,9 +7,8 @@ s = x - origin. The last term is a function in Python, which is called with the 
 from __future__ import annotations
 
 from itertools import accumulate
+from math import exp, fabs, log1p, pow, sinh
 from typing import TYPE_CHECKING
-
-import cython
 
 from .language import Doubles, inline, of_python, takes_gil
 from .layout import (
@@ -35,9 +34,6 @@ if TYPE_CHECKING:
 
     from ..systems import Element, System
     from .arrays import Memory
-
-if not cython.compiled:
-    from math import exp, fabs, log1p, pow, sinh
 
 _FORCE, _SLOPE, _INTEGRAL = 0, 1, 2  # the three functions in Python of a piece
 _SMOOTH = 1e-9  # relative difference of slopes that are the same to rounding

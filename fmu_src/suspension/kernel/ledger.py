@@ -9,9 +9,8 @@ While roads do not move, these two follow from the ends alone, as does the energ
 
 from __future__ import annotations
 
+from math import fabs
 from typing import TYPE_CHECKING
-
-import cython
 
 from .elements import ELASTIC
 from .layout import BRANCHES, CONTACT, FRICTION, SPRING
@@ -24,9 +23,6 @@ if TYPE_CHECKING:
     from .dense import Dense
     from .language import Doubles
     from .rows import Rows
-
-if not cython.compiled:
-    from math import fabs
 
 _TIMES = 2.0  # times the energy accounted for: more stored energy than that is wrong
 _LEAST = 1e-9  # J; rounding alone may cause as much

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+from math import fabs, sqrt
 from typing import TYPE_CHECKING
-
-import cython
 
 from .language import inline
 from .layout import UNBOUNDED
@@ -12,9 +11,6 @@ from .layout import UNBOUNDED
 if TYPE_CHECKING:
     from .balance import Balance
     from .language import Long
-
-if not cython.compiled:
-    from math import fabs, sqrt
 
 # Phase of a mode per macro step up to which an undamped mode grows by less than 1/500 at any order, and
 # phases up to which it does not grow with the least damping of the method, and with more: see `bound`.

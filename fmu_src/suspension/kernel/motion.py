@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+from math import fabs
 from typing import TYPE_CHECKING
-
-import cython
 
 from .language import inline
 from .layout import UNBOUNDED
@@ -12,9 +11,6 @@ from .layout import UNBOUNDED
 if TYPE_CHECKING:
     from .language import Doubles
     from .network import Network
-
-if not cython.compiled:
-    from math import fabs
 
 
 class Motion:

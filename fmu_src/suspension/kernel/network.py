@@ -7,10 +7,8 @@ sticks has a constrained rate; the constraint force, its multiplier, decides whe
 from __future__ import annotations
 
 from array import array
-from math import isclose
+from math import fabs
 from typing import TYPE_CHECKING
-
-import cython
 
 from .arrays import Lent, Memory
 from .branches import Branches
@@ -22,6 +20,7 @@ from .layout import (
     START,
     UNBOUNDED,
 )
+from .linear import decompose, solve
 from .signals import Signals
 from .state import KernelState
 from .sticking import Sticking
@@ -32,12 +31,8 @@ if TYPE_CHECKING:
     from ..systems import Element, System
     from .language import Doubles
 
-if not cython.compiled:
-    from math import fabs
-
-    from .linear import decompose, solve
-
 _CORNER = 1e-9  # m and m/s, or N and N/s: a smaller jump is due to rounding
+_ASYMMETRY = 1e-9  # of the mass matrix, relative, which may be due to rounding
 _HIGH = 10.0  # times the scale of the motion
 SLAVED = 4.0  # decay within a step, from which a damper's force is not found from its rate
 # parts of the step, and iterations, when a damper's rate is found from its force
@@ -91,9 +86,9 @@ class Network:
         self.flexibility = memory.zeros(n * n)
         if any(len(row) != n for row in system.mass):
             raise ValueError("mass matrix and directions must have one entry per coordinate")
-        if any(
-            not isclose(system.mass[i][k], system.mass[k][i]) for i in range(n) for k in range(i)
-        ):
+        mass = system.mass
+        pairs = [(mass[i][k], mass[k][i]) for i in range(n) for k in range(i)]
+        if any(abs(a - b) > _ASYMMETRY * (abs(a) + abs(b)) for a, b in pairs):
             raise ValueError("the mass matrix must be symmetric and positive definite")
         self.shape = _shape(system)
         numbers = array("d")

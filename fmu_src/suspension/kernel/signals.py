@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from itertools import accumulate
+from math import cos, fabs, sin
 from typing import TYPE_CHECKING
-
-import cython
 
 from .language import inline
 from .layout import (
@@ -30,9 +29,6 @@ if TYPE_CHECKING:
     from .arrays import Memory
     from .language import Doubles
     from .state import KernelState
-
-if not cython.compiled:
-    from math import cos, fabs, sin
 
 ROAD_PHASE = 1.5  # phase of a road's sinusoid per macro step
 

@@ -9,20 +9,15 @@ present tangent.
 
 from __future__ import annotations
 
+from math import floor, sqrt
 from typing import TYPE_CHECKING
 
-import cython
-
 from .layout import UNBOUNDED
+from .linear import decompose
 
 if TYPE_CHECKING:
     from .language import Long
     from .modes import Modes
-
-if not cython.compiled:
-    from math import floor, sqrt
-
-    from .linear import decompose
 
 POLICIES = {"substep": 0, "refuse": 1, "allow": 2}
 _REFUSE, _ALLOW = 1, 2

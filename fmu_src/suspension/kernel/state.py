@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+from array import array
+
 import cython
 
 from .arrays import _SIZE_OF_INTEGER, Memory
 from .language import Address, Long, Size, memcpy, uses_python
 from .layout import UNBOUNDED
-
-if not cython.compiled:
-    from array import array
 
 _BLOCK_OF_STATE = 256  # doubles, enough for four coordinates and nine elements
 

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import cython
+from .linear import decompose, solve
 
 if TYPE_CHECKING:
     from .arrays import Memory
     from .branches import Branches
     from .language import Doubles
-
-if not cython.compiled:
-    from .linear import decompose, solve
 
 
 class Sticking:

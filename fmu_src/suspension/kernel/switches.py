@@ -7,9 +7,8 @@ the force of sticking. Each is a polynomial through its value and derivatives at
 
 from __future__ import annotations
 
+from math import fabs
 from typing import TYPE_CHECKING
-
-import cython
 
 from .bernstein import Crossing
 from .elements import KINDS
@@ -21,9 +20,6 @@ from .network import SLAVED
 if TYPE_CHECKING:
     from .language import Doubles
     from .stepper import Stepper
-
-if not cython.compiled:
-    from math import fabs
 
 _NEVER = 1e299  # a larger bound stands for none
 _STRETCHES = 8  # of a step, in each of which the force of a tyre in flight is a quintic

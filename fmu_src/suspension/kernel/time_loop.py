@@ -6,9 +6,8 @@ is shortened to end on the switch, which is located to rounding.
 
 from __future__ import annotations
 
+from math import fabs, sqrt
 from typing import TYPE_CHECKING
-
-import cython
 
 from .dense import Dense
 from .knots import Knots
@@ -45,9 +44,6 @@ if TYPE_CHECKING:
 
     from ..systems import System
     from .language import Doubles, Numbers
-
-if not cython.compiled:
-    from math import fabs, sqrt
 
 _AGAIN, _STALLS = -2, -3  # of attempts, see `_try`
 _FLIPS = 24  # changes of branch at one instant, when several elements are at their corners

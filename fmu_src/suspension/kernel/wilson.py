@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import TYPE_CHECKING
-
-import cython
 
 from .columns import Columns
 from .method import Method
@@ -12,9 +11,6 @@ from .outcomes import DIVERGED
 
 if TYPE_CHECKING:
     from typing import Any
-
-if not cython.compiled:
-    from math import isfinite
 
 
 class Wilson(Method):
