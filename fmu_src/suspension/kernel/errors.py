@@ -103,7 +103,8 @@ class Errors:
     def keep_jerks(self) -> None:
         """Let the attempt be read with the jerks at its ends."""
         self.own_jerks = False
-        self.motion.jerk, self.motion.end_jerk = self.motion.j, self.motion.jb
+        self.motion.jerk = self.motion.j
+        self.motion.end_jerk = self.motion.jb
 
     @inline
     def find_jerks(self, h: float) -> None:
@@ -146,7 +147,8 @@ class Errors:
             self.own_jerk[i], self.own_end_jerk[i] = x, y
         solve(self.held, 0, n, self.own_jerk)
         solve(self.held, 0, n, self.own_end_jerk)
-        self.motion.jerk, self.motion.end_jerk = self.own_jerk, self.own_end_jerk
+        self.motion.jerk = self.own_jerk
+        self.motion.end_jerk = self.own_end_jerk
 
     def read_middle(self, h: float) -> None:
         """Evaluate the septic through the ends of the attempt and two derivatives, halfway."""

@@ -94,7 +94,8 @@ class Motion:
 
     def foresee(self, h: float) -> None:
         """Set the end of an attempt to that of the Taylor series, with constant jerks."""
-        self.jerk = self.end_jerk = self.j
+        self.jerk = self.j
+        self.end_jerk = self.j
         for i in range(self.n):
             v, a, j = self.v[i], self.a[i], self.j[i]
             self.qb[i] = self.q[i] + h * (v + h * (a / 2.0 + h * j / 6.0))

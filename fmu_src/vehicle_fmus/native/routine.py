@@ -277,7 +277,7 @@ class Routine(Expressions):
         self._depth += 1
         for k, (found, given) in enumerate(pairs):
             kind = f"{NUMBERS[given.item]} *" if given.is_array else f"{NUMBERS[found.kind]} "
-            self._write(f"const {kind}kept_{k} = {given.text};")
+            self._write(f"{kind}const kept_{k} = {given.text};")
         for k, (found, _) in enumerate(pairs):
             self._write(f"{found.text} = kept_{k};")
         self._depth -= 1
