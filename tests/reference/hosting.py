@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import importlib.util
 import json
 import os
@@ -21,6 +22,7 @@ import pytest
 from fmpy.model_description import ModelDescription, ScalarVariable
 
 SOURCES = Path(__file__).parents[1] / "vehicle_fmus"
+PROGRAM = [sys.executable, "-m", "phaseplane"]
 HANGS = 900.0  # s; far longer than anything takes on a busy machine: only what hangs meets it
 
 
@@ -34,6 +36,15 @@ def compiled(source: Path, target: Path, *options: str) -> Path:
         [compiler, *strict, *options, "-o", str(target), str(source), "-ldl"], check=True
     )
     return target
+
+
+def library(code: str, folder: Path, *flags: str) -> ctypes.CDLL:
+    """The shared library of a text in C, loaded."""
+    source, target = folder / "code.c", folder / "code.so"
+    source.write_text(code)
+    options = ["-std=c99", "-O1", "-ffp-contract=off", *flags, "-shared", "-fPIC"]
+    subprocess.run(["cc", *options, "-o", str(target), str(source), "-lm"], check=True)
+    return ctypes.CDLL(str(target))
 
 
 def fence(folder: Path) -> Path:
@@ -53,6 +64,16 @@ def needs(host: str) -> Any:
     """A host as a parameter of tests, which are skipped where it is not installed."""
     found = importlib.util.find_spec(host) is not None
     return pytest.param(host, marks=pytest.mark.skipif(not found, reason=f"no {host}"))
+
+
+def in_python(code: str, *arguments: object, **more: Any) -> str:
+    """What a program of Python's, in a process of its own, prints before it ends well."""
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", code, *map(str, arguments)],
+        capture_output=True, encoding="utf-8", check=False, **more,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr[-4000:]
+    return done.stdout
 
 
 MASTERS = [needs("libcosimpy"), needs("ecospy")]

@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 from fmpy import extract, read_model_description
+from hosting import in_python
 from phaseplane.suspension import engine
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.variables import MODELS, ParameterError, variables
@@ -209,11 +210,7 @@ def test_an_fmu_does_not_need_the_folder_of_another(
 ) -> None:
     order = sorted(folders, key=lambda model: model != first)
     copies = [str(shutil.copytree(folders[model], tmp_path / model)) for model in order]
-    done = subprocess.run(
-        [sys.executable, "-c", _ONE_AFTER_ANOTHER, *copies],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert (done.returncode, done.stdout) == (0, "all ran\n"), done.stderr
+    assert in_python(_ONE_AFTER_ANOTHER, *copies) == "all ran\n"
 
 
 # -- other hosts -----------------------------------------------------------------------------------

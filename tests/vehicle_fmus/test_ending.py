@@ -11,13 +11,13 @@ from __future__ import annotations
 import re
 import shutil
 import signal
-import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+import hosting
 import pytest
 from command_line import BARE, settings
 from fmpy import extract, read_model_description
@@ -212,10 +212,6 @@ except Exception:
 @pytest.mark.slow
 def test_another_fmu_tells_fmpy_what_is_wrong_after_a_run_of_ours(quarter_car_fmu: Path) -> None:
     """FMPy gives the messages of all FMUs to the function that was given last: it must not be freed."""
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", _AFTER_OURS, str(quarter_car_fmu)],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert "sprung_mass = -5: must be greater than 0 in kg" in done.stdout
-    assert done.stdout.splitlines()[-1] == "refused"
+    said = hosting.in_python(_AFTER_OURS, quarter_car_fmu)
+    assert "sprung_mass = -5: must be greater than 0 in kg" in said
+    assert said.splitlines()[-1] == "refused"

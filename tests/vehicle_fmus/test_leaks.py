@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from fmpy import extract
+from hosting import in_python
 from phaseplane.vehicle_fmus.wrapper import mend_unpacked
 
 CYCLES = 1000
@@ -68,12 +68,7 @@ print(json.dumps((resident() - before) / cycles))
 
 def growth(folder: str) -> float:
     """KiB by which a process grows in one cycle."""
-    done = subprocess.run(
-        [sys.executable, "-c", _CYCLE, folder, str(CYCLES)],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    return float(json.loads(done.stdout))
+    return float(in_python(_CYCLE, folder, CYCLES))
 
 
 @pytest.mark.slow

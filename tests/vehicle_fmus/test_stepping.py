@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import itertools
 import json
-import subprocess
-import sys
 from typing import Any
 
 import numpy as np
 import pytest
+from hosting import in_python
 from phaseplane.suspension.models import FILES
 from phaseplane.suspension.variables import MODELS
 
@@ -147,9 +146,4 @@ def test_another_process_continues_to_the_bit(
         for k in range(20):
             vehicle.step(instant + 0.01 * k, instant + 0.01 * k + 0.01)
             rows.append([vehicle.get(name).hex() for name in names])
-    done = subprocess.run(
-        [sys.executable, "-c", _CONTINUE, folders[model], str(instant), state.hex(), *names],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout) == rows
+    assert json.loads(in_python(_CONTINUE, folders[model], instant, state.hex(), *names)) == rows

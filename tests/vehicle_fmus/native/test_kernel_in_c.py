@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import ctypes
-import subprocess
 from pathlib import Path
 from typing import Any
 
 import pytest
+from hosting import library
 from phaseplane.suspension import engine
 from phaseplane.suspension.kernel_name import KERNEL
 from phaseplane.suspension.models import build
@@ -66,16 +66,11 @@ def test_the_kernel_is_in_the_small_language() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "is_specialised",
-    [
-        pytest.param(False, id="any system", marks=pytest.mark.slow),
-        pytest.param(True, id="this system"),
-    ],
-)
+@pytest.mark.parametrize("is_specialised", [False, True], ids=["any system", "this system"])
 @pytest.mark.parametrize("what", RUNS)
+@pytest.mark.usefixtures("compiler")
 def test_the_same_bits_as_the_compiled_kernel(
-    what: str, is_specialised: bool, tmp_path: Path, compiler: str
+    what: str, is_specialised: bool, tmp_path: Path
 ) -> None:
     model, parameters, options = RUNS[what]
     system = build(model, parameters)
@@ -87,16 +82,11 @@ def test_the_same_bits_as_the_compiled_kernel(
         kernel = specialised(kernel, plain, main)
     code = translated(kernel, needed(kernel, ROOTS), main)
     code += image(plain, "integrator", kernel, "Memory").text + main
-    tmp_path.joinpath("kernel.c").write_text(code)
-    flags = ["-std=c99", "-O1", "-ffp-contract=off", "-Wall", "-Werror", "-shared", "-fPIC"]
-    library = tmp_path / "kernel.so"
-    subprocess.run(
-        [compiler, *flags, "-o", str(library), str(tmp_path / "kernel.c"), "-lm"], check=True
-    )
+    in_c = library(code, tmp_path, "-Wall", "-Werror")
     times = [0.002 * k for k in range(501)]
     found = (ctypes.c_double * (3 * plain.net.n * len(times)))()
     given = (ctypes.c_double * len(times))(*times)
-    assert ctypes.CDLL(str(library)).go(given, len(times), found) == 0
+    assert in_c.go(given, len(times), found) == 0
     integrator: Any = engine.Integrator(system, **options)
     wanted: list[float] = []
     for time in times:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import re
-import subprocess
 from collections.abc import Sequence
 from math import sin
 from pathlib import Path
 from typing import Any
 
 import pytest
+from hosting import library
 from phaseplane.suspension.profiles import spline, table
 from phaseplane.suspension.signals import Signal
 from phaseplane.suspension.trace import Node, Tape
@@ -40,19 +40,14 @@ def in_c(tape: Tape, nodes: Sequence[Node]) -> Written:
 
 def computed(found: Written, count: int, given: Sequence[float], folder: Path) -> list[float]:
     """What the statements give, compiled."""
-    source = folder / "statements.c"
-    source.write_text("\n".join([
+    code = "\n".join([
         "#include <math.h>", *found.tables, "void run(const double *p, double *out) {",
         f"struct {{ {' '.join(found.arrays)} int none; }} here, *work = &here; (void) work;",
         *found.lines, "}",
-    ]))  # fmt: skip
-    library = folder / "statements.so"
+    ])  # fmt: skip
     flags = [flag for flag in FLAGS if flag != "-fvisibility=hidden"]
-    subprocess.run(
-        ["cc", *flags, "-shared", "-fPIC", "-o", str(library), str(source), "-lm"], check=True
-    )
     out = (ctypes.c_double * count)()
-    ctypes.CDLL(str(library)).run((ctypes.c_double * len(given))(*given), out)
+    library(code, folder, *flags).run((ctypes.c_double * len(given))(*given), out)
     return list(out)
 
 
@@ -70,8 +65,10 @@ def test_a_spline_has_the_same_bits_and_is_written_as_loops(ends: Any, tmp_path:
     assert 5 <= len(loops) <= 8
     assert len(found.lines) < 90  # for 1200 numbers
     for given in ([20.0, 0.0], [13.7, 0.3]):
+        folder = tmp_path / f"{given[0]}"
+        folder.mkdir()
         wanted = numbers_of(road(POINTS, *given))
-        assert computed(found, len(nodes), given, tmp_path) == wanted
+        assert computed(found, len(nodes), given, folder) == wanted
 
 
 def test_a_table_of_straight_lines_is_one_loop_over_its_points() -> None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import ctypes
 import math
 import random
-import subprocess
 from array import array
 from pathlib import Path
 from typing import Any
 
 import pytest
+from hosting import library
 from phaseplane.vehicle_fmus.native.kernel_sources import sources
 from phaseplane.vehicle_fmus.native.translate import NotTranslatableError, translated
 
@@ -98,17 +98,6 @@ def written(folder: Path, functions: dict[str, str]) -> tuple[Path, dict[str, An
     return folder, names
 
 
-def in_c(folder: Path, target: Path, compiler: str) -> ctypes.CDLL:
-    code = translated(sources(folder))
-    target.with_suffix(".c").write_text(code.replace("static double", "double"))
-    flags = ["-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror",
-             "-Wno-unused", "-Wno-missing-prototypes", "-shared", "-fPIC"]  # fmt: skip
-    subprocess.run(
-        [compiler, *flags, "-o", str(target), str(target.with_suffix(".c")), "-lm"], check=True
-    )
-    return ctypes.CDLL(str(target))
-
-
 @pytest.fixture(scope="module")
 def both(
     tmp_path_factory: pytest.TempPathFactory, compiler: str
@@ -116,7 +105,9 @@ def both(
     folder = tmp_path_factory.mktemp("language")
     functions = {f"f{k}": what for k, what in enumerate(CONSTRUCTS.values())}
     folder, names = written(folder, functions)
-    return names, in_c(folder, folder / "module.so", compiler)
+    code = translated(sources(folder)).replace("static double", "double")
+    flags = ["-Wall", "-Wextra", "-Werror", "-Wno-unused", "-Wno-missing-prototypes"]
+    return names, library(code, folder, "-O2", *flags)
 
 
 @pytest.mark.parametrize("what", CONSTRUCTS)
