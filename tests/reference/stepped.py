@@ -1,15 +1,23 @@
-"""Integrators stepped from one instant to the next, and a single mass for them."""
+"""Integrators stepped from one instant to the next or through a whole run, and a single mass for them."""
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from phaseplane.suspension import roads
-from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.engine import Filling, Integrator
 from phaseplane.suspension.signals import Signal
 from phaseplane.suspension.systems import Element, Load, System
+
+STOPS = {
+    "damper.rebound_limit": 588.399, "damper.bump_limit": 294.1995, "damper.limit_slope": 200.0,
+    "bump_stop.gap": 0.02, "bump_stop.stiffness": 3e5,
+    "rebound_stop.gap": 0.02, "rebound_stop.stiffness": 3e5,
+}  # fmt: skip
 
 
 def mass_on(
@@ -28,17 +36,30 @@ def started(system: System, x: float = 0.0, v: float = 0.0, **options: object) -
     return integrator
 
 
+def read_at(integrator: Any, t: float, *, stop: bool = False) -> tuple[list[float], list[float]]:
+    """All displacements and velocities at an instant, to which the run goes on."""
+    assert integrator.advance(t, stop) == 0
+    integrator.sample(t)
+    return list(integrator.sample_q), list(integrator.sample_v)
+
+
 def at(integrator: Integrator, t: float) -> tuple[float, float]:
     """Displacement and velocity of the first coordinate at an instant."""
-    assert integrator.advance(t) == 0
-    integrator.sample(t)
-    return integrator.sample_q[0], integrator.sample_v[0]
+    (x, *_), (v, *_) = read_at(integrator, t)
+    return x, v
 
 
 def displaced(integrator: Integrator, times: Iterable[float]) -> NDArray[np.float64]:
     """All displacements at some instants, one row each."""
-    rows = []
-    for t in times:
-        at(integrator, float(t))
-        rows.append(list(integrator.sample_q))
-    return np.array(rows)
+    return np.array([read_at(integrator, float(t))[0] for t in times])
+
+
+def filled(integrator: Any, times: Iterable[float], *counts: int) -> list[NDArray[np.float64]]:
+    """Displacements, velocities, accelerations and forces of a run in one call, a row for each instant.
+
+    `counts` are those of the coordinates, for as many of the four as are wanted, and of the elements.
+    """
+    instants = array("d", times)
+    columns = [np.zeros((count, len(instants))) for count in counts]
+    assert Filling(integrator, instants, *(c.reshape(-1) for c in columns)).fill() == 0
+    return [column.T for column in columns]

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from array import array
 from typing import Any
 
 import numpy as np
 import pytest
-from phaseplane.suspension.engine import Filling, Integrator
+from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import Session
+from stepped import filled
 
 
 def _motion(model: str, given: dict[str, Any], duration: float, **solver: Any) -> list[Any]:
-    system = build(model, given)
-    times = np.linspace(0.0, duration, 301)
-    found = [np.zeros(len(system.mass) * len(times)) for _ in range(3)]
-    assert Filling(Integrator(system, **solver), array("d", times), *found).fill() == 0
-    return found
+    system, times = build(model, given), np.linspace(0.0, duration, 301)
+    return filled(Integrator(system, **solver), times, *3 * (len(system.mass),))
 
 
 @pytest.mark.parametrize("tolerance", [5e-2, 2e-2, 9e-3, 8e-3])

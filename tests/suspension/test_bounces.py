@@ -12,7 +12,7 @@ from phaseplane.suspension import characteristics as law
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import Element, System
-from stepped import displaced
+from stepped import displaced, mass_on
 
 GRAVITY = 9.80665
 STIFFNESS, RATIO, HEIGHT = 1e8, 0.1, 0.1
@@ -21,15 +21,9 @@ OMEGA = sqrt(STIFFNESS)
 
 def ball(contact: str) -> System:
     """One kilogram that drops onto a hard, lightly damped floor; at rest the force is its weight."""
-    floor = Element(
-        "floor",
-        (1.0,),
-        law.linear(STIFFNESS),
-        law.linear(2.0 * RATIO * OMEGA),
-        limit=GRAVITY,
-        contact=contact,
-    )
-    return System(("x",), ((1.0,),), (floor,), {}, (), (HEIGHT,))
+    laws = law.linear(STIFFNESS), law.linear(2.0 * RATIO * OMEGA)
+    floor = Element("floor", (1.0,), *laws, limit=GRAVITY, contact=contact)
+    return mass_on(floor, scale=HEIGHT)
 
 
 @pytest.mark.parametrize("contact", ["gap", "force"])
@@ -84,10 +78,10 @@ def test_switches_without_time_between_do_not_end_a_run(
         "friction": 400.0,
     }
     times = np.linspace(0.0, 2.0, 201)
-    paths = []
-    for options in ({}, {"method": method, "step": 0.02}):
-        paths.append(displaced(Integrator(build("QuarterCar", car), **options), times))
-    true, coarse = paths
+    true, coarse = (
+        displaced(Integrator(build("QuarterCar", car), **options), times)
+        for options in ({}, {"method": method, "step": 0.02})
+    )
     assert (np.abs(coarse - true).max(axis=0) < 0.25 * np.abs(true).max(axis=0)).all()
 
 

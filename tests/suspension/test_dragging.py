@@ -14,7 +14,8 @@ from kernels import motion
 from phaseplane.suspension import characteristics as law
 from phaseplane.suspension import roads
 from phaseplane.suspension.signals import Segment, Signal
-from phaseplane.suspension.systems import Element, Load, System
+from phaseplane.suspension.systems import Element, System
+from stepped import mass_on
 
 MASS, FRICTION = 2.0, 3.0
 NOTHING = law.linear(0.0)
@@ -121,10 +122,8 @@ def test_a_slip_much_shorter_than_a_step_ends(
         FRICTION,
     )
     spring = law.cubic(1e-9, cubic)
-    system = System(
-        ("x",), ((MASS,),), (Element("slide", (1.0,), spring, friction=FRICTION),),
-        {"force": force}, (Load((1.0,), "force"),), (1e-3,),
-    )  # fmt: skip
+    slide = Element("slide", (1.0,), spring, friction=FRICTION)
+    system = mass_on(slide, mass=MASS, force=force, scale=1e-3)
     found = motion(system, [peak - 2.0 * half, 1.0], **options)
     gone = 9.0 * curvature * half**4 / (4.0 * MASS)
     right = options.get("tolerance") == 1e-9
@@ -143,10 +142,8 @@ def test_a_load_that_moves_nothing_is_no_trouble_for_a_curved_spring(
 ) -> None:
     """All that is left to iterate on is the rounding of forces that cancel."""
     force = Signal((Segment(-inf, amplitude=0.99 * FRICTION, phase=(0.0, 30.0, 0.0)),), FRICTION)
-    system = System(
-        ("x",), ((MASS,),), (Element("slide", (1.0,), law.cubic(800.0, 1e5), friction=FRICTION),),
-        {"force": force}, (Load((1.0,), "force"),), (1e-3,),
-    )  # fmt: skip
+    slide = Element("slide", (1.0,), law.cubic(800.0, 1e5), friction=FRICTION)
+    system = mass_on(slide, mass=MASS, force=force, scale=1e-3)
     found = motion(system, [0.5, 3.0], **options)
     assert abs(found.displacements).max() < 1e-15
     assert found.switches == []

@@ -9,10 +9,11 @@ from random import Random
 import numpy as np
 import pytest
 from drawn_parts import drawn_parameters
-from phaseplane.suspension.engine import FAILURES, Filling, Integrator
+from phaseplane.suspension.engine import FAILURES, Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import System
 from phaseplane.suspension.variables import METHODS, MODELS
+from stepped import filled
 
 END = 0.6
 TIMES = np.linspace(0.0, END, 61)
@@ -49,10 +50,8 @@ def run_on(seed: int) -> None:
 
 
 def motion(system: System, tolerance: float) -> np.ndarray:
-    displacements = np.zeros((len(system.mass), len(TIMES)))
     integrator = Integrator(system, tolerance=tolerance, energy=False)
-    assert Filling(integrator, TIMES, displacements.reshape(-1)).fill() == 0
-    return displacements
+    return filled(integrator, TIMES, len(system.mass))[0]
 
 
 def misses(seed: int) -> list[float]:

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from hosting import in_python
 from kernels import motion
 from phaseplane.suspension import engine
 from phaseplane.suspension.models import build
@@ -36,14 +37,8 @@ print(json.dumps({"compiled": engine.compiled, "why": engine.why_uncompiled, "co
 
 def run(folder: Path, options: dict[str, object]) -> dict[str, object]:
     """Simulate in another process with the package found in `folder`."""
-    done = subprocess.run(
-        [sys.executable, "-c", RUN.replace("OPTIONS", repr(options))],
-        env={**os.environ, "PYTHONPATH": str(folder)},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return json.loads(done.stdout)
+    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    return json.loads(in_python(RUN.replace("OPTIONS", repr(options)), env=environment))
 
 
 @pytest.fixture
@@ -115,17 +110,9 @@ def test_importing_needs_the_standard_library_alone() -> None:
         "print([m for m in sys.modules if m.split('.')[0] not in sys.stdlib_module_names "
         "and not m.startswith(('suspension', '__', 'cython_runtime', '_cython_'))])"
     )
+    code = f"import sys; sys.path[:0] = [{str(PACKAGE.parent)!r}]; {code}"
     done = subprocess.run(
-        [
-            sys.executable,
-            "-I",
-            "-S",
-            "-c",
-            f"import sys; sys.path[:0] = [{str(PACKAGE.parent)!r}]; {code}",
-        ],
-        capture_output=True,
-        text=True,
-        check=True,
+        [sys.executable, "-I", "-S", "-c", code], capture_output=True, text=True, check=True
     )
     assert done.stdout.strip() == "[]"
 

@@ -12,6 +12,7 @@ from phaseplane.suspension.characteristics import linear
 from phaseplane.suspension.engine import KINDS, Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import Element, System
+from stepped import read_at
 
 END = 1.2
 MOUNT, MOUNT_DAMPING, FRAME = 60e3, 150.0, 40.0
@@ -71,8 +72,7 @@ def test_every_kind_at_once(name: str) -> None:
     for tolerance in (1e-5, 1e-7, 1e-8, 1e-10):
         integrator = Integrator(system, tolerance=tolerance)
         for t, row, permanent in zip(instants, wanted.displacements[1:], sets, strict=True):
-            assert integrator.advance(t) == 0
-            integrator.sample(t)
+            read_at(integrator, t)
             integrator.sample_forces(t)
             assert np.abs(np.array(integrator.sample_q) - row).max() < tolerance * peak
             assert integrator.sample_set[0] == pytest.approx(permanent, abs=tolerance * peak)

@@ -11,6 +11,7 @@ from make_drawn import SYSTEMS, instants, public, stored
 from phaseplane.suspension import roads
 from phaseplane.suspension.engine import KINDS, Integrator
 from phaseplane.suspension.models import System, build
+from stepped import read_at
 
 AXLES = {"OneDof": [""], "QuarterCar": [""]}
 
@@ -75,8 +76,7 @@ def test_what_an_element_stores_is_its_potential(element: str) -> None:
     law = system.elements[number].spring
     seen = 0.0
     for t in np.linspace(0.02, 0.3, 15):
-        assert integrator.advance(t, stop=True) == 0
-        integrator.sample(t)
+        read_at(integrator, t, stop=True)
         deflection = integrator.sample_q[0] - system.signals["road"].value(t)
         found = integrator.energies()[1][number]
         assert found == pytest.approx(law.potential(deflection), abs=1e-12)
@@ -114,35 +114,14 @@ def test_a_contact_switch_at_the_end_of_a_step_is_booked_if_steps_do_not_land_on
     assert abs(integrator.energy_residual()) < 1e-2
 
 
-def before_a_kerb() -> tuple[System, Integrator]:
-    """Return a half car whose rear axle alone meets a kerb, at 0.05 s."""
-    system = build("HalfCar", {})
-    kerb = roads.step(0.004, 0.05)  # too low for a tyre to leave the road
-    signals = {**system.signals, "front_road": roads.LEVEL, "rear_road": kerb}
-    system = replace(system, signals=signals)
-    return system, Integrator(system, tolerance=1e-8)
-
-
 def test_a_jump_at_the_end_of_a_step_is_no_work_within_it() -> None:
-    _, integrator = before_a_kerb()
+    system = build("HalfCar", {})
+    kerb = roads.step(0.004, 0.05)  # under the rear axle, too low for a tyre to leave the road
+    signals = {**system.signals, "front_road": roads.LEVEL, "rear_road": kerb}
+    integrator = Integrator(replace(system, signals=signals), tolerance=1e-8)
     assert integrator.advance(0.04) == 0
     assert integrator.time == 0.05
     assert sum(integrator.energies(0.049)[3]) == 0.0
     assert sum(integrator.energies()[3]) > 0.1
     assert integrator.advance(0.06) == 0
     assert sum(integrator.energies(0.055)[3]) > 0.1
-
-
-def test_a_jump_of_a_road_is_work_of_that_road() -> None:
-    """Of two axles only the rear one meets a kerb; all energy there is comes from its road."""
-    system, integrator = before_a_kerb()
-    assert integrator.advance(0.1, stop=True) == 0
-    kinetic, stored, lost, brought_in = integrator.energies()
-    brought_in = dict(zip(system.signals, brought_in, strict=True))
-    assert brought_in["front_road"] == 0.0
-    before = sum(Integrator(system).energies()[1])
-    gained = kinetic + sum(stored) + sum(lost) - before
-    assert brought_in["rear_road"] == pytest.approx(
-        gained - integrator.energy_residual(), rel=1e-12
-    )
-    assert brought_in["rear_road"] > 0.1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -11,27 +10,25 @@ import numpy as np
 import pytest
 from phaseplane.suspension import characteristics as law
 from phaseplane.suspension import roads
-from phaseplane.suspension.engine import Filling, Integrator
+from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import Session
 from phaseplane.suspension.signals import Segment, Signal
-from phaseplane.suspension.systems import Element, Load, System
+from phaseplane.suspension.systems import Element, System
+from stepped import filled, mass_on, read_at
 
 INF = float("inf")
 
 
 def motion(system: System, times: np.ndarray, **options: Any) -> np.ndarray:
-    """Displacements, (coordinates, instants)."""
-    found = np.zeros((len(system.mass), len(times)))
-    integrator = Integrator(system, **options)
-    assert Filling(integrator, array("d", times), found.reshape(-1)).fill() == 0
-    return found
+    """Displacements, a row for each instant."""
+    return filled(Integrator(system, **options), times, len(system.mass))[0]
 
 
 def error(system: System, times: np.ndarray, tolerance: float, truth: np.ndarray) -> float:
     """Largest error relative to the largest motion, in units of the tolerance."""
     found = motion(system, times, tolerance=tolerance)
-    size = np.abs(truth - truth[:, :1]).max()
+    size = np.abs(truth - truth[0]).max()
     return float(np.abs(found - truth).max() / size / tolerance)
 
 
@@ -84,13 +81,12 @@ def test_between_steps_velocities_and_forces_keep_the_tolerance(
     runs = []
     for options in ({"method": "exact", "tolerance": 1e-12}, {"tolerance": tolerance}):
         integrator = Integrator(system, **options)  # type: ignore[arg-type]
-        columns = [np.zeros((k, len(times))) for k in (2, 2, 2, len(system.elements))]
-        assert Filling(integrator, array("d", times), *(c.reshape(-1) for c in columns)).fill() == 0
+        columns = filled(integrator, times, 2, 2, 2, len(system.elements))
         runs.append((columns, [t for t, *_ in integrator.log]))
     (truth, switches), (found, _) = runs
     apart = np.abs(times[:, None] - np.array(switches)).min(axis=1) > 2e-4  # forces jump there
     for kind in (0, 1, 3):
-        error = np.abs(found[kind] - truth[kind])[:, apart].max() / np.abs(truth[kind]).max()
+        error = np.abs(found[kind] - truth[kind])[apart].max() / np.abs(truth[kind]).max()
         assert error < 3.0 * tolerance, kind
 
 
@@ -105,11 +101,9 @@ def test_a_wheel_that_swings_fast_but_little_keeps_the_tolerance(tolerance: floa
         "lift_off": False, "spring.rate": 15670.0, "damper.bump_rate": 0.0,
         "damper.rebound_rate": 0.0, "unsprung_mass": 66.44, "tyre.stiffness": 7e7, "tyre.damping": 0.0,
     }  # fmt: skip
-    system, times = build("QuarterCar", given), array("d", np.linspace(0.0, 0.7, 301))
-    q, v, right_q, right_v = (np.zeros(2 * len(times)) for _ in range(4))
-    exact = Integrator(system, method="exact", tolerance=1e-11)
-    assert Filling(exact, times, right_q, right_v).fill() == 0
-    assert Filling(Integrator(system, tolerance=tolerance), times, q, v).fill() == 0
+    system, times = build("QuarterCar", given), np.linspace(0.0, 0.7, 301)
+    right_q, right_v = filled(Integrator(system, "exact", tolerance=1e-11), times, 2, 2)
+    q, v = filled(Integrator(system, tolerance=tolerance), times, 2, 2)
     assert np.abs(q - right_q).max() < 3.0 * tolerance * np.abs(right_q).max()
     assert np.abs(v - right_v).max() < 3.0 * 36.0 * tolerance * np.abs(right_v).max()
 
@@ -139,13 +133,9 @@ def test_a_fast_swing_is_read_as_accurately_as_it_is_stepped() -> None:
         "-0.01545:-142.2, 0.0:0.0, 0.03775:651.1, 0.075:1761.0", "spring.interpolation": "linear",
     }  # fmt: skip
     system, times = build("OneDof", given), np.linspace(0.0, 0.6, 601)
-    runs = []
-    for options in ({"method": "exact", "tolerance": 1e-12}, {"tolerance": 1e-8}):
-        columns = [np.zeros((1, len(times))) for _ in range(2)]
-        integrator = Integrator(system, **options)  # type: ignore[arg-type]
-        assert Filling(integrator, array("d", times), *(c.reshape(-1) for c in columns)).fill() == 0
-        runs.append(columns[1])
-    assert np.abs(runs[1] - runs[0]).max() < 3e-8 * np.abs(runs[0]).max()
+    _, right = filled(Integrator(system, "exact", tolerance=1e-12), times, 1, 1)
+    _, found = filled(Integrator(system, tolerance=1e-8), times, 1, 1)
+    assert np.abs(found - right).max() < 3e-8 * np.abs(right).max()
 
 
 @pytest.mark.parametrize("contact", ["gap", "force"])
@@ -224,16 +214,12 @@ def test_the_zero_of_the_road_does_not_matter(height: float, tolerance: float) -
     """A measured road lies a thousand metres above the sea."""
     system = build("QuarterCar", {"road.height": 0.02})
     road = system.signals["road"]
-    higher = System(
-        system.coordinates, system.mass, system.elements,
-        {**system.signals, "road": raised(road, height)}, system.loads, system.scales,
-    )  # fmt: skip
+    higher = replace(system, signals={**system.signals, "road": raised(road, height)})
     times = np.linspace(0.0, 1.0, 101)
     truth = motion(system, times, tolerance=1e-11)
     integrator = Integrator(higher, tolerance=tolerance)
     integrator.set_state([height, height], [0.0, 0.0])
-    found = np.zeros_like(truth)
-    assert Filling(integrator, array("d", times), found.reshape(-1)).fill() == 0
+    (found,) = filled(integrator, times, 2)
     assert np.abs(found - height - truth).max() < 3.0 * tolerance * np.abs(truth).max()
 
 
@@ -262,15 +248,14 @@ def test_no_digits_are_lost_high_above_the_zero_of_the_road(name: str) -> None:
         name: raised(signal, 1024.0) if name.endswith("road") else signal
         for name, signal in system.signals.items()
     }
-    times, ends, steps = array("d", np.linspace(0.0, 0.4, 41)), [], []
+    times, ends, steps = np.linspace(0.0, 0.4, 41), [], []
     for rise, chosen in ((0.0, system), (1024.0, replace(system, signals=signals))):
-        found = np.zeros((n, len(times)))
         integrator = Integrator(chosen)
         integrator.set_state([x + rise for x in start], [0.0] * n)
-        assert Filling(integrator, times, found.reshape(-1)).fill() == 0
+        (found,) = filled(integrator, times, n)
         ends.append(found - rise)
         steps.append(integrator.step_count)
-    assert np.abs(ends[1] - ends[0]).max() < 1e-7 * np.abs(ends[0] - ends[0][:, :1]).max() + 1e-12
+    assert np.abs(ends[1] - ends[0]).max() < 1e-7 * np.abs(ends[0] - ends[0][0]).max() + 1e-12
     assert steps[1] < 1.2 * steps[0]
 
 
@@ -304,10 +289,8 @@ def test_a_kerb_takes_the_mean_of_what_modulates_a_damper(
             if length
             else roads.step(height, 0.01)
         )
-        system = System(
-            plain.coordinates, plain.mass, plain.elements, {**plain.signals, road: made},
-            plain.loads, len(plain.mass) * (abs(height),),
-        )  # fmt: skip
+        scales = len(plain.mass) * (abs(height),)
+        system = replace(plain, signals={**plain.signals, road: made}, scales=scales)
         ends.append(motion(system, np.linspace(0.0, 0.3, 31), tolerance=1e-9))
     kerb, longer, shorter = ends
     peak = np.abs(kerb).max()
@@ -323,10 +306,7 @@ def test_a_kerb_takes_the_mean_of_what_modulates_a_damper(
 def test_the_work_of_a_kerb_is_that_of_its_own_road(model: str, signal: str) -> None:
     plain = build(model, {"road.shape": "flat"})
     signals = {**plain.signals, signal: roads.step(0.03, 0.01)}
-    system = System(
-        plain.coordinates, plain.mass, plain.elements, signals, plain.loads, plain.scales
-    )
-    integrator = Integrator(system, tolerance=1e-9)
+    integrator = Integrator(replace(plain, signals=signals), tolerance=1e-9)
     assert integrator.advance(0.02, stop=True) == 0
     kinetic, stored, lost, brought_in = integrator.energies()
     brought_in = dict(zip(signals, brought_in, strict=True))
@@ -376,8 +356,7 @@ def test_a_step_with_mean_tangents_takes_the_road_through_them() -> None:
     system = System(("x",), ((mass,),), (element,), {"road": road}, (), (0.01,))
     integrator = Integrator(system, "mean", h, landing=False)
     integrator.set_state([0.004], [0.5])
-    assert integrator.advance(h, stop=True) == 0
-    integrator.sample(h)
+    read_at(integrator, h, stop=True)
 
     u0, du0, *_ = road.derivatives(0.0)
     u1, du1, *_ = road.derivatives(h)
@@ -409,11 +388,9 @@ def test_what_is_passed_over_is_told() -> None:
 def test_loads_of_any_size_scale() -> None:
     """A thousandth of a newton on one mass, whatever the system says of its scale."""
     for scale in (1e-6, 1.0, 1e3):
-        system = System(
-            ("x",), ((50.0,),), (Element("s", (1.0,), law.linear(2e4), law.linear(200.0)),),
-            {"force": roads.table([(0.0, 0.0), (0.1, 1e-3)], 1.0)}, (Load((1.0,), "force"),),
-            (scale,),
-        )  # fmt: skip
+        element = Element("s", (1.0,), law.linear(2e4), law.linear(200.0))
+        force = roads.table([(0.0, 0.0), (0.1, 1e-3)], 1.0)
+        system = mass_on(element, mass=50.0, force=force, scale=scale)
         times = np.linspace(0.0, 1.0, 21)
         truth = motion(system, times, method="exact", tolerance=1e-12)
         if scale < 1e3:

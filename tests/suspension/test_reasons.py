@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,6 +15,7 @@ from phaseplane.suspension.models import build
 from phaseplane.suspension.reasons import _DETAILS, remedy_of, why_stopped
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.systems import Element, System
+from stepped import mass_on
 
 
 def stopped(system: System, until: float, start: tuple[Any, Any] = ((), ()), **options: Any) -> str:
@@ -49,7 +51,7 @@ def test_an_unstable_step_names_the_fastest_mode_and_its_limit() -> None:
 def falling(stiffness: float) -> System:
     """A mass that a spring of negative stiffness drives away."""
     driving = Element("driving", (1.0,), characteristics.linear(stiffness))
-    return System(("heave",), ((1.0,),), (driving,), {}, scales=(0.01,))
+    return replace(mass_on(driving, scale=0.01), coordinates=("heave",))
 
 
 def test_a_motion_that_diverges_is_named_with_its_size() -> None:

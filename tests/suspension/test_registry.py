@@ -6,14 +6,14 @@ import ast
 import json
 import re
 import shutil
-import subprocess
-import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import settings
+from hosting import in_python
 from phaseplane.suspension import models
 from phaseplane.suspension.models import ALL, FILES, build, checked_parameters
 from phaseplane.suspension.systems import System
@@ -100,12 +100,7 @@ def test_a_model_that_is_added_as_a_file_is_listed_packed_and_run(tmp_path: Path
     (package / "models" / "mass_on_spring.py").write_text(ADDED)
     shutil.copy(FOLDER / "one_dof.png", package / "models" / "mass_on_spring.png")
     (tmp_path / "scene.toml").write_text(SCENE)
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", PROGRAM, str(package)],
-        cwd=tmp_path, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert "MassOnSpring: parameters" in done.stdout
+    assert "MassOnSpring: parameters" in in_python(PROGRAM, package, cwd=tmp_path)
     assert (tmp_path / "fmus" / "MassOnSpring.fmu").is_file()
     time, x = np.loadtxt(tmp_path / "out" / "results.csv", delimiter=",", skiprows=1).T
     np.testing.assert_allclose(x, 0.01 * np.cos(2.0 * time), atol=1e-7)
@@ -178,19 +173,16 @@ for _ in range(2):  # the first run may pack the FMU, which makes the default sy
         main(["run", "ap57", *sys.argv[1:]])
     except SystemExit:
         pass
-print(json.dumps([checked, built]), file=sys.stderr)
+print("\n" + json.dumps([checked, built]))
 """
 
 
 @pytest.mark.slow
 def test_a_run_checks_a_value_where_it_enters_and_builds_its_system_once(tmp_path: Path) -> None:
     """It enters twice, the scene and the FMU; FMU, measures, planes and energies share a system."""
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", _COUNTED, "--no-expect", "--set", "damper.rebound_rate=1900",
-         "--set", "show.figures=[]"],
-        cwd=tmp_path, capture_output=True, text=True, check=True,
-    )  # fmt: skip
-    checked, built = json.loads(done.stderr.splitlines()[-1])
+    given = settings("damper.rebound_rate=1900", "show.figures=[]")
+    said = in_python(_COUNTED, "--no-expect", *given, cwd=tmp_path)
+    checked, built = json.loads(said.splitlines()[-1])
     assert checked == [1900, 1900.0]
     assert built.count(1900.0) == 1
     assert set(built) <= {1900.0, ALL_DEFAULTS["damper.rebound_rate"]}

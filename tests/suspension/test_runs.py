@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 from phaseplane.suspension.engine import FAILURES, Filling, Integrator
 from phaseplane.suspension.models import build
-
-STOPS = {
-    "damper.rebound_limit": 588.399, "damper.bump_limit": 294.1995, "damper.limit_slope": 200.0,
-    "bump_stop.gap": 0.02, "bump_stop.stiffness": 3e5,
-    "rebound_stop.gap": 0.02, "rebound_stop.stiffness": 3e5,
-}  # fmt: skip
+from stepped import STOPS, read_at
 
 
 def test_reading_forces_leaves_the_run_alone_to_the_bit() -> None:
@@ -19,8 +14,7 @@ def test_reading_forces_leaves_the_run_alone_to_the_bit() -> None:
     undisturbed, integrator = (Integrator(build("QuarterCar", STOPS)) for _ in range(2))
     for t in times:
         for one in (undisturbed, integrator):
-            assert one.advance(t) == 0
-            one.sample(t)
+            read_at(one, t)
         assert list(integrator.sample_q) == list(undisturbed.sample_q)
         integrator.sample_forces(t)
 
@@ -35,8 +29,7 @@ def test_a_run_fills_arrays_with_what_is_read_instant_by_instant(model: str) -> 
     assert filling.filled == len(times)
     slowly = Integrator(system)
     for k, t in enumerate(times):
-        assert slowly.advance(t) == 0
-        slowly.sample(t)
+        read_at(slowly, t)
         here = slice(k, None, len(times))
         assert list(q[here]) == list(slowly.sample_q)
         assert list(v[here]) == list(slowly.sample_v)

@@ -27,6 +27,7 @@ from phaseplane.suspension.session import simulate
 from phaseplane.suspension.systems import Element, System
 from phaseplane.suspension.variable import ParameterError
 from scipy.linalg import expm
+from stepped import read_at
 from transfer import transfer
 
 LINEAR = characteristics.linear
@@ -64,8 +65,7 @@ def motion(system: System, times: Iterable[float], **options: Any) -> NDArray[An
     integrator.set_state(*([x] for x in START))
     rows = []
     for t in times:
-        assert integrator.advance(t) == 0
-        integrator.sample(t)
+        read_at(integrator, t)
         integrator.sample_forces(t)
         rows.append([integrator.sample_q[0], integrator.sample_v[0], integrator.sample_f[-1]])
     return np.array(rows)
@@ -197,8 +197,7 @@ def test_a_car_with_a_mount_is_the_limit_of_a_light_rod_end(friction: float) -> 
         light = Integrator(car(between, friction), tolerance=1e-9)
         found.append(0.0)
         for t, expected in zip(times, internal.displacements, strict=True):
-            assert light.advance(t) == 0
-            light.sample(t)
+            read_at(light, t)
             found[-1] = max(found[-1], np.abs(np.array(light.sample_q[:2]) - expected).max())
         contacts = [s.time for s in internal.switches if s.kind == "contact"]
         assert [t for t, _, kind, *_ in light.log if kind == 3] == pytest.approx(contacts, abs=2e-4)
@@ -217,8 +216,7 @@ def test_restoring_goes_on_to_the_bit(options: dict[str, Any]) -> None:
     expected = *integrator.sample_q, *integrator.sample_v
     for snapshot in kept.values():
         integrator.restore(snapshot)
-        assert integrator.advance(1.0) == 0
-        integrator.sample(1.0)
+        read_at(integrator, 1.0)
         assert (*integrator.sample_q, *integrator.sample_v) == expected
 
 
@@ -291,8 +289,7 @@ def test_a_file_can_have_them() -> None:
     )  # fmt: skip
     integrator = Integrator(plain)
     integrator.set_state([0.02], [0.0])
-    integrator.advance(0.3)
-    integrator.sample(0.3)
+    read_at(integrator, 0.3)
     assert found["body_displacement"][-1] == pytest.approx(integrator.sample_q[0], rel=1e-5)
 
 
@@ -303,8 +300,7 @@ def test_a_changed_rate_keeps_the_extension_and_the_balance() -> None:
     assert first.advance(0.1, True) == 0
     then = kernels.UNCOMPILED(oscillator(4e4, 900.0), tolerance=1e-10, start=0.1)
     then.take_over(first, [0, 1])
-    assert then.advance(0.3, True) == 0
-    then.sample(0.3)
+    read_at(then, 0.3, stop=True)
     x, v, extension = exact([0.1])[0]
     rates = np.array(
         [[0.0, 1.0, 0.0], [-RATE / MASS, -PARALLEL / MASS, -4e4 / MASS], [0.0, 1.0, -4e4 / 900.0]]

@@ -10,17 +10,14 @@ from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import System
 from phaseplane.vehicle_fmus.native.kernel_sources import sources
+from stepped import STOPS
 
 SYSTEMS = {
     "lift-off, stops, blow-off": (
         "QuarterCar",
         {
+            **STOPS,
             "road.height": 0.08,
-            "damper.rebound_limit": 588.0,
-            "damper.bump_limit": 294.0,
-            "damper.limit_slope": 200.0,
-            "bump_stop.gap": 0.02,
-            "bump_stop.stiffness": 3e5,
         },
     ),
     "friction on a sine": (
