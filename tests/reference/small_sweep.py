@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
+from command_line import written
+
 GRID = """
 scene = "scene.toml"
 measures = ["peak.body_displacement", "lift_off_count"]
@@ -12,6 +14,7 @@ measures = ["peak.body_displacement", "lift_off_count"]
 speed = { from = "36 km/h", to = 20.0, count = 3 }
 "road.height" = ["2 cm", 0.05]
 """
+HEAD = GRID.partition("[vary]")[0]
 SCENE = """
 fmu = "QuarterCar"
 duration = 0.2
@@ -20,9 +23,8 @@ output_interval = "5 ms"
 """
 
 
-def written(text: str, name: str = "sweep.toml") -> Path:
-    Path(name).write_text(text)
-    return Path(name)
+def sweep_file(text: str = GRID, name: str = "sweep.toml") -> str:
+    return written(text, name)
 
 
 def rows(folder: str = "out/sweeps/sweep") -> list[dict[str, str]]:

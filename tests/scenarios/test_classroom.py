@@ -19,7 +19,7 @@ from typing import Any
 
 import notebooks
 import pytest
-from hosting import HANGS
+from hosting import in_python
 from matplotlib.figure import Figure
 from phaseplane.scenarios.draw.classroom import OWN, answered
 from phaseplane.scenarios.draw.constructions import draw_construction
@@ -120,7 +120,7 @@ for name in ("own", "ap57", "h83_example28"):
         told = json.loads(answered(json.dumps({"what": what, "scene": name, **fields})))
         assert "error" not in told, told
 """
-    subprocess.run([sys.executable, "-P", "-c", program], check=True, timeout=HANGS)
+    in_python(program)
 
 
 @pytest.mark.slow

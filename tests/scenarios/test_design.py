@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command_line import phaseplane as phaseplane_command
+from command_line import written
 from hypothesis import given
 from hypothesis import strategies as st
-from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands import console
 from phaseplane.scenarios.design.optimum import undominated
 from phaseplane.scenarios.design.space import Space, journaled
@@ -27,19 +27,22 @@ road.height = "2 cm"
 SEARCH = "[search]\npopulation = 4\ngenerations = 6\ntrade_offs = 4\n"
 
 
-@pytest.fixture
-def folder(tmp_path):
-    Path("car.toml").write_text(CAR)
-    return tmp_path
+BOTH_RATES = (
+    "damper = { rebound_rate = { from = 300, to = 6000 }, bump_rate = { from = 300, to = 6000 } }\n"
+)
 
 
-def study(text, name="study.toml"):
-    Path(name).write_text(f'scene = "car.toml"\n{text}')
-    return name
+@pytest.fixture(autouse=True)
+def _car():
+    written(CAR, "car.toml")
+
+
+def study(text):
+    return written(f'scene = "car.toml"\n{text}', "study.toml")
 
 
 @pytest.mark.slow
-def test_the_stiffness_of_least_settling_time_is_that_of_a_scan(folder):
+def test_the_stiffness_of_least_settling_time_is_that_of_a_scan():
     found = phaseplane.optimise(
         study('minimise = "rms.body_displacement"\n[vary]\n'
               "damper.rebound_rate = { from = 100, to = 8000 }\n" + SEARCH)
@@ -58,10 +61,10 @@ def test_the_stiffness_of_least_settling_time_is_that_of_a_scan(folder):
 
 
 @pytest.mark.slow
-def test_bounds_are_kept_and_the_trade_off_falls(folder):
+def test_bounds_are_kept_and_the_trade_off_falls():
     found = phaseplane.optimise(study(
         'minimise = "rms.body_acceleration"\nagainst = "dynamic_load_coefficient"\n[vary]\n'
-        "damper = { rebound_rate = { from = 300, to = 6000 }, bump_rate = { from = 300, to = 6000 } }\n"
+        f"{BOTH_RATES}"
         "[constrain]\nsuspension_travel = { max = '35 mm' }\n" + SEARCH
     ), progress=(seen := []).append)  # fmt: skip
     assert found.summary["feasible"]
@@ -79,11 +82,11 @@ def test_bounds_are_kept_and_the_trade_off_falls(folder):
 
 
 @pytest.mark.slow
-def test_a_trade_off_of_peaks_is_one_of_their_magnitudes(folder):
+def test_a_trade_off_of_peaks_is_one_of_their_magnitudes():
     """Along this one, the largest acceleration changes its direction."""
     found = phaseplane.optimise(study(
         'minimise = "suspension_travel"\nagainst = "peak.body_acceleration"\n[vary]\n'
-        "damper = { rebound_rate = { from = 300, to = 6000 }, bump_rate = { from = 300, to = 6000 } }\n"
+        f"{BOTH_RATES}"
         + SEARCH.replace("trade_offs = 4", "trade_offs = 7")
     ))  # fmt: skip
     peaks = [row["peak.body_acceleration"] for row in found.summary["trade_off"]]
@@ -94,7 +97,7 @@ def test_a_trade_off_of_peaks_is_one_of_their_magnitudes(folder):
 
 
 @pytest.mark.slow
-def test_no_run_lies_beyond_the_trade_off_that_is_drawn(folder, monkeypatch):
+def test_no_run_lies_beyond_the_trade_off_that_is_drawn(monkeypatch):
     drawn = {}
     plain = figures.pareto
     monkeypatch.setattr(
@@ -102,7 +105,7 @@ def test_no_run_lies_beyond_the_trade_off_that_is_drawn(folder, monkeypatch):
     )
     found = phaseplane.optimise(study(
         'minimise = "rms.body_acceleration"\nagainst = "dynamic_load_coefficient"\n[vary]\n'
-        "damper = { rebound_rate = { from = 300, to = 6000 }, bump_rate = { from = 300, to = 6000 } }\n"
+        f"{BOTH_RATES}"
         + SEARCH
     ))  # fmt: skip
     runs = phaseplane.read(found.folder / "runs.csv")
@@ -115,11 +118,11 @@ def test_no_run_lies_beyond_the_trade_off_that_is_drawn(folder, monkeypatch):
 
 
 @pytest.mark.slow
-def test_what_cannot_be_met_is_said(folder):
+def test_what_cannot_be_met_is_said():
     name = study('minimise = "rms.body_acceleration"\n[vary]\n'
                  "damper.rebound_rate = { from = 300, to = 6000 }\n"
                  "[constrain]\nsuspension_travel = { max = '1 mm' }\n" + SEARCH)  # fmt: skip
-    told = CliRunner().invoke(main, ["optimise", name])
+    told = phaseplane_command("optimise", name)
     assert told.exit_code == 1
     assert "no point satisfies all bounds" in told.output
 
@@ -135,9 +138,9 @@ def test_the_front_is_what_nothing_beats(pairs):
     assert front == {tuple(a) for a in costs} - beaten
 
 
-def test_a_study_that_is_interrupted_repeats_no_run(folder):
+def test_a_study_that_is_interrupted_repeats_no_run():
     content = {"scene": "car.toml", "vary": {"speed": {"from": 5, "to": 20}}}
-    space = Space.read(folder / "study.toml", content, {"step_count": "measure"})
+    space = Space.read(Path("study.toml"), content, {"step_count": "measure"})
     made = []
 
     def make(plan):
@@ -145,16 +148,16 @@ def test_a_study_that_is_interrupted_repeats_no_run(folder):
         return [(x,) for (x,) in plan.points]
 
     def interrupted():
-        with journaled(space, make, folder / "journal", "said", [1]) as runs:
+        with journaled(space, make, Path("journal"), "said", [1]) as runs:
             runs.at(np.array([[0.0], [1.0]]))
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt, match="after 2 runs; start it again"):
         interrupted()
-    with journaled(space, make, folder / "journal", "said", [1]) as runs:
+    with journaled(space, make, Path("journal"), "said", [1]) as runs:
         assert runs.at(np.array([[1.0], [0.5]])).tolist() == [[20.0], [12.5]]
     assert made == [(5.0,), (20.0,), (12.5,)]
-    assert not (folder / "journal").exists()
+    assert not (Path("journal")).exists()
 
 
 def interrupted_after(calls):
@@ -169,7 +172,7 @@ def interrupted_after(calls):
 
 
 @pytest.mark.slow
-def test_a_search_that_was_interrupted_ends_where_another_does(folder):
+def test_a_search_that_was_interrupted_ends_where_another_does():
     name = study(
         'minimise = "rms.body_acceleration"\nagainst = "dynamic_load_coefficient"\n[vary]\n'
         "damper.rebound_rate = { from = 300, to = 6000 }\n[constrain]\n"
@@ -189,14 +192,14 @@ def test_a_search_that_was_interrupted_ends_where_another_does(folder):
 TRUE = {"damper.rebound_rate": 1500.0, "damper.bump_rate": 700.0}
 
 
-def measured(folder, noise):
+def measured(noise):
     run = phaseplane.run("car.toml", TRUE, output_interval=2e-3)
     random = np.random.default_rng(7)
     lines = ["# rig", "t;acc_z", "[ms];[g]"]
     for time, a in zip(run.time, run["body_acceleration"], strict=True):
         row = (1e3 * time + 20.0, a / 9.80665 + 0.05 + noise * random.normal())
         lines.append(";".join(f"{x:.9g}".replace(".", ",") for x in row))
-    (folder / "rig.csv").write_text("\n".join(lines))
+    written("\n".join(lines), "rig.csv")
 
 
 FIT = """
@@ -215,8 +218,8 @@ decimal = ","
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.02])
-def test_a_fit_finds_the_parameters_within_its_confidence(folder, noise):
-    measured(folder, noise)
+def test_a_fit_finds_the_parameters_within_its_confidence(noise):
+    measured(noise)
     found = phaseplane.fit_parameters(study(FIT))
     for key, value in TRUE.items():
         width = found.summary["half_widths"][key]
@@ -226,8 +229,8 @@ def test_a_fit_finds_the_parameters_within_its_confidence(folder, noise):
     assert read_summary(found.folder)["values"] == found.values
 
 
-def test_parameters_that_do_the_same_are_said_to_be_alike(folder):
-    measured(folder, 0.02)
+def test_parameters_that_do_the_same_are_said_to_be_alike():
+    measured(0.02)
     text = FIT.replace("damper.bump_rate = { from = 300, to = 5000 }",
                        "damper.scale = { from = 0.5, to = 2.0 }\n"
                        "damper.bump_rate = { from = 300, to = 5000 }")  # fmt: skip
@@ -235,9 +238,9 @@ def test_parameters_that_do_the_same_are_said_to_be_alike(folder):
     assert "hardly distinguish" in found.report
 
 
-def test_a_parameter_that_the_signals_do_not_depend_on_is_said_to_be_unknown(folder):
+def test_a_parameter_that_the_signals_do_not_depend_on_is_said_to_be_unknown():
     """An end stop that is never reached: an interval of zero would say that its gap is exact."""
-    measured(folder, 0.0)
+    measured(0.0)
     text = FIT.replace(
         "damper.bump_rate = {", "bump_stop.gap = { from = 0.2, to = 0.4 }\ndamper.bump_rate = {"
     )
@@ -267,7 +270,7 @@ def test_a_parameter_that_the_signals_do_not_depend_on_is_said_to_be_unknown(fol
         ),
     ],
 )
-def test_a_study_that_is_not_understood_is_refused(folder, text, words):
+def test_a_study_that_is_not_understood_is_refused(text, words):
     lines = text.split("\n")
     name = study(f"{lines[0]}\n[vary]\nspeed = {{ from = 5, to = 9 }}\n" + "\n".join(lines[1:]))
     with pytest.raises(InputError, match=words):
@@ -282,12 +285,12 @@ def test_a_study_that_is_not_understood_is_refused(folder, text, words):
      ("duration = { from = 1, to = 2 }", "only parameters"),
      ("road.shape = { from = 1, to = 2 }", "road.shape")],
 )  # fmt: skip
-def test_ranges_that_are_none_are_refused(folder, vary, words):
+def test_ranges_that_are_none_are_refused(vary, words):
     with pytest.raises(InputError, match=words):
         phaseplane.optimise(study(f'minimise = "suspension_travel"\n[vary]\n{vary}\n'))
 
 
-def test_every_measure_is_refused_by_the_key_that_names_it(folder):
+def test_every_measure_is_refused_by_the_key_that_names_it():
     vary = "[vary]\nspeed = { from = 1, to = 5 }\n"
     with pytest.raises(InputError, match=r"against: no measure 'rms\.body'"):
         phaseplane.optimise(study(f"minimise = 'suspension_travel'\nagainst = 'rms.body'\n{vary}"))
@@ -309,7 +312,7 @@ def test_every_measure_is_refused_by_the_key_that_names_it(folder):
         ("[search]\ngeneration = 3", "did you mean 'generations'"),
     ],
 )
-def test_settings_of_a_search_are_refused_with_their_limit(folder, search, words):
+def test_settings_of_a_search_are_refused_with_their_limit(search, words):
     text = 'minimise = "suspension_travel"\n{}\n[vary]\nspeed = {{ from = 1, to = 5 }}\n{}\n'
     table = search.startswith("[")
     with pytest.raises(InputError, match=words):
@@ -317,10 +320,10 @@ def test_settings_of_a_search_are_refused_with_their_limit(folder, search, words
 
 
 @pytest.mark.slow
-def test_a_search_without_a_terminal_tells_its_tenths(folder, monkeypatch):
+def test_a_search_without_a_terminal_tells_its_tenths(monkeypatch):
     monkeypatch.setattr(console, "_TELL_AFTER", -1.0)
     name = study('minimise = "suspension_travel"\n[vary]\nspeed = { from = 1, to = 5 }\n' + SEARCH)
-    told = CliRunner().invoke(main, ["optimise", name])
+    told = phaseplane_command("optimise", name)
     assert told.exit_code == 0, told.output
     parts = [int(line.split()[1]) for line in told.stderr.splitlines()]
     assert parts == sorted(set(parts))
@@ -349,15 +352,15 @@ def test_a_search_without_a_terminal_tells_its_tenths(folder, monkeypatch):
         ),
     ],
 )
-def test_signals_that_are_not_understood_are_refused(folder, said, words):
-    measured(folder, 0.0)
+def test_signals_that_are_not_understood_are_refused(said, words):
+    measured(0.0)
     with pytest.raises(InputError, match=words):
-        read_signals(said, folder, {"body_acceleration": "m/s2"})
+        read_signals(said, Path(), {"body_acceleration": "m/s2"})
 
 
-def test_signals_of_results_need_no_units(folder):
+def test_signals_of_results_need_no_units():
     run = phaseplane.run("car.toml")
-    run.write(folder / "out")
-    found = read_signals({"file": "out/results.csv", "time_shift": 1.0}, folder, run.units)
+    run.write("out")
+    found = read_signals({"file": "out/results.csv", "time_shift": 1.0}, Path(), run.units)
     np.testing.assert_allclose(found["time"], run.time + 1.0)
     np.testing.assert_array_equal(found["body_velocity"], run["body_velocity"])

@@ -9,9 +9,12 @@ from math import pi, sqrt
 import numpy as np
 import pyarrow
 import pytest
+from command_line import written
+from hosting import in_python
 from phaseplane.scenarios.desk import run as module
-from phaseplane.scenarios.errors import InputError, SceneError
+from phaseplane.scenarios.errors import InputError
 from phaseplane.suspension.session import simulate
+from small_sweep import sweep_file
 
 import phaseplane
 
@@ -35,10 +38,7 @@ def test_public_names_are_imported_only_when_they_are_used():
         "import sys, phaseplane; dir(phaseplane); "
         "print(sorted(m for m in sys.modules if m.startswith('phaseplane.') or m == 'numpy'))"
     )
-    out = subprocess.run(
-        [sys.executable, "-P", "-c", program], capture_output=True, text=True, check=True
-    )
-    assert out.stdout.strip() == "[]"
+    assert in_python(program).strip() == "[]"
 
 
 def test_columns_are_those_of_the_model(bump):
@@ -231,17 +231,10 @@ def test_examples():
 
 
 @pytest.mark.slow
-def test_other_fmus_run_themselves(tmp_path):
-    from phaseplane.vehicle_fmus.build import build  # noqa: PLC0415
-
-    (path,) = build(["QuarterCar"], tmp_path)
-    run = phaseplane.run(path, duration=0.1)
-    assert run.scene.fmu.path == path.resolve()
+def test_other_fmus_run_themselves(fmu):
+    run = phaseplane.run(fmu, duration=0.1)
+    assert run.scene.fmu.path == fmu.resolve()
     assert len(run.time) == 101
-
-
-def test_scene_errors_are_input_errors():
-    assert issubclass(SceneError, InputError)
 
 
 @pytest.mark.slow
@@ -249,35 +242,27 @@ def test_tables_are_read_with_their_units(bump, tmp_path):
     table = phaseplane.read(bump.write(tmp_path / "out"))
     assert table.units == bump.units
     np.testing.assert_array_equal(table["contact_force"], bump["contact_force"])
-    (tmp_path / "rig.csv").write_text("t;a\n[ms];[g]\n10;0,5\n")
-    rig = phaseplane.read(tmp_path / "rig.csv")
+    rig = phaseplane.read(written("t;a\n[ms];[g]\n10;0,5\n", "rig.csv"))
     assert (rig.units, rig["a"][0]) == ({"t": "s", "a": "m/s2"}, 0.5 * 9.80665)
 
 
 @pytest.mark.slow
-def test_a_script_can_sweep_in_several_processes(tmp_path):
+def test_a_script_can_sweep_in_several_processes():
     """Its main module has no guard, so the processes must not run it again."""
-    (tmp_path / "speeds.toml").write_text(
-        'scene = "ap57"\nmeasures = ["smallest_contact_force"]\n[vary]\nspeed = [2, 3]\n'
-    )
-    (tmp_path / "script.py").write_text(
-        'import phaseplane\nprint(phaseplane.sweep("speeds.toml", workers=2)["speed"].tolist())\n'
+    sweep_file('scene = "ap57"\nmeasures = ["smallest_contact_force"]\n[vary]\nspeed = [2, 3]\n')
+    written(
+        'import phaseplane\nprint(phaseplane.sweep("sweep.toml", workers=2)["speed"].tolist())\n',
+        "script.py",
     )
     done = subprocess.run(
-        [sys.executable, "-P", "script.py"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
+        [sys.executable, "-P", "script.py"], capture_output=True, text=True, check=False
     )
     assert (done.stdout, done.stderr) == ("[2, 3]\n", "")
 
 
-def test_a_sweep_is_a_table(tmp_path):
-    (tmp_path / "speeds.toml").write_text(
-        'scene = "ap57"\nmeasures = ["peak.body_acceleration"]\n[vary]\nspeed = [15, 25]\n'
-    )
-    table = phaseplane.sweep("speeds.toml", workers=1)
+def test_a_sweep_is_a_table():
+    sweep_file('scene = "ap57"\nmeasures = ["peak.body_acceleration"]\n[vary]\nspeed = [15, 25]\n')
+    table = phaseplane.sweep("sweep.toml", workers=1)
     assert table["speed"].tolist() == [15, 25]
     assert table.units["peak.body_acceleration"] == "m/s2"
     alone = phaseplane.run("ap57", speed=25, measures=["peak.body_acceleration"], expect=False)

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import csv
-import json
 from dataclasses import asdict
 from math import pi
 from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import BARE, phaseplane, settings
+from command_line import BARE, complaint, printed, reported, settings, written
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw import portraits
 from phaseplane.scenarios.draw.constructions import draw_construction
 from phaseplane.scenarios.errors import SceneError
 from phaseplane.scenarios.results.folder import read_results
 from phaseplane.scenarios.scene.loading import load_scene
+from small_sweep import rows, sweep_file
 
 from phaseplane import figures
 from phaseplane.constructions.letters import MINUS
@@ -44,10 +43,8 @@ starts = [[1.0, 6.0], [-2.0, 0.0]]
 
 
 @pytest.fixture
-def pendulum(tmp_path: Path) -> str:
-    path = tmp_path / "pendulum.toml"
-    path.write_text(PENDULUM)
-    return str(path)
+def pendulum() -> str:
+    return written(PENDULUM, "pendulum.toml")
 
 
 def test_named_parameters_are_si_and_part_of_the_scene(pendulum: str, tmp_path: Path) -> None:
@@ -81,7 +78,7 @@ def test_what_is_wrong_is_said_in_a_line(pendulum: str, setting: str, message: s
 
 
 def test_another_equation_drops_the_parameters_of_the_old_one(
-    pendulum: str, tmp_path: Path
+    pendulum: str,
 ) -> None:
     """Those it has, and those given with it, stay."""
     given = load_scene(pendulum, ["equation=g*x + c*v", "c=0.1"]).parameters
@@ -94,9 +91,8 @@ def test_another_equation_drops_the_parameters_of_the_old_one(
         match="--set: Equation has no parameter 'R': the equation 'x' does not contain it",
     ):
         load_scene(pendulum, ["R=3", "equation=x"])
-    extending = tmp_path / "other.toml"
-    extending.write_text(f'extends = "{pendulum}"\n[parameters]\nequation = "k*x"\nk = 4.0\n')
-    assert not {"g", "l", "R"} & set(load_scene(str(extending)).parameters)
+    text = f'extends = "{pendulum}"\n[parameters]\nequation = "k*x"\nk = 4.0\n'
+    assert not {"g", "l", "R"} & set(load_scene(written(text)).parameters)
 
 
 def test_several_starts_have_their_integral_curves_on_one_sheet(pendulum: str) -> None:
@@ -138,12 +134,11 @@ def test_motions_from_several_starts_are_columns_of_one_table(
 
 
 def test_a_motion_that_ends_early_ends_the_rows_of_all(tmp_path: Path) -> None:
-    path = tmp_path / "blown_up.toml"
-    path.write_text(
+    scene = written(
         'fmu = "Equation"\nduration = "3 s"\n[parameters]\nequation = "-v^2"\n'
         "velocity_start = -1.0\n[construction]\nstarts = [[0.0, 0.5]]\n"
     )
-    summary, _ = run_scene(str(path), [], tmp_path / "out", expect=False)
+    summary, _ = run_scene(scene, [], tmp_path / "out", expect=False)
     # x'' = x'^2 from x' = 1/2 is infinite at t = 2
     assert summary["stopped"]["time"] == pytest.approx(2.0, abs=2e-3)
     lengths = {len(column) for column in read_results(tmp_path / "out").columns.values()}
@@ -173,25 +168,16 @@ def test_curves_are_lettered_at_their_starts_and_named_after_their_coordinate(
 
 
 @pytest.mark.slow
-def test_a_sweep_varies_a_named_parameter(pendulum: str, tmp_path: Path) -> None:
-    plan = tmp_path / "frictions.toml"
-    plan.write_text(
-        f'scene = "{pendulum}"\nmeasures = ["peak.velocity"]\n[vary]\nR = [0.0, 2.5, 5.0]\n'
-    )
-    told = phaseplane("sweep", str(plan), "-o", str(tmp_path / "out"), "--json")
-    assert told.exit_code == 0, told.output
-    with (tmp_path / "out" / "runs.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    peaks = [float(next(row[k] for k in row if k.startswith("peak.velocity"))) for row in rows]
-    assert len(peaks) == 3
-    assert abs(peaks[0]) > abs(peaks[1]) > abs(peaks[2])
+def test_a_sweep_varies_a_named_parameter(pendulum: str) -> None:
+    sweep_file(f'scene = "{pendulum}"\nmeasures = ["peak.velocity"]\n[vary]\nR = [0.0, 2.5, 5.0]\n')
+    printed("sweep sweep.toml")
+    free, slowed, stopped = (abs(float(row["peak.velocity"])) for row in rows())
+    assert free > slowed > stopped
 
 
 @pytest.mark.slow
 def test_the_portrait_of_friction_shows_where_it_can_rest(pendulum: str) -> None:
-    told = phaseplane("portrait", pendulum, "--json")
-    assert told.exit_code == 0, told.output
-    shown = json.loads(told.output)
+    shown = reported("portrait", pendulum)
     middle = min(shown["equilibria"], key=lambda at: abs(at["x"] + at.get("until", 0.0)))
     assert middle["kind"] == "interval of rest"
     assert "R = 2.5" in shown["title"]
@@ -218,29 +204,24 @@ def test_another_equation_takes_the_title_away_and_keeps_a_new_one() -> None:
 
 
 def test_another_equation_is_not_judged_by_the_expectations_of_the_old_one() -> None:
-    ran = phaseplane("run", "van_der_pol", *settings("duration=1 s", "equation=x"), *BARE)
-    assert ran.exit_code == 0
-    assert "not checked: peak.displacement" in ran.stdout
+    ran = printed("run van_der_pol", *settings("duration=1 s", "equation=x"), *BARE)
+    assert "not checked: peak.displacement" in ran
     own = load_scene("van_der_pol", ["equation=x", "expect.peak.displacement.max=3"])
     assert list(own.expect) == ["peak.displacement"]
 
 
-def test_of_several_starts_the_one_that_runs_away_is_named(tmp_path: Path) -> None:
-    scene = tmp_path / "runaway.toml"
-    scene.write_text(
+def test_of_several_starts_the_one_that_runs_away_is_named() -> None:
+    written(
         'fmu = "Equation"\nduration = "5 s"\n[parameters]\nequation = "x - v^3"\n'
         'displacement_start = 0.1\n[construction]\nstep = "0.1 s"\nstarts = [[0.2, 0.0], [0.0, 2.0]]\n'
     )
-    ran = phaseplane("run", str(scene), "-o", str(tmp_path / "out"))
-    assert ran.exit_code == 1
-    assert "from the start (0, 2) no step is short enough" in ran.stderr
-    drawn = phaseplane("replay", str(scene), "--figure", str(tmp_path / "a.png"))
-    assert drawn.exit_code == 1
-    assert "from the start (0, 2) the construction diverges" in drawn.stderr
+    ran = complaint("run scene.toml", status=1)
+    assert "from the start (0, 2) no step is short enough" in ran
+    drawn = complaint("replay scene.toml --figure a.png", status=1)
+    assert "from the start (0, 2) the construction diverges" in drawn
 
 
 def test_a_construction_at_rest_is_one_step(tmp_path: Path) -> None:
     still = settings("equation=x + 0.3*sign(v)", "displacement_start=0.1")
-    told = phaseplane("replay", "van_der_pol", *still, "--figure", str(tmp_path / "rest.png"))
-    assert told.exit_code == 0, told.stderr
-    assert ": 1 step in " in told.stdout
+    told = printed("replay van_der_pol", *still, "--figure", str(tmp_path / "rest.png"))
+    assert ": 1 step in " in told

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import phaseplane
+from command_line import complaint, written
 from phaseplane.scenarios.errors import SceneError
 from phaseplane.scenarios.measures.reading import Reading
 from phaseplane.scenarios.results.folder import read_results
@@ -24,6 +24,9 @@ COLUMNS = {
     "airborne": np.array([False, True, True, False, False]),
     "contact_force": np.array([3000.0, 0.0, 0.0, 1500.0, 2500.0]),
 }
+
+
+REFERENCE = 'reference = { file = "reference.csv" }'
 
 
 @pytest.mark.parametrize(
@@ -51,32 +54,22 @@ def test_bounds_within_a_time(said: dict[str, object], holds: bool, value: float
     assert judged["value"] == value
 
 
-def scene(tmp_path: Path, fmu: Path, expect: str) -> Scene:
-    file = tmp_path / "scene.toml"
-    file.write_text(
-        f"""extends = "ap57"
-        fmu = "{fmu}"
-        [show]
-        figures = []
-        recording = false
-        [expect]
-        {expect}
-        """
-    )
-    return load_scene(str(file))
+def scene(fmu: Path, expect: str) -> Scene:
+    text = f'extends = "ap57"\nfmu = "{fmu}"\n[show]\nfigures = []\nrecording = false\n'
+    return load_scene(written(f"{text}[expect]\n{expect}\n"))
 
 
 @pytest.mark.slow
-def test_a_run_is_held_against_a_reference(tmp_path: Path, fmu: Path) -> None:
-    results = run(scene(tmp_path, fmu, ""))
+def test_a_run_is_held_against_a_reference(fmu: Path) -> None:
+    results = run(scene(fmu, ""))
     columns = {
         "time": results.columns["time"][::2],
         "body_velocity": results.columns["body_velocity"][::2],
     }
-    write_table(columns, {}, tmp_path / "reference.parquet")
+    write_table(columns, {}, Path("reference.parquet"))
     reference = 'reference = { file = "reference.parquet", tolerance = 1e-9, common = true }'
     during = '[[expect.during]]\noutput="airborne"\nis=true\nfrom="31 ms"\nto="65 ms"'
-    judged = run(scene(tmp_path, fmu, f"{reference}\n{during}")).summary["expectations"]
+    judged = run(scene(fmu, f"{reference}\n{during}")).summary["expectations"]
     assert [e["measure"] for e in judged[-2:]] == [
         "airborne always from 0.031 s to 0.065 s",
         "difference of body_velocity from reference.parquet",
@@ -88,55 +81,47 @@ def test_a_run_is_held_against_a_reference(tmp_path: Path, fmu: Path) -> None:
         "columns": ["body_velocity"], "rows": 1001, "from": 0.0, "to": 1.0
     }  # fmt: skip
     columns["body_velocity"] = columns["body_velocity"] * 1.5
-    write_table(columns, {}, tmp_path / "reference.parquet")
-    assert run(scene(tmp_path, fmu, reference)).summary["expectations"][-1]["value"] > 0.3
+    write_table(columns, {}, Path("reference.parquet"))
+    assert run(scene(fmu, reference)).summary["expectations"][-1]["value"] > 0.3
 
 
-def against(tmp_path: Path, fmu: Path, columns: dict[str, np.ndarray], more: str = "") -> dict:
+def against(fmu: Path, columns: dict[str, np.ndarray], more: str = "") -> dict:
     """What becomes of the reference when a run meets a file of these columns."""
-    write_table(columns, {}, tmp_path / "reference.csv")
-    said = f'reference = {{ file = "reference.csv"{more} }}'
-    return run(scene(tmp_path, fmu, said)).summary["expectations"][-1]
+    write_table(columns, {}, Path("reference.csv"))
+    return run(scene(fmu, REFERENCE.replace(" }", f"{more} }}"))).summary["expectations"][-1]
 
 
 @pytest.mark.slow
-def test_a_reference_has_the_rows_the_time_and_the_columns_of_the_run(
-    tmp_path: Path, fmu: Path
-) -> None:
-    whole = dict(run(scene(tmp_path, fmu, "")).columns)
-    assert against(tmp_path, fmu, whole)["holds"]
+def test_a_reference_has_the_rows_the_time_and_the_columns_of_the_run(fmu: Path) -> None:
+    whole = dict(run(scene(fmu, "")).columns)
+    assert against(fmu, whole)["holds"]
     short = {name: column[:59] for name, column in whole.items()}
-    judged = against(tmp_path, fmu, short)
+    judged = against(fmu, short)
     assert not judged["holds"]
     assert judged["value"] == 0.0
     assert (
         "the run has 1001 rows from 0 to 1 s, reference.csv has 59 rows from 0 to 0.058 s"
         in judged["reason"]
     )
-    assert against(tmp_path, fmu, short, ", common = true")["holds"]
+    assert against(fmu, short, ", common = true")["holds"]
     few = {name: whole[name] for name in ("time", "body_velocity")}
-    judged = against(tmp_path, fmu, few)
+    judged = against(fmu, few)
     assert not judged["holds"]
     assert "only the run has columns" in judged["reason"]
-    assert against(tmp_path, fmu, few, ', columns = ["body_velocity"]')["holds"]
-    judged = against(tmp_path, fmu, {**whole, "temperature": whole["time"]})
+    assert against(fmu, few, ', columns = ["body_velocity"]')["holds"]
+    judged = against(fmu, {**whole, "temperature": whole["time"]})
     assert "only reference.csv has column temperature" in judged["reason"]
 
 
-def test_a_reference_of_another_time_is_not_met_and_the_results_are_kept(
-    tmp_path: Path, fmu: Path
-) -> None:
+def test_a_reference_of_another_time_is_not_met_and_the_results_are_kept(fmu: Path) -> None:
     later = {"time": np.array([91.9, 92.0]), "body_velocity": np.zeros(2)}
-    write_table(later, {}, tmp_path / "reference.csv")
-    expect = 'reference = { file = "reference.csv" }'
-    scene(tmp_path, fmu, expect)
-    done = phaseplane("run", f"{tmp_path}/scene.toml", "-o", f"{tmp_path}/out")
-    assert done.exit_code == 1
-    assert done.stderr == (
+    write_table(later, {}, Path("reference.csv"))
+    scene(fmu, REFERENCE)
+    assert complaint("run scene.toml", status=1) == (
         "phaseplane: scene: difference from reference.csv: no time in common: 0 to 1 s and 91.9 to "
         "92 s\n"
     )
-    assert len(read_results(tmp_path / "out").columns["time"]) == 1001
+    assert len(read_results(Path("out/scene")).columns["time"]) == 1001
 
 
 @pytest.mark.parametrize(
@@ -149,20 +134,18 @@ def test_a_reference_of_another_time_is_not_met_and_the_results_are_kept(
     ],
 )
 def test_a_reference_that_nothing_can_be_compared_with_is_refused(
-    tmp_path: Path, fmu: Path, time: list[float], values: list[float], words: str
+    fmu: Path, time: list[float], values: list[float], words: str
 ) -> None:
     columns = {"time": np.array(time), "body_velocity": np.array(values)}
-    write_table(columns, {}, tmp_path / "reference.csv")
+    write_table(columns, {}, Path("reference.csv"))
     with pytest.raises(SceneError) as caught:
-        scene(tmp_path, fmu, 'reference = { file = "reference.csv" }')
+        scene(fmu, REFERENCE)
     assert f"reference.csv: {words}" in str(caught.value)
 
 
-def test_a_reference_is_read_once(
-    tmp_path: Path, fmu: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    columns = dict(run(scene(tmp_path, fmu, "")).columns)
-    write_table(columns, {}, tmp_path / "reference.csv")
+def test_a_reference_is_read_once(fmu: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    columns = dict(run(scene(fmu, "")).columns)
+    write_table(columns, {}, Path("reference.csv"))
     read: list[Path] = []
 
     def counted(path: Path) -> object:
@@ -170,7 +153,7 @@ def test_a_reference_is_read_once(
         return read_table(path)
 
     monkeypatch.setattr("phaseplane.scenarios.scene.reading.read_columns", counted)
-    run(scene(tmp_path, fmu, 'reference = { file = "reference.csv" }'))
+    run(scene(fmu, REFERENCE))
     assert [path.name for path in read] == ["reference.csv"]
 
 
@@ -200,12 +183,10 @@ def test_a_reference_is_read_once(
         ('reference = { file = "scene.csv", colums = ["y"] }', "did you mean 'columns'?"),
     ],
 )
-def test_what_cannot_be_expected_is_refused(
-    tmp_path: Path, fmu: Path, expect: str, words: str
-) -> None:
-    (tmp_path / "scene.csv").write_text('"x"\n1.0\n')
+def test_what_cannot_be_expected_is_refused(fmu: Path, expect: str, words: str) -> None:
+    written('"x"\n1.0\n', "scene.csv")
     with pytest.raises(SceneError) as caught:
-        scene(tmp_path, fmu, expect)
+        scene(fmu, expect)
     assert words in str(caught.value)
 
 

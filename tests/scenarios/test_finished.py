@@ -34,7 +34,7 @@ def run(fmu: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
             if draw is not None:
                 patch.setattr(pictures, "draw", lambda name, path, **_: draw(name, path))
             bare = settings(f"fmu={fmu}", "show.recording=false", FIGURES)
-            return phaseplane("run", "ap57", *bare, *more)
+            return phaseplane("run ap57", *bare, *more)
 
     return go
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from zipfile import ZipFile
 
 import pytest
+from command_line import written
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.scene.fmus import find_fmu
 
@@ -56,8 +57,7 @@ def test_fmi_3_is_read(tmp_path: Path, kind: str) -> None:
     assert {name: v.start for name, v in fmu.outputs().items()} == {"x": 2.0}
 
 
-@pytest.mark.parametrize("content", [b"", b"hello", b"PK\x03\x04"])
-def test_what_is_no_archive(tmp_path: Path, content: bytes) -> None:
-    (tmp_path / "other.fmu").write_bytes(content)
+@pytest.mark.parametrize("content", ["", "hello", "PK\x03\x04"])
+def test_what_is_no_archive(content: str) -> None:
     with pytest.raises(InputError, match="not an FMU: it is not a zip archive"):
-        find_fmu(str(tmp_path / "other.fmu"))
+        find_fmu(written(content, "other.fmu"))

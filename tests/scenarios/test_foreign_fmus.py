@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import xml.etree.ElementTree as ET
 import zipfile
 from pathlib import Path
 
 import pytest
-from command_line import phaseplane
+from command_line import reported, settings
 from phaseplane.scenarios.scene.fmus import find_fmu
 from rerun.chunk import RrdReader
 
@@ -73,13 +72,10 @@ def test_its_units_and_rates_are_read(foreign: Path) -> None:
 @pytest.mark.slow
 def test_its_recording_has_every_output_and_the_plane(
     foreign: Path,
-    tmp_path: Path,
 ) -> None:
-    command = ["run", str(foreign), "--save", "rig.rrd", "--set", "duration=0.2 s", "--json"]
-    result = phaseplane(*command)
-    assert result.exit_code == 0, result.stderr
-    assert json.loads(result.stdout)["saved"] == "rig.rrd"
-    entities = {chunk.entity_path for chunk in RrdReader(tmp_path / "rig.rrd").stream()}
+    told = reported("run", foreign, "--save", "rig.rrd", *settings("duration=0.2 s"))
+    assert told["saved"] == "rig.rrd"
+    entities = {chunk.entity_path for chunk in RrdReader("rig.rrd").stream()}
     assert entities >= {
         "/histories/displacement/h", "/histories/displacement/s", "/histories/velocity/w",
         "/histories/force/F", "/sheet/trail/h/recent",
@@ -89,8 +85,6 @@ def test_its_recording_has_every_output_and_the_plane(
 @pytest.mark.slow
 def test_planes_are_drawn_and_recorded(foreign: Path) -> None:
     planes = ["--plane", "h,w", "--plane", "s,F"]
-    result = phaseplane("run", str(foreign), *planes, "--set", "duration=0.2 s", "--json")
-    assert result.exit_code == 0, result.stderr
-    assert json.loads(result.stdout)["files"] == [
+    assert reported("run", foreign, *planes, *settings("duration=0.2 s"))["files"] == [
         "construction.rrd", "plane.png", "plane_2.png", "results.csv", "summary.json",
     ]  # fmt: skip

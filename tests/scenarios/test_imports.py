@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from command_line import BARE
+from hosting import in_python
 from phaseplane.scenarios.cli import COMMANDS
 
 HEAVY = (
@@ -26,9 +26,16 @@ from phaseplane.scenarios.cli import main
 try:
     main(sys.argv[1:])
 except SystemExit as end:
-    print(*sys.modules, file=sys.stderr)
+    print(*sys.modules)
     sys.exit(end.code)
 """
+
+
+def modules_after(*arguments: str, **more: Any) -> set[str]:
+    """The modules of a process that has run a command."""
+    return {*in_python(CODE, *arguments, **more).splitlines()[-1].split()}
+
+
 SCENE = {"numpy", "phaseplane.suspension"}
 ENGINE = "phaseplane.suspension.engine"  # also for the dense solution that measures are taken from
 RUN = {*SCENE, ENGINE, "fmpy", "pythonfmu"}
@@ -88,10 +95,7 @@ USED: dict[tuple[str, ...], set[str]] = {
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a run; the FMU is kept from then on."""
     folder = tmp_path_factory.mktemp("results")
-    subprocess.run(
-        [sys.executable, "-P", "-c", CODE, "run", "ap57", *BARE, "-o", "there"],
-        cwd=folder, check=True, capture_output=True,
-    )  # fmt: skip
+    modules_after("run", "ap57", *BARE, "-o", "there", cwd=folder)
     return folder / "there"
 
 
@@ -101,31 +105,22 @@ def test_nothing_is_imported_that_a_command_does_not_use(
     arguments: tuple[str, ...], results: Path, tmp_path: Path
 ) -> None:
     where = results if arguments[0] in ("show", "compare") else tmp_path
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", CODE, *arguments],
-        cwd=where, check=False, capture_output=True, encoding="utf-8",
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert set(HEAVY) & set(done.stderr.split()) <= USED[arguments]
+    assert set(HEAVY) & modules_after(*arguments, cwd=where) <= USED[arguments]
 
 
 def test_a_run_without_pictures_imports_nothing_that_draws_compares_or_solves_equations(
     results: Path,
 ) -> None:
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", CODE, "run", "ap57", *BARE],
-        cwd=results.parent, check=True, capture_output=True, encoding="utf-8",
-    )  # fmt: skip
     left_out = {
         "difflib", "fractions", "phaseplane.equations.formula", "phaseplane.constructions",
         "phaseplane.suspension.checking", "phaseplane.suspension.system_file",
         "phaseplane.scenarios.draw.live", "phaseplane.scenarios.draw.pictures",
         "phaseplane.scenarios.results.comparison",
     }  # fmt: skip
-    assert left_out & set(done.stderr.split()) == set()
+    assert left_out & modules_after("run", "ap57", *BARE, cwd=results.parent) == set()
 
 
-def test_code_of_others_gets_pandas_in_a_command(tmp_path: Path) -> None:
+def test_code_of_others_gets_pandas_in_a_command() -> None:
     """Only rerun and pyarrow are kept from importing it, which they do wherever it is installed."""
     pytest.importorskip("pandas")
     code = """
@@ -140,22 +135,18 @@ pyarrow.array([1.0])
 import pandas
 assert pyarrow.table({"x": [1.0]}).to_pandas().x[0] == 1.0
 """
-    subprocess.run([sys.executable, "-P", "-c", code], cwd=tmp_path, check=True)
+    in_python(code)
 
 
 @pytest.mark.sampled
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_help_of_a_command_imports_nothing_that_runs_or_draws(name: str) -> None:
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", CODE, name, "--help"],
-        check=True, capture_output=True, encoding="utf-8",
-    )  # fmt: skip
     light = {
         "numpy", "phaseplane.suspension", "phaseplane.scenarios.sweeps.plan",
         "concurrent.futures.thread",  # a sweep's workers
     }  # fmt: skip
     studies = {"phaseplane.scenarios.studies", ENGINE}
-    assert set(HEAVY) & set(done.stderr.split()) <= light | studies
+    assert set(HEAVY) & modules_after(name, "--help") <= light | studies
 
 
 COPY = """
@@ -170,7 +161,7 @@ except SystemExit:
     pass
 copy = [m for n, m in sys.modules.items() if n.startswith("suspension_") and "kernel" not in n]
 assert copy
-print(*{{m.__name__.partition(".")[0] for m in copy}}, file=sys.stderr)
+print(*{{m.__name__.partition(".")[0] for m in copy}})
 """
 
 
@@ -179,12 +170,9 @@ def test_an_fmu_uses_the_modules_of_a_process_with_the_same_sources(
     results: Path, shared: bool
 ) -> None:
     """The results are the same, to the bit, as with the FMU's own copy."""
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", COPY.format(shared=shared),
-         "run", "ap57", *BARE, "-o", f"{shared}"],
-        cwd=results.parent, check=True, capture_output=True, encoding="utf-8",
-    )  # fmt: skip
-    (owner,) = done.stderr.split()
+    code = COPY.format(shared=shared)
+    said = in_python(code, "run", "ap57", *BARE, "-o", shared, cwd=results.parent)
+    (owner,) = said.splitlines()[-1].split()
     assert (owner == "phaseplane") == shared
     table = (results / "results.csv").read_bytes()
     assert (results.parent / f"{shared}" / "results.csv").read_bytes() == table

@@ -16,37 +16,30 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from command_line import phaseplane
-from hosting import HANGS, started, wait_until
+from command_line import complaint, phaseplane, reported
+from hosting import HANGS, PROGRAM, started, wait_until
 from phaseplane.scenarios.sweeps import running
 from phaseplane.scenarios.sweeps.plan import Plan, load_plan
 from phaseplane.scenarios.sweeps.running import Row, journal_key, sweep
-from small_sweep import GRID, SCENE, rows, written
-
-ROOT = Path(__file__).parents[2]
+from small_sweep import GRID, SCENE, rows, sweep_file
 
 pytestmark = pytest.mark.usefixtures("scene_of_a_sweep")
 
 
 def test_what_is_in_the_journal_is_not_done_again(tmp_path: Path) -> None:
-    plan = load_plan(written(GRID))
+    plan = load_plan(sweep_file())
     journal = tmp_path / "journal"
     made_up = (123.0, 45)
-    journal.write_text(
-        json.dumps({"journal": journal_key(plan, "process")})
-        + "\n"
-        + json.dumps([2, list(made_up), ""])
-        + "\n[3, [1"
-    )
+    row = json.dumps([2, list(made_up), ""])
+    key = json.dumps({"journal": journal_key(plan, "process")})
+    journal.write_text(f"{key}\n{row}\n[3, [1")
     found, told = sweep(plan, journal, workers=1)
     assert told["made"] == 5
     assert found[2] == Row(2, made_up)
     assert found[3].values != made_up
     _, told = sweep(plan, journal, workers=1)
     assert told["made"] == 0  # what followed the incomplete line is there, too
-    journal.write_text(
-        json.dumps({"journal": "another"}) + "\n" + json.dumps([2, list(made_up), ""])
-    )
+    journal.write_text(f'{{"journal": "another"}}\n{row}')
     found, told = sweep(plan, journal, workers=1)
     assert told["made"] == 6
     assert found[2].values != made_up
@@ -56,7 +49,7 @@ def test_a_journal_is_that_of_one_way_to_run_one_version_and_one_content(
     fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Rows of the process are not passed off as the FMU's, nor old ones as those of new code."""
-    plan = load_plan(written(GRID))
+    plan = load_plan(sweep_file())
     key = journal_key(plan, "process")
     assert key == journal_key(load_plan("sweep.toml"), "process")
     assert key != journal_key(plan, "fmu")
@@ -85,46 +78,33 @@ def test_an_interrupted_sweep_of_the_process_is_not_that_of_the_fmu(
             raise KeyboardInterrupt
         return [Row(run, (123.0, 45)) for run in runs]
 
-    command = ("sweep", str(written(GRID)), "--workers", "1")
+    command = ("sweep", sweep_file(), "--workers", "1")
     with monkeypatch.context() as patch:
         patch.setattr(running, "run_chunk", stopping)
         assert phaseplane(*command).exit_code == 130
-    through_fmu = phaseplane(*command, "--through", "fmu", "--json")
-    assert json.loads(through_fmu.stdout)["made"] == 6
+    assert reported(*command, "--through", "fmu")["made"] == 6
     assert "123" not in {row["peak.body_displacement"] for row in rows()}
-    in_process = phaseplane(*command, "--json")
-    assert json.loads(in_process.stdout)["made"] == 5
+    assert reported(*command)["made"] == 5
 
 
 @pytest.mark.slow
 def test_an_interrupted_sweep_goes_on_where_it_stopped() -> None:
     Path("scene.toml").write_text(SCENE.replace("0.2", "20.0").replace("5 ms", "1 ms"))
     text = GRID.replace("count = 3", "count = 60")
-    command = [
-        sys.executable,
-        "-m",
-        "phaseplane",
-        "sweep",
-        str(written(text)),
-        "--workers",
-        "2",
-    ]
-    environment = {**os.environ, "PYTHONPATH": f"{ROOT / 'fmu_src'}{os.pathsep}{ROOT}"}
+    command = [*PROGRAM, "sweep", sweep_file(text), "--workers", "2"]
     journal = Path(
         "out/sweeps", f".sweep.{journal_key(load_plan('sweep.toml'), 'process')}.journal"
     )
-    with started(command, environment, stderr=subprocess.PIPE) as process:
+    with started(command, {}, stderr=subprocess.PIPE) as process:
         wait_until(lambda: journal.exists() and journal.read_text().count("\n") > 3, process)
         process.send_signal(signal.SIGINT)
-        _, complaint = process.communicate(timeout=HANGS)
+        _, said = process.communicate(timeout=HANGS)
     assert process.returncode == 130
-    assert complaint.splitlines()[-1].startswith("phaseplane: interrupted")
+    assert said.splitlines()[-1].startswith("phaseplane: interrupted")
     assert not Path("out/sweeps/sweep").exists()
     kept = len(journal.read_text().splitlines()) - 1
     assert 0 < kept < 120
-    again = subprocess.run([*command, "--json"], env=environment, capture_output=True, text=True,
-                           check=True, timeout=HANGS)  # fmt: skip
-    assert json.loads(again.stdout)["made"] == 120 - kept
+    assert reported(*command[len(PROGRAM) :])["made"] == 120 - kept
     assert len(rows()) == 120
     assert not journal.exists()
 
@@ -140,8 +120,8 @@ def test_an_interrupt_waits_for_the_run_under_way_alone(monkeypatch: pytest.Monk
             yield Row(run, (123.0, 45))
 
     monkeypatch.setattr(running, "_in_process", interrupted)
-    sweep_file = written(GRID.replace("count = 3", "count = 60"))
-    result = phaseplane("sweep", str(sweep_file), "--workers", "1")
+    many = sweep_file(GRID.replace("count = 3", "count = 60"))
+    result = phaseplane("sweep", many, "--workers", "1")
     assert result.exit_code == 130
     said = "phaseplane: interrupted after 3 of 120 runs; start it again to continue\n"
     assert result.stderr.lstrip() == said
@@ -165,7 +145,7 @@ def begin(receiver):
 """)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(running, "_begin_worker", import_module("startled").begin)
-    made, _ = sweep(load_plan(written(GRID)), tmp_path / "journal", workers=2)
+    made, _ = sweep(load_plan(sweep_file()), tmp_path / "journal", workers=2)
     assert len(made) == 6
 
 
@@ -179,27 +159,23 @@ def test_a_process_that_is_killed_is_told_in_one_line(monkeypatch: pytest.Monkey
             return future
 
     monkeypatch.setattr(running, "ThreadPoolExecutor", Broken)
-    result = phaseplane("sweep", str(written(GRID)), "--workers", "1")
-    assert result.exit_code == 1
+    said = complaint("sweep", sweep_file(), "--workers", "1", status=1)
     told = "phaseplane: a process of the sweep was killed after 0 of 6 runs; start it again to continue\n"
-    assert result.stderr == told
+    assert said == told
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="not on this platform: no /proc")
 def test_processes_of_a_sweep_that_is_killed_end_with_it() -> None:
     Path("scene.toml").write_text(SCENE.replace("0.2", "20.0").replace("5 ms", "1 ms"))
-    command = [
-        sys.executable, "-m", "phaseplane",
-        "sweep", str(written(GRID.replace("count = 3", "count = 60"))), "--workers", "2",
-    ]  # fmt: skip
-    environment = {**os.environ, "PYTHONPATH": f"{ROOT / 'fmu_src'}{os.pathsep}{ROOT}"}
+    many = sweep_file(GRID.replace("count = 3", "count = 60"))
+    command = [*PROGRAM, "sweep", many, "--workers", "2"]
 
     def some_rows_are_made() -> bool:
         journals = Path("out/sweeps").glob(".sweep.*.journal")
         return any(journal.read_text().count("\n") > 1 for journal in journals)
 
-    with started(command, environment, stderr=subprocess.DEVNULL) as process:
+    with started(command, {}, stderr=subprocess.DEVNULL) as process:
         wait_until(some_rows_are_made, process)
         children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
         process.kill()
@@ -219,7 +195,7 @@ def running_still(number: int) -> bool:
 def test_a_dask_cluster_does_the_same_work(tmp_path: Path) -> None:
     import distributed  # noqa: PLC0415  (its warnings are let pass above)
 
-    plan = load_plan(written(GRID))
+    plan = load_plan(sweep_file())
     alone, _ = sweep(plan, tmp_path / "a", workers=1)
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None

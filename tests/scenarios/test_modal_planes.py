@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import re
 from math import exp, pi, sqrt
 from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import phaseplane
+from command_line import complaint, printed, reported
 from phaseplane.scenarios.measures.linearised import Linearised, linearised
 from phaseplane.scenarios.measures.modal_planes import modal_planes
 from phaseplane.scenarios.scene.loading import load_scene
@@ -65,15 +64,14 @@ def test_the_damping_of_a_car_couples_its_modes() -> None:
 
 
 def test_damped_modes_are_told_by_the_frequency_at_which_they_oscillate() -> None:
-    done = phaseplane("modes", "passenger_car")
-    assert done.exit_code == 0, done.output
+    done = printed("modes passenger_car")
     car = linearised(build("QuarterCar", load_scene("passenger_car").all_parameters))
     inverse = np.linalg.inv(car.mass)
     first_order = np.block(
         [[np.zeros((2, 2)), np.eye(2)], [-inverse @ car.stiffness, -inverse @ car.damping]]
     )
     poles = np.linalg.eigvals(first_order)
-    told = [float(x) for x in re.findall(r"([\d.]+) Hz, ", done.stdout)]
+    told = [float(x) for x in re.findall(r"([\d.]+) Hz, ", done)]
     assert told == pytest.approx(sorted(p.imag / (2 * pi) for p in poles if p.imag > 0), rel=1e-5)
 
 
@@ -81,9 +79,7 @@ def test_damped_modes_are_told_by_the_frequency_at_which_they_oscillate() -> Non
 def test_the_double_pendulum_is_told_and_drawn(tmp_path: Path) -> None:
     """H83 example 28: 0.7653668647 and 1.8477590650 sqrt(g/l)."""
     picture = tmp_path / "modes.png"
-    done = phaseplane("modes", "h83_example28", "--figure", str(picture), "--json")
-    assert done.exit_code == 0, done.output
-    told = json.loads(done.stdout)
+    told = reported("modes h83_example28 --figure", str(picture))
     unit = sqrt(9.80665)
     assert [m["angular_frequency"] / unit for m in told["modes"]] == pytest.approx(
         [0.7653668647, 1.8477590650], rel=1e-9
@@ -93,15 +89,13 @@ def test_the_double_pendulum_is_told_and_drawn(tmp_path: Path) -> None:
 
 
 def test_what_has_no_modes_is_refused_in_a_line() -> None:
-    refused = phaseplane("modes", "van_der_pol")
-    assert refused.exit_code == 2
-    assert "an equation has no modes; 'phaseplane portrait' shows" in refused.stderr
+    assert "an equation has no modes; 'phaseplane portrait' shows" in complaint("modes van_der_pol")
     with pytest.raises(ValueError, match="a mode without stiffness"):
         modal_planes(Linearised(("a",), np.eye(1), np.zeros((1, 1)), np.zeros((1, 1))))
 
 
 def test_what_is_rounding_in_a_shape_is_zero() -> None:
-    told = phaseplane("modes", "full_car").stdout.splitlines()
+    told = printed("modes full_car").splitlines()
     assert (
         told[2].split("; ")[1].startswith("heave 1, front_left_wheel 0.09167")
     )  # no pitch, no roll

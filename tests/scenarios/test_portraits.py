@@ -7,21 +7,19 @@ from math import pi
 from pathlib import Path
 
 import pytest
-from click.testing import Result
-from command_line import phaseplane
+from command_line import complaint, printed, reported, written
 from phaseplane.scenarios.draw.portraits import _of_scene
 from phaseplane.scenarios.scene.loading import load_scene
 
 
-def of_equation(equation: str, *arguments: str) -> Result:
-    return phaseplane("portrait", "van_der_pol", "--set", f"equation={equation}", *arguments)
+def of_equation(equation: str, *arguments: str) -> str:
+    return printed("portrait van_der_pol --set", f"equation={equation}", *arguments)
 
 
 @pytest.mark.slow
 def test_van_der_pols_cycle_told_and_drawn(tmp_path: Path) -> None:
     path = tmp_path / "cycle.svg"
-    done = phaseplane("portrait", "van_der_pol", "--figure", str(path), "--json")
-    told = json.loads(done.stdout)
+    told = reported("portrait van_der_pol --figure", str(path))
     assert [at["kind"] for at in told["equilibria"]] == ["unstable focus"]
     assert told["cycles"][0]["crossing"] == pytest.approx(2.00862, abs=1e-5)
     assert told["cycles"][0]["period"] == pytest.approx(6.66329, abs=1e-5)
@@ -33,8 +31,7 @@ DUFFING = "0.2*v - x + x^3 - 0.1*cos(1.2*t)"
 
 @pytest.mark.slow
 def test_a_driven_equation_shows_its_section_and_nothing_that_is_frozen() -> None:
-    done = of_equation(DUFFING, "--json")
-    told = json.loads(done.stdout)
+    told = json.loads(of_equation(DUFFING, "--json"))
     assert told["equilibria"] == told["cycles"] == []
     assert told["section"]["period"] == pytest.approx(2.0 * pi / 1.2)
     assert told["title"].endswith("Poincaré section, once per forcing period")
@@ -42,7 +39,7 @@ def test_a_driven_equation_shows_its_section_and_nothing_that_is_frozen() -> Non
     places = sorted(states[0][0] for states in told["section"]["attractors"])
     assert len(places) == 2  # one in each well
     assert -1.3 < places[0] < -0.7 < 0.7 < places[1] < 1.3
-    words = of_equation(DUFFING).stdout
+    words = of_equation(DUFFING)
     assert "section      once per forcing period, 5.23599 s: " in words
     assert " states of each motion after " in words
     assert words.count("attractor    motion with a period of one forcing period, at ") == 2
@@ -51,19 +48,19 @@ def test_a_driven_equation_shows_its_section_and_nothing_that_is_frozen() -> Non
 @pytest.mark.slow
 def test_a_mass_on_a_moving_belt_rests_where_friction_stretches_its_spring() -> None:
     """x = R, which is a point of the grid but for rounding; and zero is told as 0."""
-    told = of_equation("x + 0.3*sign(v - 0.5)").stdout
+    told = of_equation("x + 0.3*sign(v - 0.5)")
     assert "equilibrium  0.3: centre" in told
-    assert "equilibrium  0: centre" in of_equation("tan(x)").stdout
+    assert "equilibrium  0: centre" in of_equation("tan(x)")
 
 
 @pytest.mark.slow
 def test_a_driven_pendulum_that_goes_round_is_shown_once_round() -> None:
     """Period 1 by turns of 2 pi, which is one attractor; and the chaotic one stays in view."""
-    told = json.loads(of_equation("0.2*v + sin(x) - 0.5*cos(0.7*t)", "--json").stdout)
+    told = json.loads(of_equation("0.2*v + sin(x) - 0.5*cos(0.7*t)", "--json"))
     assert told["window"][:2] == pytest.approx([-pi, pi])
     ((state,),) = told["section"]["attractors"]
     assert state == pytest.approx([-1.83591, 1.24755], abs=1e-4)
-    chaos = json.loads(of_equation("0.5*v + sin(x) - 1.5*cos(2/3*t)", "--json").stdout)
+    chaos = json.loads(of_equation("0.5*v + sin(x) - 1.5*cos(2/3*t)", "--json"))
     assert chaos["section"]["attractors"] == []
     assert chaos["window"][3] < 3.0  # rad/s: motions of the attractor, and none that has gone
     assert chaos["section"]["periods"] >= 40
@@ -82,14 +79,14 @@ def test_an_angle_is_known_by_its_equation(f: str, turns: bool) -> None:
 @pytest.mark.slow
 def test_sections_through_switches_take_fewer_periods() -> None:
     """Motions with switches are followed one by one; beyond F = 4 R / pi this one grows for ever."""
-    told = json.loads(of_equation("x + 0.3*sign(v) - 0.5*cos(t)", "--json").stdout)
+    told = json.loads(of_equation("x + 0.3*sign(v) - 0.5*cos(t)", "--json"))
     assert told["section"]["transient"] + told["section"]["periods"] == 61
     assert told["section"]["attractors"] == []
 
 
 @pytest.mark.slow
 def test_a_driven_equation_is_frozen_on_demand() -> None:
-    told = of_equation(DUFFING, "--frozen", "0 ms").stdout
+    told = of_equation(DUFFING, "--frozen", "0 ms")
     assert "frozen at t = 0 s" in told
     assert told.count("equilibrium") == 3
     assert "section" not in told
@@ -97,33 +94,25 @@ def test_a_driven_equation_is_frozen_on_demand() -> None:
 
 @pytest.mark.slow
 def test_a_damped_pendulum_ends_in_its_foci() -> None:
-    told = of_equation("0.2*v + sin(x)", "--window", "-10", "10", "-4", "4").stdout
+    told = of_equation("0.2*v + sin(x)", "--window", "-10", "10", "-4", "4")
     assert told.count("stable focus") == 3
     assert told.count("saddle") == 4
     assert "limit cycle  crosses" not in told
 
 
-def test_a_force_beyond_the_largest_number_raises_no_warning() -> None:
-    done = of_equation("exp(1000*x)", "--json")
-    assert done.exit_code == 0, done.exception
-    assert done.stderr == ""
-
-
-def test_an_equation_that_is_not_real_everywhere_has_a_portrait(tmp_path: Path) -> None:
-    done = of_equation("sqrt(x)", "--figure", str(tmp_path / "root.png"))
-    assert done.exit_code == 0
-    assert done.stderr == ""
+@pytest.mark.parametrize("equation", ["exp(1000*x)", "sqrt(x)"])
+def test_an_equation_without_a_value_everywhere_has_a_portrait(equation: str) -> None:
+    assert of_equation(equation, "--figure", "a.png")
 
 
 @pytest.mark.slow
-def test_a_vehicle_on_waves_shows_its_section(tmp_path: Path) -> None:
-    scene = tmp_path / "waves.toml"
-    scene.write_text(
+def test_a_vehicle_on_waves_shows_its_section() -> None:
+    scene = written(
         'fmu = "OneDof"\nduration = 1.0\n[parameters]\n"road.shape" = "sine"\n'
         '"road.height" = "20 mm"\n"road.length" = "2 m"\nspeed = "5 m/s"\n'
-        '"damper.rebound_rate" = 900.0\n"damper.bump_rate" = 900.0\n', "utf-8",
+        '"damper.rebound_rate" = 900.0\n"damper.bump_rate" = 900.0\n'
     )  # fmt: skip
-    told = json.loads(phaseplane("portrait", str(scene), "--json").stdout)
+    told = reported("portrait", scene)
     ((state,),) = told["section"]["attractors"]
     omega = 2.0 * pi * 5.0 / 2.0
     mass, rate = 294.1995, 14709.975
@@ -134,7 +123,7 @@ def test_a_vehicle_on_waves_shows_its_section(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_sections_of_a_vehicle_in_words() -> None:
     shown = ("portrait", "ap57", "--window", "-0.1", "0.1", "-1", "1")
-    body = phaseplane(*shown, "--coordinate", "body_displacement").stdout
+    body = printed(*shown, "--coordinate", "body_displacement")
     assert "equilibrium  0 m: stable focus" in body
     assert "wheel held at rest" in body.splitlines()[0]
     assert "window       -0.1 to 0.1 m, -1 to 1 m/s" in body
@@ -158,15 +147,11 @@ def test_sections_of_a_vehicle_in_words() -> None:
     ],
 )
 def test_what_has_no_portrait(arguments: tuple[str, ...], said: str) -> None:
-    done = phaseplane("portrait", *arguments)
-    assert done.exit_code == 2
-    assert said in done.stderr
-    assert "Traceback" not in done.stderr
+    assert said in complaint("portrait", *arguments)
 
 
 @pytest.mark.slow
-def test_loads_that_are_left_out_are_said(tmp_path: Path) -> None:
-    scene = tmp_path / "rig.toml"
+def test_loads_that_are_left_out_are_said() -> None:
     rig = """duration = 1.0
         [system]
         name = "Rig"
@@ -179,8 +164,7 @@ def test_loads_that_are_left_out_are_said(tmp_path: Path) -> None:
         """
     load = "direction = { bounce = 1 }\nsine = { amplitude = 300, frequency = 4 }\n"
     for text, loaded in ((rig, False), (f"{rig}\n[system.loads.shaker]\n{load}", True)):
-        scene.write_text(text)
-        title, *_ = phaseplane("portrait", str(scene)).stdout.splitlines()
+        title, *_ = printed("portrait", written(text)).splitlines()
         assert title.endswith("; without loads") is loaded
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from command_line import written
 from phaseplane.scenarios.results.report import report
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate.runner import run
@@ -13,6 +14,7 @@ from phaseplane.scenarios.sweeps.report import format_sweep, summary_of
 from phaseplane.scenarios.sweeps.running import sweep
 from phaseplane.suspension.extent import LENGTH
 from phaseplane.suspension.models import road_from
+from small_sweep import sweep_file
 
 SCENE = """
 fmu = "QuarterCar"
@@ -34,14 +36,12 @@ speed = ["40 km/h", "80 km/h"]
 
 
 @pytest.fixture
-def car(tmp_path: Path) -> Path:
-    path = tmp_path / "car.toml"
-    path.write_text(SCENE)
-    return path
+def car() -> str:
+    return written(SCENE, "car.toml")
 
 
-def test_a_random_road_is_as_long_as_the_run(car: Path) -> None:
-    scene = load_scene(str(car))
+def test_a_random_road_is_as_long_as_the_run(car: str) -> None:
+    scene = load_scene(car)
     assert scene.start_values[LENGTH] == scene.all_parameters[LENGTH] == 465.0
     # 444 m, and 20 m over which it fades out
     results = run(scene)
@@ -54,17 +54,17 @@ def test_a_random_road_is_as_long_as_the_run(car: Path) -> None:
     ("override", "length"),
     [("duration=5 s", 200.0), (f"{LENGTH}=150 m", 150.0)],
 )
-def test_no_shorter_than_the_default_and_as_named(car: Path, override: str, length: float) -> None:
+def test_no_shorter_than_the_default_and_as_named(car: str, override: str, length: float) -> None:
     overrides = [override, "show.outputs=[]", "show.measures=[]"]
-    assert load_scene(str(car), overrides).all_parameters[LENGTH] == length
+    assert load_scene(car, overrides).all_parameters[LENGTH] == length
 
 
-def test_other_roads_have_no_length_to_fit(car: Path) -> None:
-    assert LENGTH not in load_scene(str(car), ["road.shape=bump"]).start_values
+def test_other_roads_have_no_length_to_fit(car: str) -> None:
+    assert LENGTH not in load_scene(car, ["road.shape=bump"]).start_values
 
 
-def test_a_road_that_ends_is_said_in_report_and_summary(car: Path) -> None:
-    summary = run(load_scene(str(car), [f"{LENGTH}=200 m"])).summary
+def test_a_road_that_ends_is_said_in_report_and_summary(car: str) -> None:
+    summary = run(load_scene(car, [f"{LENGTH}=200 m"])).summary
     said = "road ends at 9 s of 20 s (fading out from 8.1 s); it is level afterwards"
     assert summary["remarks"] == [said]
     told = report({**summary, "drawn": None, "problems": [], "files": []}, Path("out"))
@@ -73,12 +73,8 @@ def test_a_road_that_ends_is_said_in_report_and_summary(car: Path) -> None:
 
 
 @pytest.mark.slow
-def test_all_runs_of_a_sweep_go_over_one_road_that_is_long_enough(
-    car: Path, tmp_path: Path
-) -> None:
-    path = tmp_path / "speeds.toml"
-    path.write_text(SWEEP)
-    plan = load_plan(path)
+def test_all_runs_of_a_sweep_go_over_one_road_that_is_long_enough(car: str, tmp_path: Path) -> None:
+    plan = load_plan(sweep_file(SWEEP))
     assert plan.road_length == 465.0
     assert plan.road_remarks() == []
     slow, fast = (plan.scene_of(point).all_parameters for point in plan.points)
@@ -91,17 +87,14 @@ def test_all_runs_of_a_sweep_go_over_one_road_that_is_long_enough(
     assert rows[1].values == (pytest.approx(alone, rel=1e-9),)
 
 
-def test_a_sweep_over_the_duration_counts_it(car: Path, tmp_path: Path) -> None:
-    path = tmp_path / "times.toml"
-    path.write_text(SWEEP.replace('speed = ["40 km/h", "80 km/h"]', 'duration = ["1 s", "30 s"]'))
-    assert load_plan(path).road_length == 687.0
+def test_a_sweep_over_the_duration_counts_it(car: str) -> None:
+    text = SWEEP.replace('speed = ["40 km/h", "80 km/h"]', 'duration = ["1 s", "30 s"]')
+    assert load_plan(sweep_file(text)).road_length == 687.0
 
 
-def test_a_sweep_says_how_many_roads_end(car: Path, tmp_path: Path) -> None:
-    car.write_text(SCENE.replace("[show]", 'road.profile_length = "300 m"\n[show]'))
-    path = tmp_path / "speeds.toml"
-    path.write_text(SWEEP)
-    plan = load_plan(path)
+def test_a_sweep_says_how_many_roads_end(car: str, tmp_path: Path) -> None:
+    written(SCENE.replace("[show]", 'road.profile_length = "300 m"\n[show]'), "car.toml")
+    plan = load_plan(sweep_file(SWEEP))
     said = "the road ends before the run in 1 of 2 runs, at the earliest at 13.5 s of 20 s (run 1)"
     assert plan.road_remarks() == [said]
     rows, told = sweep(plan, tmp_path / "journal", workers=1)

@@ -7,25 +7,19 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from command_line import written
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from phaseplane.scenarios.errors import SceneError
 from phaseplane.scenarios.scene.fields import one_of
-from phaseplane.scenarios.scene.layers import KEYS, case_titles
+from phaseplane.scenarios.scene.layers import KEYS
 from phaseplane.scenarios.scene.loading import construction_settings, load_scene
-from phaseplane.scenarios.scene.names import case_names
 from phaseplane.scenarios.scene.schema import Scene
 from phaseplane.scenarios.scene.sections import DETAILS, FIGURES, RULES, Construction
 from phaseplane.scenarios.toml_files import read_content
 
 KGF = 9.80665  # N
 MINIMAL = 'fmu = "QuarterCar"\nduration = "1 s"\n'
-
-
-def scene_file(folder: Path, text: str, name: str = "scene.toml") -> str:
-    path = folder / name
-    path.write_text(text, encoding="utf-8")
-    return str(path)
 
 
 def refusal(reference: str, *overrides: str) -> str:
@@ -52,13 +46,6 @@ def test_published_values_reach_the_parameters() -> None:
     assert p["road.length"] / p["speed"] == pytest.approx(0.05, rel=1e-15)
 
 
-@pytest.mark.slow
-def test_every_case_is_a_scene_of_the_title_listed() -> None:
-    assert {"ap57", "ap57_figure13"} <= set(case_names())
-    for name, title in case_titles().items():
-        assert load_scene(name).title == title != ""
-
-
 def test_figure_13_is_ap57_with_the_wheel_on_the_road() -> None:
     base, derived = load_scene("ap57"), load_scene("ap57_figure13")
     assert derived.parameters == {**base.parameters, "lift_off": False}
@@ -67,32 +54,31 @@ def test_figure_13_is_ap57_with_the_wheel_on_the_road() -> None:
     assert "construction_sheet" in derived.show.figures
 
 
-def test_defaults_show_the_motion_and_draw_nothing(tmp_path: Path) -> None:
-    scene = load_scene(scene_file(tmp_path, MINIMAL))
+def test_defaults_show_the_motion_and_draw_nothing() -> None:
+    scene = load_scene(written(MINIMAL))
     assert {"body_displacement", "wheel_acceleration", "contact_force"} <= set(scene.outputs)
     assert "stable_step" not in scene.outputs
     assert (scene.show.figures, scene.show.recording, scene.show.draws) == ((), False, False)
     assert scene.columns == scene.outputs
 
 
-def test_columns_add_to_the_outputs_what_is_drawn(tmp_path: Path) -> None:
+def test_columns_add_to_the_outputs_what_is_drawn() -> None:
     text = MINIMAL + '[show]\noutputs = ["contact_force"]\n'
-    assert load_scene(scene_file(tmp_path, text)).columns == ("contact_force",)
-    drawn = load_scene(scene_file(tmp_path, text + 'figures = ["time_histories"]\n'))
+    assert load_scene(written(text)).columns == ("contact_force",)
+    drawn = load_scene(written(text + 'figures = ["time_histories"]\n'))
     assert {"contact_force", "ground_elevation", "body_velocity"} < set(drawn.columns)
 
 
-def test_all_outputs(tmp_path: Path) -> None:
-    scene = load_scene(scene_file(tmp_path, MINIMAL + '[show]\noutputs = "all"\n'))
+def test_all_outputs() -> None:
+    scene = load_scene(written(MINIMAL + '[show]\noutputs = "all"\n'))
     assert set(scene.outputs) == set(scene.fmu.outputs())
 
 
-def test_nested_and_quoted_keys_are_the_same(tmp_path: Path) -> None:
-    nested = scene_file(tmp_path, MINIMAL + "[parameters.spring]\nrate = 2e4\n", "a.toml")
-    quoted = scene_file(tmp_path, MINIMAL + '[parameters]\n"spring.rate" = 2e4\n', "b.toml")
-    assert load_scene(nested).parameters == load_scene(quoted).parameters == {"spring.rate": 2e4}
+def test_nested_and_quoted_keys_are_the_same() -> None:
+    for text in ("[parameters.spring]\nrate = 2e4\n", '[parameters]\n"spring.rate" = 2e4\n'):
+        assert load_scene(written(MINIMAL + text)).parameters == {"spring.rate": 2e4}
     both = MINIMAL + '[parameters]\n"spring.rate" = 1.0\nspring.rate = 2.0\n'
-    assert "'parameters.spring.rate' is given twice" in refusal(scene_file(tmp_path, both))
+    assert "'parameters.spring.rate' is given twice" in refusal(written(both))
 
 
 @pytest.mark.parametrize(
@@ -116,16 +102,13 @@ def test_override(override: str, read: object, expected: object) -> None:
     assert read(load_scene("ap57", [override])) == expected  # type: ignore[operator]
 
 
-def test_a_scene_over_another_expects_what_it_says_itself_where_the_motion_is_another(
-    tmp_path: Path,
-) -> None:
+def test_a_scene_over_another_expects_what_it_says_itself_where_the_motion_is_another() -> None:
     """A new title or tolerance leaves what the base expects; another motion drops it."""
-    file = tmp_path / "over.toml"
     for text in ('title = "x"', "parameters.solver.tolerance = 1e-8"):
-        file.write_text(f'extends = "ap57"\n{text}\n')
-        assert load_scene(str(file)).expect.keys() == load_scene("ap57").expect.keys()
-    file.write_text('extends = "ap57"\nparameters.speed = 10\nexpect.lift_off_count = 0\n')
-    changed = load_scene(str(file))
+        over = load_scene(written(f'extends = "ap57"\n{text}\n'))
+        assert over.expect.keys() == load_scene("ap57").expect.keys()
+    text = 'extends = "ap57"\nparameters.speed = 10\nexpect.lift_off_count = 0\n'
+    changed = load_scene(written(text))
     assert list(changed.expect) == ["lift_off_count"]
     assert "first_lift_off" in changed.unchecked
 
@@ -146,14 +129,12 @@ def test_what_is_expected_can_be_left_out_but_for_what_is_set() -> None:
     assert list(own.expect) == ["lift_off_count"]
 
 
-def test_an_expectation_that_another_model_cannot_meet_says_how_to_leave_it(tmp_path: Path) -> None:
-    file = tmp_path / "scene.toml"
-    file.write_text('fmu = "QuarterCar"\nduration = 1\nexpect.lift_off_count = 0\n')
-    with pytest.raises(SceneError) as caught:
-        load_scene(str(file), ["fmu=OneDof"])
-    assert "no measure 'lift_off_count'" in str(caught.value)
-    assert str(caught.value).endswith("--no-expect skips the expectations of the scene")
-    assert load_scene(str(file), ["fmu=OneDof"], expect=False).expect == {}
+def test_an_expectation_that_another_model_cannot_meet_says_how_to_leave_it() -> None:
+    file = written(MINIMAL + "expect.lift_off_count = 0\n")
+    message = refusal(file, "fmu=OneDof")
+    assert "no measure 'lift_off_count'" in message
+    assert message.endswith("--no-expect skips the expectations of the scene")
+    assert load_scene(file, ["fmu=OneDof"], expect=False).expect == {}
 
 
 @pytest.mark.parametrize(
@@ -175,31 +156,23 @@ def test_an_expectation_that_another_model_cannot_meet_says_how_to_leave_it(tmp_
     ],
 )
 def test_what_is_given_but_has_no_effect(
-    tmp_path: Path, text: str, overrides: tuple[str, ...], idle: list[str]
+    text: str, overrides: tuple[str, ...], idle: list[str]
 ) -> None:
-    scene = load_scene(scene_file(tmp_path, f"{MINIMAL}\n[parameters]\n{text}\n"), overrides)
+    scene = load_scene(written(f"{MINIMAL}\n[parameters]\n{text}\n"), overrides)
     assert [found.name for found in scene.idle] == idle
-    over = tmp_path / "over.toml"
     given = "\n".join(
         f"{key} = {value if value[0].isdigit() else repr(value)}"
         for key, value in (o.split("=") for o in overrides)
     )
-    over.write_text(f'extends = "scene.toml"\n[parameters]\n{given}\n')
-    assert [
-        found.name for found in load_scene(str(over)).idle
-    ] == idle  # a scene over another alike
+    over = load_scene(written(f'extends = "scene.toml"\n[parameters]\n{given}\n', "over.toml"))
+    assert [found.name for found in over.idle] == idle
 
 
-def test_a_table_in_a_file_takes_the_place_of_a_rate(tmp_path: Path) -> None:
-    (tmp_path / "damper.csv").write_text("v,F\n-1,-500\n0,0\n1,900\n")
+def test_a_table_in_a_file_takes_the_place_of_a_rate() -> None:
+    written("v,F\n-1,-500\n0,0\n1,900\n", "damper.csv")
     damper = 'damper = { bump_rate = 9, table = { file = "damper.csv", columns = ["v", "F"] } }'
-    scene = load_scene(scene_file(tmp_path, f"{MINIMAL}\n[parameters]\n{damper}\n"))
+    scene = load_scene(written(f"{MINIMAL}\n[parameters]\n{damper}\n"))
     assert scene.warnings == ["damper.bump_rate has no effect on the motion: damper.table is given"]
-
-
-@pytest.mark.parametrize("name", case_names())
-def test_all_that_a_case_gives_has_an_effect(name: str) -> None:
-    assert load_scene(name).warnings == []
 
 
 def test_bounds_take_units_and_exclude_what_was_not_measured() -> None:
@@ -230,28 +203,26 @@ def test_choices_are_those_of_the_packages_that_draw() -> None:
 # -- files ---------------------------------------------------------------------------------------
 
 
-def test_extends_relative_to_its_own_file(tmp_path: Path) -> None:
-    (tmp_path / "sub").mkdir()
-    scene_file(tmp_path, MINIMAL + "[parameters]\nspeed = 5\ngravity = 9.0\n", "base.toml")
-    path = scene_file(
-        tmp_path / "sub", 'extends = "../base.toml"\n[parameters]\nspeed = 6\n', "derived.toml"
-    )
+def test_extends_relative_to_its_own_file() -> None:
+    Path("sub").mkdir()
+    written(MINIMAL + "[parameters]\nspeed = 5\ngravity = 9.0\n", "base.toml")
+    path = written('extends = "../base.toml"\n[parameters]\nspeed = 6\n', "sub/derived.toml")
     scene = load_scene(path)
     assert scene.parameters == {"speed": 6.0, "gravity": 9.0}
     assert scene.name == "derived"
 
 
-def test_ring_of_extends(tmp_path: Path) -> None:
-    scene_file(tmp_path, 'extends = "b.toml"\n', "a.toml")
-    scene_file(tmp_path, 'extends = "./a.toml"\n', "b.toml")
-    assert "ring" in refusal(str(tmp_path / "a.toml"))
+def test_ring_of_extends() -> None:
+    written('extends = "b.toml"\n', "a.toml")
+    written('extends = "./a.toml"\n', "b.toml")
+    assert "the scenes extend each other in a circle" in refusal("a.toml")
 
 
-def test_an_error_names_the_file_that_made_it(tmp_path: Path) -> None:
-    scene_file(tmp_path, MINIMAL + "[parameters]\nspeed = -5\ngravity = -9\n", "base.toml")
-    derived = scene_file(tmp_path, 'extends = "base.toml"\n[parameters]\nspeed = 5\n', "top.toml")
+def test_an_error_names_the_file_that_made_it() -> None:
+    written(MINIMAL + "[parameters]\nspeed = -5\ngravity = -9\n", "base.toml")
+    derived = written('extends = "base.toml"\n[parameters]\nspeed = 5\n', "top.toml")
     message = refusal(derived)
-    assert message.startswith(str(tmp_path / "base.toml"))
+    assert message.startswith("base.toml")
     assert "gravity = -9: must be at least 0 in m/s2" in message
     assert refusal(derived, "gravity=-8").startswith("--set: gravity = -8")
 
@@ -281,15 +252,14 @@ def test_no_such_scene(reference: str, words: list[str]) -> None:
         (b'fmu = "QuarterCar"', "'duration' is missing"),
     ],
 )
-def test_unreadable_file(tmp_path: Path, content: bytes, words: str) -> None:
-    path = tmp_path / "bad.toml"
-    path.write_bytes(content)
-    message = refusal(str(path))
-    assert str(path) in message
+def test_unreadable_file(content: bytes, words: str) -> None:
+    Path("bad.toml").write_bytes(content)
+    message = refusal("bad.toml")
+    assert "bad.toml" in message
     assert words in message
 
 
-def test_a_file_in_utf_8_may_begin_with_a_mark(tmp_path: Path) -> None:
+def test_a_file_in_utf_8_may_begin_with_a_mark() -> None:
     """As editors on Windows write it; so may the file of a system, and of a sweep."""
     system = (
         '[system]\nname = "Ball"\n[system.coordinates]\nheight = { mass = 2 }\n'
@@ -297,9 +267,9 @@ def test_a_file_in_utf_8_may_begin_with_a_mark(tmp_path: Path) -> None:
     )
     files = {"ball": f'duration = "1 s"\n{system}', "sweep": 'scene = "ball.toml"\n'}
     for name, text in files.items():
-        (tmp_path / f"{name}.toml").write_text(text, encoding="utf-8-sig")
-    assert load_scene(str(tmp_path / "ball.toml")).duration == 1.0
-    assert read_content(tmp_path / "sweep.toml") == {"scene": "ball.toml"}
+        Path(f"{name}.toml").write_text(text, encoding="utf-8-sig")
+    assert load_scene("ball.toml").duration == 1.0
+    assert read_content(Path("sweep.toml")) == {"scene": "ball.toml"}
 
 
 # -- what a scene refuses: key, value, what is allowed, nearest name -----------------------------
@@ -352,48 +322,41 @@ def test_refused_override(override: str, words: list[str]) -> None:
 
 
 @pytest.mark.parametrize("line", ["expect.lift_off_count", "parameters.spring", "show.look"])
-def test_an_empty_table_within_a_table(tmp_path: Path, line: str) -> None:
-    path = scene_file(tmp_path, MINIMAL + f"{line} = {{}}\n")
-    message = refusal(path)
-    assert f"{line} = {{}}: an empty table sets nothing" in message, message
+def test_an_empty_table_within_a_table(line: str) -> None:
+    assert f"{line} = {{}}: an empty table sets nothing" in refusal(
+        written(f"{MINIMAL}{line} = {{}}")
+    )
 
 
-def test_an_empty_table_at_the_top_is_a_heading_without_keys(tmp_path: Path) -> None:
-    loaded = load_scene(scene_file(tmp_path, MINIMAL + "[expect]\n[parameters]\n"))
+def test_an_empty_table_at_the_top_is_a_heading_without_keys() -> None:
+    loaded = load_scene(written(MINIMAL + "[expect]\n[parameters]\n"))
     assert not loaded.expect
 
 
-def test_unknown_key_at_the_top(tmp_path: Path) -> None:
-    path = scene_file(tmp_path, MINIMAL + 'durration = "1 s"\n')
+def test_unknown_key_at_the_top() -> None:
+    path = written(MINIMAL + 'durration = "1 s"\n')
     message = refusal(path)
     assert all(word in message for word in (path, "'durration'", "did you mean 'duration'?"))
 
 
 @pytest.mark.parametrize("line", ["sprung_mass = 300", "road.height = 1", 'equation = "x"'])
-def test_a_parameter_at_the_top_is_recognised(tmp_path: Path, line: str) -> None:
-    message = refusal(scene_file(tmp_path, MINIMAL + f"{line}\n"))
+def test_a_parameter_at_the_top_is_recognised(line: str) -> None:
+    message = refusal(written(MINIMAL + f"{line}\n"))
     assert message.endswith("; parameters belong in the table [parameters]")
 
 
 def test_settings_of_a_construction_again() -> None:
     kept = asdict(Construction())
     assert construction_settings(kept, ["construction.rule=tangent"])["rule"] == "tangent"
-    for text, words in (("spring.rate=3", "only construction.*"), ("construction.x=1", "'x'")):
-        with pytest.raises(SceneError, match="--set") as caught:
+    for text, words in (
+        ("spring.rate=3", r"only construction\.\*"),
+        ("construction.x=1", r"unknown key .construction\.x"),
+    ):
+        with pytest.raises(SceneError, match=f"--set.*{words}"):
             construction_settings(kept, [text])
-        assert words.strip("'") in str(caught.value)
 
 
 # -- anything at all -----------------------------------------------------------------------------
-
-
-def told(reference: str, *overrides: str) -> str:
-    """What is said of a scene that is refused; nothing if it is read."""
-    try:
-        load_scene(reference, overrides)
-    except SceneError as error:
-        return str(error)
-    return ""
 
 
 @settings(max_examples=150)
@@ -413,7 +376,12 @@ def told(reference: str, *overrides: str) -> str:
     ),
 )  # fmt: skip
 def test_any_override_is_taken_or_refused_in_one_line(key: str, value: str) -> None:
-    assert told("ap57", f"{key}={value}").isprintable()
+    said = ""
+    try:
+        load_scene("ap57", [f"{key}={value}"])
+    except SceneError as error:
+        said = str(error)
+    assert said.isprintable()
 
 
 @pytest.mark.parametrize("value", [[], {}, 3, None])

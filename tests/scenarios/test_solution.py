@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from command_line import written
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.measures import Run, catalogue, take
 from phaseplane.scenarios.measures.ride import _weighting, response, weighted
@@ -20,8 +21,9 @@ from phaseplane.scenarios.sweeps import running
 from phaseplane.scenarios.sweeps.plan import load_plan
 from phaseplane.scenarios.sweeps.running import run_chunk, sweep
 from phaseplane.suspension.session import Session, simulate
-from phaseplane.suspension.variables import MODELS, checked_parameters
+from phaseplane.suspension.variables import MODELS
 from scipy.signal import lsim
+from small_sweep import sweep_file
 
 INTERVALS = ("0.5 ms", "1 ms", "5 ms", "10 ms", "50 ms")
 KNOWN = catalogue({v.name: v for v in MODELS["QuarterCar"] if v.causality == "output"})
@@ -37,12 +39,6 @@ duration = "0.5 s"
 """
 
 
-def scene_file(folder: Path, text: str = DEFAULTS) -> str:
-    path = folder / "scene.toml"
-    path.write_text(text)
-    return str(path)
-
-
 def measures_of(reference: str, *overrides: str) -> dict[str, Any]:
     summary = run(load_scene(reference, [f"show.measures={TAKEN}", *overrides])).summary
     return {name: summary["measures"][name]["value"] for name in TAKEN}
@@ -52,8 +48,8 @@ def measures_of(reference: str, *overrides: str) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("case", ["speed_bump", "iso8608_c", "QuarterCar"])
-def test_measures_do_not_depend_on_the_output_interval(case: str, tmp_path: Path) -> None:
-    reference = scene_file(tmp_path) if case == "QuarterCar" else case
+def test_measures_do_not_depend_on_the_output_interval(case: str) -> None:
+    reference = written(DEFAULTS) if case == "QuarterCar" else case
     shorter = ["duration=3 s"] if case == "iso8608_c" else []
     bare = ["show.figures=[]", "show.outputs=[]", *shorter]
     found = [measures_of(reference, f"show.output_interval={x}", *bare) for x in INTERVALS]
@@ -112,7 +108,7 @@ def test_against_a_solution_a_hundred_times_as_fine(case: str) -> None:
     assert value("body_weighted_acceleration") == pytest.approx(ride, rel=1e-3)
 
 
-def test_the_peak_at_a_kerb_between_two_rows_has_its_closed_form(tmp_path: Path) -> None:
+def test_the_peak_at_a_kerb_between_two_rows_has_its_closed_form() -> None:
     """Right behind the edge the tyre is compressed by h, and rises again at k h / m."""
     text = """
     fmu = "QuarterCar"
@@ -124,10 +120,7 @@ def test_the_peak_at_a_kerb_between_two_rows_has_its_closed_form(tmp_path: Path)
     output_interval = "20 ms"
     measures = ["peak.contact_force"]
     """
-    text = text if "contact" in checked_parameters("QuarterCar", {}) else text.replace(
-        'contact = "force"\n', ""
-    )  # fmt: skip
-    summary = run(load_scene(scene_file(tmp_path, text))).summary
+    summary = run(load_scene(written(text))).summary
     p = summary["parameters"]
     k, m, h = p["tyre.damping"], p["unsprung_mass"], 0.01
     load = (p["sprung_mass"] + m) * p["gravity"]
@@ -151,7 +144,7 @@ def test_stops_met_for_less_than_a_millisecond_are_counted() -> None:
 
 def test_what_comes_by_default_does_not_contradict_itself(tmp_path: Path) -> None:
     """Rows of 100 ms do not see the flight of 35 ms, nor the bump."""
-    reference = scene_file(tmp_path)
+    reference = written(DEFAULTS)
     coarse, fine = (
         run(load_scene(reference, [f"show.output_interval={x}"])).summary
         for x in ("100 ms", "1 ms")
@@ -181,14 +174,12 @@ def test_the_drift_of_a_construction_does_not_depend_on_the_output_interval() ->
         assert drift < 1e-3
 
 
-def test_nothing_is_solved_where_nothing_is_measured(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_nothing_is_solved_where_nothing_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     def never(*_: object) -> None:
         raise AssertionError
 
     monkeypatch.setattr("phaseplane.scenarios.simulate.evaluation.solved", never)
-    reference = scene_file(tmp_path)
+    reference = written(DEFAULTS)
     for measures in ([], ["lift_off_count", "step_count", "natural_frequencies"]):
         summary = run(
             load_scene(reference, ["duration=20 ms", f"show.measures={measures}"])
@@ -196,7 +187,7 @@ def test_nothing_is_solved_where_nothing_is_measured(
         assert summary["measured"] == {"interval": 0.0, "agreement": None}
 
 
-def test_what_must_hold_is_looked_at_between_the_rows(tmp_path: Path) -> None:
+def test_what_must_hold_is_looked_at_between_the_rows() -> None:
     text = (
         DEFAULTS
         + """
@@ -211,7 +202,7 @@ def test_what_must_hold_is_looked_at_between_the_rows(tmp_path: Path) -> None:
     when = "sometime"
     """
     )
-    always, sometime = run(load_scene(scene_file(tmp_path, text))).summary["expectations"]
+    always, sometime = run(load_scene(written(text))).summary["expectations"]
     assert (always["holds"], sometime["holds"]) == (False, True)
     assert always["time"] == pytest.approx(0.0307, abs=1e-3)
 
@@ -286,10 +277,8 @@ speed = { from = 10, to = 25, count = 7 }
 
 
 def test_a_sweep_measures_what_runs_measure(tmp_path: Path) -> None:
-    scene_file(tmp_path, DEFAULTS + '[show]\noutput_interval = "25 ms"\n')
-    path = tmp_path / "sweep.toml"
-    path.write_text(SWEEP)
-    plan = load_plan(path)
+    written(DEFAULTS + '[show]\noutput_interval = "25 ms"\n')
+    plan = load_plan(sweep_file(SWEEP))
     rows, _ = sweep(plan, tmp_path / "journal", workers=1)
     # it does not matter which runs are made together
     assert [run_chunk(plan, [k], "process")[0] for k in range(7)] == rows
@@ -304,12 +293,11 @@ def test_a_sweep_measures_what_runs_measure(tmp_path: Path) -> None:
 def test_a_sweep_through_fmus_says_how_far_their_rows_lie_apart(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    scene_file(tmp_path)
-    path = tmp_path / "sweep.toml"
-    path.write_text(SWEEP)
+    written(DEFAULTS)
+    plan = load_plan(sweep_file(SWEEP))
     monkeypatch.setattr("phaseplane.scenarios.simulate.evaluation.apart", lambda *_: 2e-7)
     monkeypatch.setattr(running, "_CHECKED", 1)
-    _, told = sweep(load_plan(path), tmp_path / "journal", through="fmu", workers=1)
+    _, told = sweep(plan, tmp_path / "journal", through="fmu", workers=1)
     assert told["disagreement"] == 2e-7
 
 

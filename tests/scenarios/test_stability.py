@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import phaseplane
 from phaseplane.scenarios.studies import reports
 from phaseplane.scenarios.studies import stability as study
 from phaseplane.scenarios.studies.extremes import CASES, TOLERANCES, run_case
@@ -104,12 +103,6 @@ def test_the_study_leaves_data_table_and_picture(tmp_path: Path) -> None:
     assert kept["limits"] == data["limits"]
     assert {limit["method"] for limit in kept["limits"]} == {name for name, *_ in study.METHODS}
     assert "a wheel of 1 g" in table
-
-
-def test_an_unknown_scene_is_one_line(tmp_path: Path) -> None:
-    done = phaseplane("stability", "lift_of", "-o", str(tmp_path / "s"))
-    assert done.exit_code == 2
-    assert "lift_off" in done.output
 
 
 def test_the_error_of_fixed_steps_is_told_over_the_peak() -> None:

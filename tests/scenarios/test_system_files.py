@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
-from phaseplane.scenarios.cli import main
+from command_line import printed, written
 from phaseplane.scenarios.commands.build import build_models
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.scene.fmus import find_fmu
@@ -29,23 +28,22 @@ spring = { rate = "stiffness" }
 """
 
 
-@pytest.fixture
-def folder(tmp_path):
-    Path("mass.toml").write_text(SYSTEM)
-    return tmp_path
+@pytest.fixture(autouse=True)
+def _of_one_mass():
+    written(SYSTEM, "mass.toml")
 
 
-def test_the_file_of_a_system_is_a_scene(folder):
+def test_the_file_of_a_system_is_a_scene():
     run = phaseplane.run("mass.toml", solver={"tolerance": 1e-10})
     np.testing.assert_allclose(run["x_displacement"], 0.01 * np.cos(20.0 * run.time), atol=1e-9)
-    Path("other.toml").write_text('extends = "mass.toml"\n[parameters]\nstiffness = 200\n')
+    written('extends = "mass.toml"\n[parameters]\nstiffness = 200\n', "other.toml")
     other = phaseplane.run("other.toml", solver={"tolerance": 1e-10})
     np.testing.assert_allclose(other["x_displacement"], 0.01 * np.cos(10.0 * other.time), atol=1e-9)
 
 
 @pytest.mark.slow
-def test_its_fmu_gives_the_same_bits(folder):
-    (path, *_) = build_models(["mass.toml"], folder / "fmus")
+def test_its_fmu_gives_the_same_bits():
+    (path, *_) = build_models(["mass.toml"], Path("fmus"))
     assert path.name == "mass.fmu"
     ours, theirs = phaseplane.run("mass.toml"), phaseplane.run(path, duration=0.5)
     for name, column in ours.items():
@@ -53,9 +51,9 @@ def test_its_fmu_gives_the_same_bits(folder):
 
 
 @pytest.mark.slow
-def test_the_fmu_of_a_scene_starts_with_its_parameters(folder):
-    Path("car.toml").write_text('fmu = "QuarterCar"\nduration = 0.3\n[parameters]\nspeed = 12\n')
-    (path, *_) = build_models(["car.toml"], folder / "fmus")
+def test_the_fmu_of_a_scene_starts_with_its_parameters():
+    written('fmu = "QuarterCar"\nduration = 0.3\n[parameters]\nspeed = 12\n', "car.toml")
+    (path, *_) = build_models(["car.toml"], Path("fmus"))
     theirs = phaseplane.run(path, duration=0.3)
     assert theirs.summary["parameters"]["speed"] == 12.0
     np.testing.assert_array_equal(
@@ -64,14 +62,14 @@ def test_the_fmu_of_a_scene_starts_with_its_parameters(folder):
 
 
 @pytest.mark.slow
-def test_a_sweep_varies_it_in_other_processes(folder):
+def test_a_sweep_varies_it_in_other_processes():
     fmu = find_fmu("mass.toml")
     assert pickle.loads(pickle.dumps(fmu)) == fmu
-    Path("sweep.toml").write_text(
-        'scene = "mass.toml"\nmeasures = ["lowest_natural_frequency"]\n[vary]\nstiffness = [200, 800]\n'
+    written(
+        'scene = "mass.toml"\nmeasures = ["lowest_natural_frequency"]\n[vary]\nstiffness = [200, 800]\n',
+        "sweep.toml",
     )
-    told = CliRunner().invoke(main, ["sweep", "sweep.toml", "--workers", "2"])
-    assert told.exit_code == 0, told.output
+    printed("sweep sweep.toml --workers 2")
     low, high = phaseplane.sweep("sweep.toml")["lowest_natural_frequency"]
     assert high == pytest.approx(2.0 * low)
 
@@ -81,7 +79,7 @@ def test_the_systems_of_the_package_hold(case):
     assert phaseplane.run(case).holds
 
 
-def test_the_full_car_pitches_like_the_half_car(folder):
+def test_the_full_car_pitches_like_the_half_car():
     """Both wheels of an axle over the bump: half of the full car's body on each side."""
     same = {
         f"{axle}.{name}": value
@@ -121,18 +119,16 @@ def test_the_full_car_pitches_like_the_half_car(folder):
     [("rate = ", "rat = ", "mass.toml: .*unknown key 'rat'"),
      ("x = 2", "x = -2", "not positive definite")],
 )  # fmt: skip
-def test_what_is_wrong_is_said_with_its_file(folder, before, after, words):
-    Path("mass.toml").write_text(SYSTEM.replace(before, after))
+def test_what_is_wrong_is_said_with_its_file(before, after, words):
+    written(SYSTEM.replace(before, after), "mass.toml")
     with pytest.raises(InputError, match=words):
         phaseplane.run("mass.toml")
 
 
-def test_an_fmu_of_others_is_not_packed_again(folder):
-    Path("pendulum.toml").write_text(
-        'fmu = "Equation"\nduration = 1\n[parameters]\nequation = "x"\n'
-    )
+def test_an_fmu_of_others_is_not_packed_again():
+    written('fmu = "Equation"\nduration = 1\n[parameters]\nequation = "x"\n', "pendulum.toml")
     with pytest.raises(InputError, match="models of this package"):
-        build_models(["pendulum.toml"], folder / "fmus")
+        build_models(["pendulum.toml"], Path("fmus"))
 
 
 @pytest.mark.parametrize(
@@ -148,38 +144,38 @@ def test_an_fmu_of_others_is_not_packed_again(folder):
         ),
     ],
 )
-def test_a_unit_that_cannot_be_right_is_refused(folder, before, after, words):
+def test_a_unit_that_cannot_be_right_is_refused(before, after, words):
     more = 'stiffness = "800 N/m"\nheavy = "2 kg"\nwide = "1 m"'
     text = SYSTEM.replace('stiffness = "800 N/m"', more).replace(before, after)
-    Path("mass.toml").write_text(text)
+    written(text, "mass.toml")
     with pytest.raises(InputError, match=words):
         find_fmu("mass.toml")
 
 
 @pytest.mark.parametrize("mass", ["heavy", "2 * heavy", "rate * late^2", "number", "4 + wide"])
-def test_a_unit_that_may_be_right_is_not(folder, mass):
+def test_a_unit_that_may_be_right_is_not(mass):
     more = (
         'stiffness = "800 N/m"\nheavy = "2 kg"\nlate = "0.1 s"\nnumber = 2\nwide = "1 m"\n'
         'rate = "200 N/m"'
     )
     text = SYSTEM.replace('stiffness = "800 N/m"', more).replace("x = 2", f'x = "{mass}"')
-    Path("mass.toml").write_text(text)
+    written(text, "mass.toml")
     assert find_fmu("mass.toml").model == "OneMass"
 
 
-def test_changed_parameters_are_checked_too(folder):
+def test_changed_parameters_are_checked_too():
     with pytest.raises(InputError, match="rest is unstable"):
         phaseplane.run("mass.toml", stiffness=-3)
-    Path("mass.toml").write_text(SYSTEM.replace("x = 2", "x = -2"))
+    written(SYSTEM.replace("x = 2", "x = -2"), "mass.toml")
     with pytest.raises(InputError) as refused:
         phaseplane.run("mass.toml")
     assert str(refused.value).count("mass.toml") == 1
 
 
-def test_a_file_with_a_system_and_another_model_is_refused(folder):
+def test_a_file_with_a_system_and_another_model_is_refused():
     """It was the scene of that model, and its own system was not run."""
-    Path("two.toml").write_text('fmu = "QuarterCar"\n' + SYSTEM)
+    written('fmu = "QuarterCar"\n' + SYSTEM, "two.toml")
     with pytest.raises(InputError, match=r"fmu = 'QuarterCar' and a table \[system\] are given"):
         phaseplane.run("two.toml")
-    Path("own.toml").write_text('fmu = "own.toml"\n' + SYSTEM)
+    written('fmu = "own.toml"\n' + SYSTEM, "own.toml")
     assert phaseplane.run("own.toml").scene.fmu.model == "OneMass"
