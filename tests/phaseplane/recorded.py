@@ -10,18 +10,11 @@ from typing import Any
 import numpy as np
 from rerun.chunk import RrdReader
 
-from phaseplane.constructions import (
-    Arc,
-    Axis,
-    Curve,
-    Drawing,
-    Frame,
-    Mark,
-    Plane,
-    Scheme,
-    Stroke,
-)
-from phaseplane.recording import Content
+from phaseplane.constructions import Arc, Axis, Curve, Drawing, Frame, Mark, Plane, Scheme, Stroke
+from phaseplane.picture.page import Page
+from phaseplane.picture.story import Tick, arms_page, story_of
+from phaseplane.recording import Content, record
+from phaseplane.recording.motion import pages_of
 
 STEP = 0.0025
 DISTANCE = 0.25
@@ -145,6 +138,12 @@ class Recorded:
             for row in plain(chunk.to_record_batch())
         ]
 
+    @property
+    def names(self) -> dict[str, str]:
+        """Names of the views by their entities in the layout."""
+        return {path: row["ViewBlueprint:display_name"][0] for path, row in self.layout
+                if "ViewBlueprint:display_name" in row}  # fmt: skip
+
     def shown(self, path: str, timeline: str, value: int) -> Row | None:
         """The row a viewer shows where a timeline stands at this value."""
         reached = [r for r in self.rows[path] if timeline in r and r[timeline] <= value]
@@ -170,6 +169,12 @@ class Recorded:
                     yield from value
 
 
+def read_back(shown: Content | Drawing, folder: Path) -> Recorded:
+    """What the recording of a content or a construction holds."""
+    record(shown, folder / "f.rrd")
+    return Recorded(folder / "f.rrd")
+
+
 def has_geometry(row: Row | None) -> bool:
     return row is not None and any(
         row.get(n) for n in ("Points2D:positions", "LineStrips2D:strips")
@@ -179,6 +184,12 @@ def has_geometry(row: Row | None) -> bool:
 def paper(vertices: Any) -> Any:
     """Vertices read back, as complex numbers."""
     return np.asarray(vertices, float) @ [1, 1j]
+
+
+def sheet_and_story(made: Drawing, *steps: int) -> tuple[Page, list[Tick]]:
+    """What stays on the sheet of a construction, and what is told of it, or of these steps only."""
+    stays = pages_of(Content("a car", made))[0]
+    return stays, list(story_of(stays, arms_page(made), {}, steps))
 
 
 def content(steps: int = 60) -> Content:

@@ -12,14 +12,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from worked_example import column
 
-from phaseplane.constructions import (
-    RULES,
-    EquationPlane,
-    Window,
-    construct_motion,
-    family,
-    overlay,
-)
+from phaseplane.constructions import RULES, EquationPlane, Window, construct_motion, family, overlay
 
 
 def van_der_pol(velocity: float, x: float, t: float) -> float:

@@ -8,28 +8,13 @@ from math import cos, sin
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
-from matplotlib.figure import Figure
 from matplotlib.quiver import Quiver
 from matplotlib.text import Text
+from on_figures import legend, strips
 
 from phaseplane.figures import portrait
 from phaseplane.figures.style import Look
-from phaseplane.portrait import (
-    PhaseSystem,
-    Window,
-    compute_portrait,
-    good_window,
-    window_of,
-)
-
-
-def curves(figure: Figure, role: str) -> list[np.ndarray]:
-    found = [c for c in figure.axes[0].collections if c.get_gid() == role]
-    return [np.asarray(s) for c in found for s in c.get_segments()]
-
-
-def words(figure: Figure) -> list[str]:
-    return [text.get_text() for text in figure.legends[0].get_texts()]
+from phaseplane.portrait import PhaseSystem, Window, compute_portrait, good_window, window_of
 
 
 @pytest.mark.slow
@@ -38,10 +23,10 @@ def test_the_pendulum_shows_saddles_centre_and_energies() -> None:
     figure = portrait(compute_portrait(system, good_window(system, 3.0)), title="A pendulum")
     marks = [line for line in figure.axes[0].lines if line.get_gid() == "equilibrium"]
     assert [line.get_xdata()[0] for line in marks] == pytest.approx([-np.pi, 0.0, np.pi])
-    assert {"saddle", "centre", "energy", "separatrices", "nullcline"} <= set(words(figure))
-    for curve in curves(figure, "separatrix"):
+    assert {"saddle", "centre", "energy", "separatrices", "nullcline"} <= set(legend(figure))
+    for curve in strips(figure, "separatrix"):
         assert curve[:, 1] ** 2 / 2.0 - np.cos(curve[:, 0]) == pytest.approx(1.0, abs=1e-5)
-    for curve in curves(figure, "energy"):
+    for curve in strips(figure, "energy"):
         energy = curve[:, 1] ** 2 / 2.0 - np.cos(curve[:, 0])
         assert np.ptp(energy) < 0.02
     assert figure.get_suptitle() == "A pendulum"
@@ -52,18 +37,18 @@ def test_van_der_pol_shows_its_cycle_in_a_window_that_holds_it() -> None:
     system = PhaseSystem(lambda v, x, t: (x * x - 1.0) * v + x)
     made = compute_portrait(system, good_window(system, 3.0))
     figure = portrait(made, labels=("x", "x'"), look=Look(dark=True))
-    (cycle,) = curves(figure, "attracting")
+    (cycle,) = strips(figure, "attracting")
     assert cycle[:, 0].max() == pytest.approx(2.0086, abs=1e-3)
     low, high = figure.axes[0].get_ylim()
     assert low < cycle[:, 1].min() < cycle[:, 1].max() < high
     assert to_hex(figure.get_facecolor()) == Look(dark=True).palette.paper
     # integral curves from the border end on the cycle
-    for orbit in curves(figure, "orbit"):
+    for orbit in strips(figure, "orbit"):
         end = orbit[-1]
         if not made.window.holds(*end):
             continue
         assert np.abs(cycle - end).sum(axis=1).min() < 0.1
-    assert curves(figure, "energy") == []
+    assert strips(figure, "energy") == []
 
 
 @pytest.mark.slow
@@ -81,7 +66,7 @@ def test_the_section_of_a_forced_oscillator_ends_on_its_fixed_point() -> None:
     assert made.section is not None
     assert 10 < made.section.transient <= 20
     assert made.section.periods <= made.section.transient + 2
-    assert "attractor, period 1" in words(figure)
+    assert "attractor, period 1" in legend(figure)
     assert not figure.axes[0].collections  # no field, no curves: they would be those of one instant
 
 

@@ -6,7 +6,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
+from on_figures import legend
 
 from phaseplane.figures import sweep
 
@@ -16,10 +16,6 @@ TABLES = ["", "-1:0.5, 1:0.5", "-1:2, 0:1, 0.1:2, 0.2:3, 0.3:4, 0.4:5"]
 
 def gridded(*columns: list[float] | list[str]) -> list[list[float] | list[str]]:
     return [list(column) for column in zip(*product(*columns), strict=True)]
-
-
-def legend(figure: Figure) -> list[str]:
-    return [text.get_text() for found in figure.legends for text in found.get_texts()]
 
 
 def test_a_number_and_a_text_are_a_family_of_curves() -> None:

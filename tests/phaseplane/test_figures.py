@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import re
-import subprocess
 import sys
 
 import numpy as np
 import pytest
+from hosting import in_python
 from matplotlib import ft2font
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont
 from matplotlib.text import Annotation, Text
+from on_figures import dots, strips, texts
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import cubic, damper, linear
 from worked_example import STEP, ap57, hidden
@@ -48,21 +49,6 @@ def lettered(drawing):
 @pytest.fixture(scope="module")
 def sheet(drawing):
     return construction_sheet(drawing, range(20))
-
-
-def texts(figure: Figure) -> list[str]:
-    return [text.get_text() for text in figure.axes[0].texts if text.get_text()]
-
-
-def strips(figure: Figure, role: str) -> list[np.ndarray]:
-    """The polylines of a role."""
-    found = [c for c in figure.axes[0].collections if c.get_gid() == role]
-    return [strip for collection in found for strip in collection.get_segments()]
-
-
-def dots(figure: Figure, role: str) -> list[complex]:
-    lines = [line for line in figure.axes[0].lines if line.get_gid() == role]
-    return [complex(x, y) for line in lines for x, y in zip(*line.get_data(), strict=True)]
 
 
 # Both planes with one step lettered.
@@ -285,10 +271,7 @@ def test_energies_have_a_panel():
     ("columns", "message"),
     [
         ({"body_displacement": [0.0, 1.0]}, "no column 'time'; columns given: body_displacement"),
-        (
-            {"time": [0.0, 1.0], "body_displacement": [0.0]},
-            r"'body_displacement' has shape \(1,\)",
-        ),
+        ({"time": [0.0, 1.0], "body_displacement": [0.0]}, r"'body_displacement' has shape \(1,\)"),
         ({"time": [0.0], "body_displacement": [0.0]}, "at least two values"),
         (
             {"time": [0.0, 1.0], "speed": [0.0, 1.0]},
@@ -346,14 +329,7 @@ def test_what_is_there_stays_when_writing_fails(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_pyplot_and_its_global_state_stay_out():
     code = "import sys; from phaseplane.figures import *; print('matplotlib.pyplot' in sys.modules)"
-    found = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        check=True,
-        env={"PYTHONPATH": ":".join(sys.path)},
-    )
-    assert found.stdout.strip() == "False"
+    assert in_python(code).strip() == "False"
 
 
 # Letters.

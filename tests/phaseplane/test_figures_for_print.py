@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.text import Text
+from on_figures import strips, words
 from phaseplane.suspension.characteristics import damper, linear
 from phaseplane.suspension.roads import bump, obstacle
 from PIL import Image
@@ -33,15 +34,6 @@ from phaseplane.picture.styles import ROLES
 @pytest.fixture(scope="module")
 def drawing() -> Drawing:
     return construct_motion(ap57(), delta, step=0.0025, steps=30)
-
-
-def strips(figure: object, role: str) -> list[np.ndarray]:
-    axes = figure.axes[0]  # type: ignore[attr-defined]
-    return [s for c in axes.collections if c.get_gid() == role for s in c.get_segments()]
-
-
-def words(figure: object) -> set[str]:
-    return {text.get_text() for text in figure.findobj(Text)}  # type: ignore[attr-defined]
 
 
 @pytest.mark.slow

@@ -15,14 +15,7 @@ from phaseplane.suspension.characteristics import cubic, damper, linear
 from phaseplane.suspension.models import axle_masses
 from recorded import check_schemes
 
-from phaseplane.constructions import (
-    RULES,
-    AxleData,
-    HalfCarPlanes,
-    Strut,
-    Window,
-    construct_motion,
-)
+from phaseplane.constructions import RULES, AxleData, HalfCarPlanes, Strut, Window, construct_motion
 
 G = 9.80665
 TO_FRONT, TO_REAR, MASS, SPEED = 1.2, 1.4, 600.0, 20.0
@@ -111,8 +104,7 @@ def test_projection_gives_the_feet_of_the_formulas(one, mode, window):
         h = (c * road.integral(window.start, window.end) + k * rise) / window.duration
         tyre.append(data.static_load if air else c * height + k * velocity - h)
     body = np.linalg.solve(
-        [[one.front_mass, one.coupling_mass], [one.coupling_mass, one.rear_mass]],
-        -np.array(strut),
+        [[one.front_mass, one.coupling_mass], [one.coupling_mass, one.rear_mass]], -np.array(strut)
     )
     wheels = [
         (s - t) / data.unsprung_mass

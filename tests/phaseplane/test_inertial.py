@@ -15,12 +15,7 @@ from phaseplane.suspension.characteristics import cubic, damper, linear
 from recorded import check_schemes
 from scipy.integrate import solve_ivp
 
-from phaseplane.constructions import (
-    RULES,
-    HalfCarRigidTyresPlanes,
-    Window,
-    construct_motion,
-)
+from phaseplane.constructions import RULES, HalfCarRigidTyresPlanes, Window, construct_motion
 
 FRONT = roads.bump(0.05, 3.0, 12.0)
 REAR = FRONT.delayed(2.5 / 12.0)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from importlib import import_module
 from inspect import isfunction
 from pathlib import Path
 
 import pytest
+from hosting import in_python
 
 import phaseplane
 from phaseplane import figures, scenarios, vehicle_fmus
@@ -47,13 +46,7 @@ def test_a_function_stands_before_the_module_of_its_name() -> None:
 
 def test_importing_the_packages_imports_nothing_else() -> None:
     code = f"import sys, {', '.join(PACKAGES)}\nprint(*sys.modules)"
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", code],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    loaded = set(done.stdout.split())
+    loaded = set(in_python(code).split())
     assert {name for name in loaded if name.startswith("phaseplane")} == {
         *PACKAGES, "phaseplane.scenarios",
     }  # fmt: skip

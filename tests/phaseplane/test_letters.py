@@ -9,25 +9,15 @@ from math import pi
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from recorded import (
-    content,
-    drawing,
-)
+from recorded import drawing, sheet_and_story
 from worked_example import ap57
 
-from phaseplane.constructions import (
-    construct_motion,
-    delta,
-)
+from phaseplane.constructions import construct_motion, delta
 from phaseplane.picture.items import Dots, Text
 from phaseplane.picture.letters import NEAR, place, text_box
-from phaseplane.picture.paper import (
-    Box,
-)
+from phaseplane.picture.paper import Box
 from phaseplane.picture.story import arms_page, story_of
-from phaseplane.picture.styles import (
-    MOVING_POINT,
-)
+from phaseplane.picture.styles import MOVING_POINT
 from phaseplane.recording import Content
 from phaseplane.recording.motion import pages_of
 
@@ -75,7 +65,7 @@ def test_letters_of_a_stage_are_nearer_to_their_points_than_to_others() -> None:
 
 
 def test_the_letters_of_a_stage_leave_its_moving_points_free() -> None:
-    ticks = list(story_of(stays := pages_of(content())[0], arms_page(drawing()), {}))
+    stays, ticks = sheet_and_story(drawing())
     for tick in ticks:
         rings = [
             z for dots in tick.page.of(Dots) if dots.role == MOVING_POINT[0] for z in dots.points
@@ -87,8 +77,8 @@ def test_the_letters_of_a_stage_leave_its_moving_points_free() -> None:
 def test_letters_far_from_their_points_are_led_on_a_screen() -> None:
     """In a window twice as large, with type of the same size, they are twice as far away."""
     made = construct_motion(ap57(), delta, step=0.0025, steps=62)
-    stays = pages_of(Content("quarter car", made))[0]
-    for tick in story_of(stays, arms_page(made), {}):
+    stays, ticks = sheet_and_story(made)
+    for tick in ticks:
         for text in (t for t in tick.page.texts if t.kind == "letter" and not t.led):
             assert text.point is not None
             gap = abs(text.box(stays.em).nearest(text.point) - text.point)

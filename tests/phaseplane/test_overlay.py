@@ -6,7 +6,7 @@ from math import nan
 
 import numpy as np
 import pytest
-from worked_example import STEP, ap57, by_scipy, column
+from worked_example import MOTION, STEP, ap57, by_scipy, column
 
 from phaseplane.constructions import compare_with_motion, construct_motion, overlay
 from phaseplane.figures.canvas import new_page
@@ -33,10 +33,7 @@ def test_laid_over_a_solution_it_drifts_by_the_local_error():
 
 def test_laid_over_its_own_motion_it_does_not_drift_even_in_flight():
     drawing = construct_motion(ap57(), step=STEP, duration=0.15)
-    names = (
-        "suspension_deflection", "suspension_deflection_rate", "wheel_displacement", "wheel_velocity",
-    )  # fmt: skip
-    rows = [column(drawing, name) for name in names]
+    rows = [column(drawing, name) for name in MOTION]
     airborne = [frame.scheme == "flight" for frame in drawing]
     times = [frame.time for frame in drawing]
     laid = overlay(ap57(), times, *rows, airborne=airborne)
@@ -93,15 +90,9 @@ def test_a_march_drifts_from_an_exact_motion_by_the_error_of_its_rule():
 
 def test_a_march_does_not_drift_from_itself():
     drawing = construct_motion(ap57(), step=STEP, duration=0.1)
-    names = ("suspension_deflection", "suspension_deflection_rate", "wheel_displacement",
-             "wheel_velocity")  # fmt: skip
-    rows = [column(drawing, name).tolist() for name in names]
-    held = compare_with_motion(drawing, column_of_times(drawing), *rows)
+    rows = [column(drawing, name).tolist() for name in MOTION]
+    held = compare_with_motion(drawing, [frame.time for frame in drawing], *rows)
     assert max(column(held, "suspension_deflection_drift")) < 1e-14
-
-
-def column_of_times(drawing) -> list[float]:
-    return [frame.time for frame in drawing]
 
 
 def test_a_motion_that_is_too_short_is_refused():
@@ -113,9 +104,7 @@ def test_a_motion_that_is_too_short_is_refused():
 def test_steps_over_a_motion_read_off_by_hand_are_drawn_where_they_miss_its_next_point():
     made = construct_motion(ap57(), step=STEP, duration=0.15)
     times = [frame.time for frame in made]
-    rows = [np.array(column(made, name)) for name in (
-        "suspension_deflection", "suspension_deflection_rate", "wheel_displacement", "wheel_velocity",
-    )]  # fmt: skip
+    rows = [column(made, name) for name in MOTION]
     rows[0] = rows[0] + 2e-3 * np.random.default_rng(1).standard_normal(len(times))
     misread = overlay(ap57(), times, *rows)
 

@@ -15,26 +15,14 @@ from phaseplane.scenarios.draw.constructions import draw_construction
 from phaseplane.scenarios.scene.loading import load_scene
 from worked_example import ap57
 
-from phaseplane.constructions import (
-    Axis,
-    Drawing,
-    EquationPlane,
-    construct_motion,
-    delta,
-)
+from phaseplane.constructions import Axis, Drawing, EquationPlane, construct_motion, delta
 from phaseplane.constructions.letters import typeset
 from phaseplane.figures.planes import step_lines, step_page
 from phaseplane.figures.style import PLAIN
 from phaseplane.picture.axes import graduation_of
 from phaseplane.picture.items import Lines
 from phaseplane.picture.page import PLATE
-from phaseplane.picture.paper import (
-    Boxes,
-    arcs,
-    around,
-    segments_of,
-    telling_vertices,
-)
+from phaseplane.picture.paper import Boxes, arcs, around, segments_of, telling_vertices
 from phaseplane.picture.quantities import display_unit
 from phaseplane.picture.story import arms_page, story_of
 from phaseplane.recording import Content

@@ -6,19 +6,16 @@ from cmath import phase
 from itertools import pairwise
 
 import numpy as np
+import on_figures
 import pytest
 from matplotlib.figure import Figure
+from on_figures import texts
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import damper, linear
 from worked_example import STEP, ap57, by_scipy, column, hidden
 
 from phaseplane import figures
-from phaseplane.constructions import (
-    Drawing,
-    HalfCarRigidTyresPlanes,
-    construct_motion,
-    rule_named,
-)
+from phaseplane.constructions import Drawing, HalfCarRigidTyresPlanes, construct_motion, rule_named
 
 CM = 0.01
 
@@ -46,14 +43,9 @@ def by_rule(name: str) -> Drawing:
     return construct_motion(ap57(lift_off=False), rule_named(name), step=3 * STEP, steps=15)
 
 
-def strips(figure: Figure, role: str) -> list[list[complex]]:
-    """The polylines of a role."""
-    found = [c for c in figure.axes[0].collections if c.get_gid() == role]
-    return [[complex(*z) for z in s] for c in found for s in c.get_segments()]
-
-
-def texts(figure: Figure) -> list[str]:
-    return [text.get_text() for text in figure.axes[0].texts if text.get_text()]
+def strips(figure: Figure, role: str) -> list[np.ndarray]:
+    """The polylines of a role, as points of the paper."""
+    return [strip @ [1, 1j] for strip in on_figures.strips(figure, role)]
 
 
 def dimension_lines(figure: Figure) -> list[tuple[complex, complex]]:

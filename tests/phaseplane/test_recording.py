@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,6 +23,8 @@ from recorded import (
     drawing,
     frame,
     paper,
+    read_back,
+    sheet_and_story,
     spiral,
 )
 from rerun.chunk import RrdReader
@@ -40,9 +41,9 @@ from phaseplane.constructions import (
     delta,
 )
 from phaseplane.picture.letters import text_box
-from phaseplane.picture.story import Tick, arms_page, story_of
+from phaseplane.picture.story import arms_page, story_of
 from phaseplane.picture.styles import style_of
-from phaseplane.recording import DETAILS, new_recording, record
+from phaseplane.recording import DETAILS, new_recording
 from phaseplane.recording.canvas import BLOCK
 from phaseplane.recording.columns import LINE_UP, Clock, rgba
 from phaseplane.recording.motion import pages_of
@@ -133,8 +134,7 @@ def test_contact_has_a_lane_on_every_timeline(tmp_path: Path, every: int) -> Non
     times = histories["time"]
     flies = (times > 0.0624) & (times < 0.0999)
     shown = replace(content(), histories={**histories, "airborne": flies})
-    record(shown, tmp_path / "f.rrd")
-    rows = Recorded(tmp_path / "f.rrd").rows["/lanes/wheel"]
+    rows = read_back(shown, tmp_path).rows["/lanes/wheel"]
     off = {
         name: [r[name] for r in rows if name in r and r["StateChange:state"] == ["loud"]]
         for name in ("t", "step", "stage")
@@ -160,8 +160,7 @@ def test_stages_play_at_one_a_second_and_the_motion_in_a_minute(recorded: Record
 def test_the_steps_of_a_long_motion_pass_faster_than_stages(
     tmp_path: Path, steps: int, stride: int
 ) -> None:
-    record(content(steps - 1), tmp_path / "f.rrd")
-    made = Recorded(tmp_path / "f.rrd")
+    made = read_back(content(steps - 1), tmp_path)
     panel = {name: value for _, row in made.layout for name, value in row.items()}
     (speed,), (fps,) = (panel[f"TimePanelBlueprint:{n}"] for n in ("playback_speed", "fps"))
     assert fps * speed == pytest.approx(stride)
@@ -207,8 +206,7 @@ def test_trail_joins_the_state_points(recorded: Recorded, plane: Plane) -> None:
 def test_a_long_trail_goes_in_blocks(tmp_path: Path) -> None:
     frames = tuple(replace(frame(k), scheme="flight", event="") for k in range(300))
     shown = replace(content(), drawing=replace(drawing(), frames=frames), detail="trail")
-    record(shown, tmp_path / "f.rrd")
-    recorded = Recorded(tmp_path / "f.rrd")
+    recorded = read_back(shown, tmp_path)
     blocks = recorded.rows["/sheet/trail/wheel_displacement/past"]
     assert [row["step"] for row in blocks] == [
         BLOCK,
@@ -249,8 +247,8 @@ def test_a_short_trail_stays_in_full_while_the_run_goes_on(
     tmp_path: Path, steps: int, all_in_full: bool
 ) -> None:
     frames = tuple(replace(frame(k), scheme="flight", event="") for k in range(steps))
-    record(replace(content(), drawing=replace(drawing(), frames=frames)), tmp_path / "f.rrd")
-    for shown in ranges_of(Recorded(tmp_path / "f.rrd"))["/sheet/trail/wheel_displacement/recent"]:
+    made = read_back(replace(drawing(), frames=frames), tmp_path)
+    for shown in ranges_of(made)["/sheet/trail/wheel_displacement/recent"]:
         assert (shown["range"]["start"] is None) == all_in_full
 
 
@@ -272,7 +270,7 @@ def test_a_step_shows_the_construction_of_its_scheme_only(recorded: Recorded, k:
 
 
 def test_the_present_stage_stands_out_and_letters_follow_it(recorded: Recorded) -> None:
-    told = list(story())
+    _, told = sheet_and_story(drawing())
     lines = recorded.rows["/sheet/story/lines"]
     letters = recorded.rows["/sheet/story/letters"]
     assert len(lines) == len(letters) == len(told)
@@ -285,11 +283,6 @@ def test_the_present_stage_stands_out_and_letters_follow_it(recorded: Recorded) 
     names = letters[tick]["Points2D:labels"]
     assert {"P\N{SUBSCRIPT ONE}", "P\N{SUBSCRIPT TWO}"} <= set(names)
     assert any(name.startswith("D\N{SUBSCRIPT ONE}") for name in names)
-
-
-def story() -> Iterator[Tick]:
-    shown = pages_of(content())
-    return story_of(shown[0], arms_page(drawing()), {})
 
 
 def test_lift_off_and_touchdown_are_marked_in_both_planes(recorded: Recorded) -> None:
@@ -316,8 +309,7 @@ def test_lift_off_and_touchdown_are_marked_in_both_planes(recorded: Recorded) ->
 @pytest.mark.parametrize(("events", "label"), [(6, "U"), (25, "")])
 def test_many_events_are_marked_in_fewer_letters(tmp_path: Path, events: int, label: str) -> None:
     frames = tuple(replace(frame(k), event="lift_off") for k in range(events))
-    record(replace(drawing(), frames=frames), tmp_path / "f.rrd")
-    rows = Recorded(tmp_path / "f.rrd").rows
+    rows = read_back(replace(drawing(), frames=frames), tmp_path).rows
     labels = [row["Points2D:labels"] or [] for row in rows["/sheet/events/letters"]]
     assert labels[0] == ([label, label] if label else [])
     assert sum(map(len, labels)) < events  # those close together share a letter
@@ -325,39 +317,32 @@ def test_many_events_are_marked_in_fewer_letters(tmp_path: Path, events: int, la
     assert (max(radii) < 2.0) == (events > 24)  # many would be a blot
 
 
-def test_an_axle_leaves_the_road_in_its_own_planes(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("events", "letters", "places", "said"),
+    [
+        ("rear_lift_off", ["U"], [spiral(2, 1)], "The rear wheel leaves the road (U)."),
+        ("front_lift_off, rear_touchdown", ["U", "V"], [spiral(1, 1), spiral(2, 1)],
+         "The front wheel leaves the road (U). The rear wheel touches down (V)."),
+    ],
+)  # fmt: skip
+def test_the_wheels_of_two_axles_leave_the_road_each_in_its_own_planes(
+    tmp_path: Path, events: str, letters: list[str], places: list[complex], said: str
+) -> None:
     planes = [
         replace(p, name=f"{axle}_{p.name}")
         for axle, p in zip(("front", "rear"), PLANES, strict=True)
     ]
-    frames = (frame(0), replace(frame(1), event="rear_lift_off"))
-    record(replace(drawing(), planes=tuple(planes), frames=frames), tmp_path / "f.rrd")
-    rows = Recorded(tmp_path / "f.rrd").rows
-    (row,), (letters,) = (rows[f"/sheet/events/{part}"] for part in ("points", "letters"))
-    assert letters["Points2D:labels"] == ["U"]
-    np.testing.assert_allclose(paper(row["Points2D:positions"]), [spiral(2, 1)], atol=1e-7)
-
-
-def test_two_events_at_one_instant_are_two(tmp_path: Path) -> None:
-    planes = [
-        replace(p, name=f"{axle}_{p.name}")
-        for axle, p in zip(("front", "rear"), PLANES, strict=True)
-    ]
-    frames = (frame(0), replace(frame(1), event="front_lift_off, rear_touchdown"))
-    record(replace(drawing(), planes=tuple(planes), frames=frames), tmp_path / "f.rrd")
-    recorded = Recorded(tmp_path / "f.rrd")
-    (row,), (letters,) = (recorded.rows[f"/sheet/events/{part}"] for part in ("points", "letters"))
-    assert letters["Points2D:labels"] == ["U", "V"]
-    places = [spiral(1, 1), spiral(2, 1)]
+    frames = (frame(0), replace(frame(1), event=events))
+    recorded = read_back(replace(drawing(), planes=tuple(planes), frames=frames), tmp_path)
+    (row,), (named,) = (recorded.rows[f"/sheet/events/{part}"] for part in ("points", "letters"))
+    assert named["Points2D:labels"] == letters
     np.testing.assert_allclose(paper(row["Points2D:positions"]), places, atol=1e-7)
-    said = "The front wheel leaves the road (U). The rear wheel touches down (V)."
     assert any(said in text for text in recorded.words())
 
 
 def test_no_step_is_told_once_the_construction_has_ended(tmp_path: Path) -> None:
     """A run may go on for long after it."""
-    record(construct_motion(ap57(), delta, step=0.0025, steps=10), tmp_path / "f.rrd")
-    recorded = Recorded(tmp_path / "f.rrd")
+    recorded = read_back(construct_motion(ap57(), delta, step=0.0025, steps=10), tmp_path)
     for step, words in (
         (9, "**Step 9 (0 to 9)"),
         (10, "**The construction ends** at t = 0.02500 s."),
@@ -399,8 +384,7 @@ def test_axes_carry_values_and_names(recorded: Recorded) -> None:
 
 @pytest.mark.parametrize("detail", DETAILS)
 def test_detail_decides_what_is_logged(tmp_path: Path, detail: str) -> None:
-    record(replace(content(), detail=detail), tmp_path / "f.rrd")  # type: ignore[arg-type]
-    recorded = Recorded(tmp_path / "f.rrd")
+    recorded = read_back(replace(content(), detail=detail), tmp_path)
     stages = any("stage" in row for rows in recorded.rows.values() for row in rows)
     assert stages == (detail == "stages")
     assert ("/words" in recorded.rows) == (detail != "trail")
@@ -412,8 +396,7 @@ def test_detail_decides_what_is_logged(tmp_path: Path, detail: str) -> None:
 @pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
 def test_figure_7_with_lift_off(tmp_path: Path, rule: Rule) -> None:
     figure = construct_motion(ap57(), rule, step=0.0025, steps=60)
-    record(figure, tmp_path / "f.rrd")
-    recorded = Recorded(tmp_path / "f.rrd")
+    recorded = read_back(figure, tmp_path)
     trail = recorded.rows["/sheet/trail/wheel_displacement/recent"]
     states = [frame.points["P2"] for frame in figure.frames] + [figure.frames[-1].points["P2'"]]
     ways = [paper(row["LineStrips2D:strips"])[0] for row in trail]
@@ -434,8 +417,7 @@ def test_figure_7_with_lift_off(tmp_path: Path, rule: Rule) -> None:
 @pytest.mark.slow
 def test_normals_of_figure_7(tmp_path: Path) -> None:
     figure = construct_motion(ap57(lift_off=False), delta, step=0.0025, steps=20)
-    record(figure, tmp_path / "f.rrd")
-    recorded = Recorded(tmp_path / "f.rrd")
+    recorded = read_back(figure, tmp_path)
     strokes = [stroke.role for stroke in figure.schemes["contact"].strokes]
     for each in figure.frames:
         row = recorded.shown("/sheet/steps/contact/lines", "step", each.step)
@@ -445,23 +427,19 @@ def test_normals_of_figure_7(tmp_path: Path) -> None:
             for strip, role in zip(row["LineStrips2D:strips"], strokes, strict=True)
             if role == "normal"
         ]
-        expected = [
-            [each.points["D1"], each.points["P1"]],
-            [each.points["D2"], each.points["P2"]],
-        ]
+        expected = [[each.points["D1"], each.points["P1"]], [each.points["D2"], each.points["P2"]]]
         np.testing.assert_allclose(paper(strips), expected, atol=1e-6)
 
 
 def test_a_car_at_rest(tmp_path: Path) -> None:
     still = replace(frame(0), points=dict.fromkeys(frame(0).points, 0j), scheme="contact")
     bare = Scheme(("nothing is lettered",), (Mark("state", "P1", 0),))
-    record(
+    recorded = read_back(
         replace(
             drawing(), planes=PLANES[:1], frames=(still,), schemes={"contact": bare}, curves=()
         ),
-        tmp_path / "f.rrd",
+        tmp_path,
     )
-    recorded = Recorded(tmp_path / "f.rrd")
     (row,) = recorded.rows["/sheet/trail/suspension_deflection/recent"]
     np.testing.assert_array_equal(paper(row["LineStrips2D:strips"]), [[0j, 0j]])
 
@@ -473,8 +451,7 @@ def test_one_plane(tmp_path: Path) -> None:
         damper=damper(200 * KGF, 50 * KGF),
         road=bump(height=0.05, length=1.0, speed=20.0),
     )
-    record(construct_motion(plane, delta, step=0.0025, steps=40), tmp_path / "f.rrd")
-    recorded = Recorded(tmp_path / "f.rrd")
+    recorded = read_back(construct_motion(plane, delta, step=0.0025, steps=40), tmp_path)
     assert len(recorded.rows["/sheet/trail/suspension_deflection/recent"]) == 40
     assert not [path for path in recorded.rows if path.startswith("/sheet/events")]
     assert {path.split("/")[3] for path in recorded.rows if "/steps/" in path} == {

@@ -12,13 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rerun as rr
-from recorded import (
-    HISTORIES,
-    Recorded,
-    content,
-    drawing,
-    frame,
-)
+from recorded import HISTORIES, Recorded, content, drawing, frame, read_back
 
 from phaseplane.picture.styles import hue_of
 from phaseplane.recording import Content, new_recording, record, recorder
@@ -44,11 +38,8 @@ def test_histories_are_plotted_in_their_units(recorded: Recorded) -> None:
 
 def test_units_and_columns_have_paths_whatever_they_are_called(tmp_path: Path) -> None:
     histories = {"time": [0.0, 1.0], "pitch": [0.0, 0.1], "flow rate": [0.0, 1.0]}
-    record(
-        Content("odd units", histories=histories, units={"pitch": "rad/s3", "flow rate": "m3/s"}),
-        tmp_path / "f.rrd",
-    )
-    made = Recorded(tmp_path / "f.rrd")
+    units = {"pitch": "rad/s3", "flow rate": "m3/s"}
+    made = read_back(Content("odd units", histories=histories, units=units), tmp_path)
     paths = {path for path in made.rows if path.startswith("/histories")}
     assert paths == {r"/histories/rad\/s³/pitch", r"/histories/m³\/s/flow\ rate"}
     origins = {v[0] for _, row in made.layout for n, v in row.items() if n.endswith("space_origin")}
@@ -86,8 +77,7 @@ def test_identity_comes_from_the_drawing(recorded: Recorded) -> None:
 
 def test_recordings_of_one_scene_are_listed_by_rule_and_step(tmp_path: Path) -> None:
     titled = replace(drawing(), title="Two planes: rule delta, step 2.5 ms")
-    record(Content("A scene", titled), tmp_path / "f.rrd")
-    entry = Recorded(tmp_path / "f.rrd")
+    entry = read_back(Content("A scene", titled), tmp_path)
     assert entry.entry.application_id == "A scene"
     assert entry.static["/__properties"]["RecordingInfo:name"] == ["rule delta, step 2.5 ms"]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recorded import Recorded, content, drawing, paper
+from recorded import Recorded, content, drawing, paper, read_back
 
 from phaseplane.constructions import EquationPlane, construct_motion, delta
 from phaseplane.picture.items import Arrow
@@ -35,11 +35,6 @@ MOTION = {
 }
 
 
-def recorded(tmp_path: Path, shown: Content) -> Recorded:
-    record(shown, tmp_path / "f.rrd")
-    return Recorded(tmp_path / "f.rrd")
-
-
 def heights(made: Recorded, part: str) -> tuple[np.ndarray, np.ndarray]:
     """Instants and heights of a part of the vehicle."""
     rows = sorted(made.rows[f"/vehicle/{part}"], key=lambda row: row["t"])
@@ -50,7 +45,7 @@ def heights(made: Recorded, part: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_parts_move_as_the_columns_say(tmp_path: Path) -> None:
-    made = recorded(tmp_path, Content("a run", histories=MOTION, vehicle=QUARTER))
+    made = read_back(Content("a run", histories=MOTION, vehicle=QUARTER), tmp_path)
     assert made.static["/vehicle"]["Transform3D:scale"] == [[1.0, -1.0, 1.0]]
     for part, column in (("axle/strut", "body"), ("axle/wheel", "wheel"), ("body", "body")):
         times, height = heights(made, part)
@@ -69,7 +64,7 @@ def test_the_construction_is_drawn_over_the_run(tmp_path: Path) -> None:
     times = np.linspace(0.0, 0.15, 16)
     names = ("suspension_deflection", "suspension_deflection_rate")
     shown = Content("two planes", drawing(), {"time": times, **dict.fromkeys(names, 0.1 * times)})
-    made = recorded(tmp_path, shown)
+    made = read_back(shown, tmp_path)
     for part in ("recent", "past"):
         run, trail = (made.static[f"/sheet/{r}/{names[0]}/{part}"] for r in ("run", "trail"))
         ((beneath,), above) = (x.get("LineStrips2D:draw_order") for x in (run, trail))
@@ -109,7 +104,7 @@ def test_a_viewer_is_shown_all_that_a_file_has(tmp_path: Path, *, live: bool) ->
         drawer.take({name: column[:200] for name, column in MOTION.items()})
     drawer.complete(whole)
     drawer.recording.disconnect()
-    shown, filed = Recorded(tmp_path / "f.rrd"), recorded(tmp_path, whole)
+    shown, filed = Recorded(tmp_path / "f.rrd"), read_back(whole, tmp_path)
     chart = "/chart/"  # which a live view has not
     for path in (p for p in filed.rows if not p.startswith(chart)):
         for timeline in ("t", "step", "stage"):
@@ -119,7 +114,7 @@ def test_a_viewer_is_shown_all_that_a_file_has(tmp_path: Path, *, live: bool) ->
 
 
 def test_the_road_passes_below_the_wheel(tmp_path: Path) -> None:
-    made = recorded(tmp_path, Content("a run", histories=MOTION, vehicle=QUARTER))
+    made = read_back(Content("a run", histories=MOTION, vehicle=QUARTER), tmp_path)
     surface = paper(made.static["/vehicle/road"]["LineStrips2D:strips"][0])
     for row in made.rows["/vehicle/road"][::40]:
         shift = row["Transform3D:translation"][0][0]
@@ -129,14 +124,14 @@ def test_the_road_passes_below_the_wheel(tmp_path: Path) -> None:
 
 def test_the_tyre_stands_on_the_road_at_rest(tmp_path: Path) -> None:
     still = {name: np.zeros(301) for name in MOTION} | {"time": TIME, "wheel": np.full(301, STATIC)}
-    made = recorded(tmp_path, Content("a run", histories=still, vehicle=QUARTER))
+    made = read_back(Content("a run", histories=still, vehicle=QUARTER), tmp_path)
     tyre = paper(made.static["/vehicle/axle/wheel"]["LineStrips2D:strips"][0])
     _, height = heights(made, "axle/wheel")
     assert height[0] + tyre.imag.min() == pytest.approx(0.0, abs=1e-6)  # raised to its free length
 
 
 def test_the_gap_is_shaded_while_airborne_and_reaches_from_road_to_tyre(tmp_path: Path) -> None:
-    made = recorded(tmp_path, Content("a run", histories=MOTION, vehicle=QUARTER))
+    made = read_back(Content("a run", histories=MOTION, vehicle=QUARTER), tmp_path)
     tyre = 0.32
     shaded = 0
     for row, flies in zip(made.rows["/vehicle/axle/gap"], MOTION["airborne"], strict=True):
@@ -154,7 +149,7 @@ def test_the_gap_is_shaded_while_airborne_and_reaches_from_road_to_tyre(tmp_path
 
 
 def test_stops_stand_at_their_gaps(tmp_path: Path) -> None:
-    made = recorded(tmp_path, Content("a run", histories=MOTION, vehicle=QUARTER))
+    made = read_back(Content("a run", histories=MOTION, vehicle=QUARTER), tmp_path)
     parts = [paper(strip) for strip in made.static["/vehicle/axle/strut"]["LineStrips2D:strips"]]
     wheel = made.static["/vehicle/axle/wheel"]["LineStrips2D:strips"]
     plate = paper(wheel[3]).imag[0]
@@ -173,7 +168,7 @@ def test_the_body_of_a_half_car_pitches(tmp_path: Path) -> None:
         (AxleView("front", 1.2, "front", "road"), AxleView("rear", -1.4, "rear", "road")), 10.0
     )
     columns = {"time": TIME, "front": 0.1 * TIME, "rear": -0.2 * TIME, "road": 0.0 * TIME}
-    made = recorded(tmp_path, Content("a run", histories=columns, vehicle=car))
+    made = read_back(Content("a run", histories=columns, vehicle=car), tmp_path)
     for row in made.rows["/vehicle/body"][::50]:
         *_, sine, cosine = row["Transform3D:quaternion"][0]
         turn = 2.0 * np.arctan2(sine, cosine)
@@ -190,7 +185,7 @@ def test_the_body_of_a_half_car_pitches(tmp_path: Path) -> None:
 def test_the_phase_plane_of_two_columns(tmp_path: Path) -> None:
     pair = ("body_displacement", "body_velocity")
     shown = Content("a run", histories=MOTION, pairs=(pair,), views=("planes",))
-    made = recorded(tmp_path, shown)
+    made = read_back(shown, tmp_path)
     path = f"/sheet/trail/{pair[0]}"
     assert {f"{path}/recent", f"{path}/past", f"{path}/here"} == {
         p for p in made.rows if p.startswith("/sheet")
@@ -215,7 +210,7 @@ def test_a_run_is_seen_in_the_planes_of_the_construction(tmp_path: Path) -> None
         "suspension_deflection": 0.05 * np.sin(20 * TIME),
         "suspension_deflection_rate": 1.0 * np.cos(20 * TIME),
     }
-    made = recorded(tmp_path, replace(content(), histories=columns))
+    made = read_back(replace(content(), histories=columns), tmp_path)
     rows = made.rows["/sheet/run/suspension_deflection/recent"]
     assert len(rows) == 300
     states = 0.05 * np.sin(20 * TIME) + 1j * np.cos(20 * TIME) / 23.452
@@ -236,8 +231,8 @@ def test_a_view_that_is_not_wanted_is_not_logged(tmp_path: Path, view: str) -> N
         "energies": "/histories/energy",
         "words": "/words",
     }
-    everything = recorded(tmp_path, whole)
-    less = recorded(tmp_path, replace(whole, views=tuple(v for v in VIEWS if v != view)))
+    everything = read_back(whole, tmp_path)
+    less = read_back(replace(whole, views=tuple(v for v in VIEWS if v != view)), tmp_path)
     for name, root in roots.items():
         assert any(path.startswith(root) for path in everything.rows)
         assert any(path.startswith(root) for path in less.rows) == (name != view)
@@ -266,20 +261,20 @@ def test_unusable_contents(tmp_path: Path, change: dict[str, object], message: s
 
 def test_lanes_show_what_changes(tmp_path: Path) -> None:
     airborne = (TIME > 0.2) & (TIME < 0.3)
-    made = recorded(tmp_path, Content("a run", histories={**MOTION, "airborne": airborne}))
+    made = read_back(Content("a run", histories={**MOTION, "airborne": airborne}), tmp_path)
     states = [(row["t"], row["StateChange:state"]) for row in made.rows["/lanes/wheel"]]
     assert [state for _, state in states] == [["calm"], ["loud"], ["calm"]]
     assert states[1][0] == pytest.approx(TIME[airborne][0])
     labels = made.static["/lanes/wheel"]["StateConfiguration:labels"]
     assert labels == ["on the road", "off the road"]
-    calm = recorded(tmp_path, Content("a run", histories={**MOTION, "airborne": 0 * TIME}))
+    calm = read_back(Content("a run", histories={**MOTION, "airborne": 0 * TIME}), tmp_path)
     assert not any(path.startswith("/lanes") for path in calm.rows)
 
 
 @pytest.mark.slow
 def test_lanes_show_the_whole_time_and_leave_the_type_of_the_sheet_its_size(tmp_path: Path) -> None:
     shown = replace(content(), histories=MOTION, vehicle=QUARTER)
-    made = recorded(tmp_path, shown)
+    made = read_back(shown, tmp_path)
     (lanes,) = (path for path, row in made.layout
                 if row.get("ViewBlueprint:class_identifier") == ["StateTimeline"])  # fmt: skip
     whole = {path: row["TimeAxis:view_range"] for path, row in made.layout if "TimeAxis" in path}
@@ -297,11 +292,9 @@ def test_lanes_show_the_whole_time_and_leave_the_type_of_the_sheet_its_size(tmp_
 
 @pytest.mark.slow
 def test_turn_angles_stand_beside_the_vehicle(tmp_path: Path) -> None:
-    made = recorded(tmp_path, replace(content(), histories=MOTION, vehicle=QUARTER))
-    names = {path: row["ViewBlueprint:display_name"][0] for path, row in made.layout
-             if "ViewBlueprint:display_name" in row}  # fmt: skip
+    made = read_back(replace(content(), histories=MOTION, vehicle=QUARTER), tmp_path)
     horizontal = [
-        [names.get(f"/{part}") for part in row["ContainerBlueprint:contents"]]
+        [made.names.get(f"/{part}") for part in row["ContainerBlueprint:contents"]]
         for _, row in made.layout
         if row.get("ContainerBlueprint:container_kind") == [2]
     ]
@@ -311,7 +304,7 @@ def test_turn_angles_stand_beside_the_vehicle(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("axles", "named"), [(2, True), (3, False)])
 def test_the_curves_of_a_plot_are_named(tmp_path: Path, axles: int, *, named: bool) -> None:
     columns = {f"{part}{i}_displacement": TIME for i in range(axles) for part in ("a", "b", "c")}
-    made = recorded(tmp_path, Content("a run", histories={"time": TIME, **columns}))
+    made = read_back(Content("a run", histories={"time": TIME, **columns}), tmp_path)
     (legend,) = (r["PlotLegend:visible"] for p, r in made.layout if p.endswith("PlotLegend"))
     assert legend == [named]
 
@@ -320,7 +313,7 @@ def test_the_curves_of_a_plot_are_named(tmp_path: Path, axles: int, *, named: bo
 def test_many_points_of_a_construction_do_not_hide_the_curves(tmp_path: Path) -> None:
     motion = {"time": TIME, "wheel_displacement": TIME}
     few, many = (
-        recorded(tmp_path, replace(content(steps), histories=motion)).static[
+        read_back(replace(content(steps), histories=motion), tmp_path).static[
             "/histories/displacement/wheel_displacement/drawn"
         ]["SeriesPoints:marker_sizes"]
         for steps in (60, 600)
@@ -333,7 +326,7 @@ def test_more_curves_of_several_wheels_have_a_plot_for_each_part(tmp_path: Path)
     parts = ("wheel_displacement", "suspension_deflection", "wheel_velocity")
     columns = {f"{wheel}_{part}": TIME for wheel in wheels for part in parts}
     columns |= dict.fromkeys(("time", "heave_displacement", "heave_velocity"), TIME)
-    made = recorded(tmp_path, Content("a run", histories=columns))
+    made = read_back(Content("a run", histories=columns), tmp_path)
     titles = [
         row["ViewBlueprint:display_name"][0].partition(" [")[0]
         for _, row in made.layout
@@ -349,19 +342,15 @@ def test_more_curves_of_several_wheels_have_a_plot_for_each_part(tmp_path: Path)
 def test_columns_of_any_unit_are_plotted(tmp_path: Path) -> None:
     columns = {"time": TIME, "pressure": TIME, "gain": TIME}
     content = Content("any", histories=columns, units={"pressure": "Pa", "gain": ""})
-    made = recorded(tmp_path, replace(content, numbers=("gain",)))
+    made = read_back(replace(content, numbers=("gain",)), tmp_path)
     assert {"/histories/Pa/pressure", "/histories/gain/gain"} <= set(made.rows)
-    names = [row["ViewBlueprint:display_name"][0] for _, row in made.layout
-             if "ViewBlueprint:display_name" in row]  # fmt: skip
-    assert any(name.startswith("[Pa]") for name in names)
+    assert any(name.startswith("[Pa]") for name in made.names.values())
 
 
 def test_the_range_of_a_plot_ends_in_zero_if_only_rounding_goes_below(tmp_path: Path) -> None:
     columns = {"time": TIME, "displacement": TIME - 1e-8}
-    made = recorded(tmp_path, Content("rounding", histories=columns))
-    names = {row["ViewBlueprint:display_name"][0] for _, row in made.layout
-             if "ViewBlueprint:display_name" in row}  # fmt: skip
-    assert "displacement [cm], 0 to 30" in names
+    made = read_back(Content("rounding", histories=columns), tmp_path)
+    assert "displacement [cm], 0 to 30" in made.names.values()
 
 
 def test_many_planes_stand_in_a_square_each_with_its_name_and_axes() -> None:
@@ -432,11 +421,9 @@ def test_angles_on_axes_are_in_radians_in_plots_and_words_too(tmp_path: Path) ->
     drawn = construct_motion(pendulum, delta, step=0.1, duration=3.0)
     columns = {"time": TIME, "displacement": np.cos(TIME), "velocity": -np.sin(TIME)}
     units = {"displacement": "rad", "velocity": "rad/s"}
-    made = recorded(tmp_path, Content("pendulum", drawn, columns, units=units))
-    names = [row["ViewBlueprint:display_name"][0] for _, row in made.layout
-             if "ViewBlueprint:display_name" in row]  # fmt: skip
-    assert any(name.startswith("angle [rad]") for name in names)
-    assert any(name.startswith("angular velocity [rad/s]") for name in names)
+    made = read_back(Content("pendulum", drawn, columns, units=units), tmp_path)
+    assert any(name.startswith("angle [rad]") for name in made.names.values())
+    assert any(name.startswith("angular velocity [rad/s]") for name in made.names.values())
     told = [row["TextDocument:text"][0] for row in made.rows["/words"] if "stage" in row]
     assert "rad/s²" in told[5]
     assert "1/s" not in "".join(told)
@@ -451,10 +438,8 @@ def test_plots_have_the_unit_of_the_axes(tmp_path: Path, scale: float, unit: str
     ]
     columns = {"time": TIME, "wheel_displacement": 0.02 * TIME}
     shown = replace(content(), drawing=replace(drawn, planes=tuple(planes)), histories=columns)
-    made = recorded(tmp_path, shown)
-    names = [row["ViewBlueprint:display_name"][0] for _, row in made.layout
-             if "ViewBlueprint:display_name" in row]  # fmt: skip
-    assert any(name.startswith(f"displacement [{unit}]") for name in names)
+    made = read_back(shown, tmp_path)
+    assert any(name.startswith(f"displacement [{unit}]") for name in made.names.values())
     labels = made.static["/sheet/paper/letters"]["Points2D:labels"]
     assert any(f"[{unit}]" in label for label in labels)
     assert f"displacement [{unit}]" in made.static["/chart/paper/letters"]["Points2D:labels"]

@@ -8,40 +8,23 @@ import numpy as np
 import pytest
 from phaseplane.scenarios.draw.constructions import draw_construction
 from phaseplane.scenarios.scene.loading import load_scene
-from recorded import (
-    PLANES,
-    content,
-    drawing,
-    frame,
-)
+from recorded import PLANES, content, drawing, frame, sheet_and_story
 from worked_example import ap57
 
-from phaseplane.constructions import (
-    EquationPlane,
-    compare_with_motion,
-    construct_motion,
-    delta,
-)
+from phaseplane.constructions import EquationPlane, compare_with_motion, construct_motion, delta
 from phaseplane.constructions.letters import typeset
 from phaseplane.picture import subject
 from phaseplane.picture.items import Arrow, Dots, Lines
-from phaseplane.picture.paper import (
-    readings,
-)
+from phaseplane.picture.paper import readings
 from phaseplane.picture.story import arms_page, story_of, told_steps
-from phaseplane.picture.styles import (
-    MOVING_POINT,
-)
-from phaseplane.picture.text import (
-    markdown,
-)
+from phaseplane.picture.styles import MOVING_POINT
+from phaseplane.picture.text import markdown
 from phaseplane.recording import Content
 from phaseplane.recording.motion import pages_of
 
 
 def test_a_story_in_order() -> None:
-    stays = pages_of(content())[0]
-    ticks = list(story_of(stays, arms_page(drawing()), {}))
+    _, ticks = sheet_and_story(drawing())
     assert not ticks[0].page.items  # the empty sheet
     assert [tick.step for tick in ticks] == sorted(tick.step for tick in ticks)
     assert {25, 40} <= set(told_steps(drawing()))  # lift-off and touchdown
@@ -66,8 +49,7 @@ def test_a_lift_off_that_cannot_be_seen_on_the_sheet_is_not_told() -> None:
 
 def test_the_present_stage_has_an_arrow_and_is_in_the_units_of_the_axes() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=30)
-    stays = pages_of(Content("quarter car", made))[0]
-    ticks = list(story_of(stays, arms_page(made), {}, (12,)))
+    stays, ticks = sheet_and_story(made, 12)
     stages = made.schemes["contact"].stages
     told = [tick.text.split("\n\n") for tick in ticks if tick.step == 12]
     assert len(told) == len(stages)
@@ -88,15 +70,14 @@ def test_a_story_tells_at_its_end_whether_the_construction_follows_the_run(
     names = (*of_body, "wheel_displacement", "wheel_velocity")
     run = share * readings(made.frames, names).T
     compared = compare_with_motion(made, list(made.frames.times), *run.tolist())
-    stays = pages_of(Content("quarter car", compared))[0]
-    *_, last = story_of(stays, arms_page(compared), {}, (12,))
+    _, (*_, last) = sheet_and_story(compared, 12)
     assert "Largest drift from the run: y₁ " in last.text
     assert ("has left the run" in last.text) is not follows
 
 
 def test_the_empty_sheet_tells_scales_and_frequencies() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=30)
-    first = next(story_of(pages_of(Content("quarter car", made))[0], arms_page(made), {}))
+    _, (first, *_) = sheet_and_story(made)
     one, two = (f"{plane.angular_frequency:.4g}" for plane in made.planes)
     scales = "Scales: y₁ 1 : 1 (a), y₂ 2.5 : 1 (b)"
     assert f"{scales}; Ω₁ = {one} rad/s, Ω₂ = {two} rad/s." in first.text
@@ -144,8 +125,7 @@ def test_a_story_computes_the_ways_of_its_motion_once(monkeypatch: pytest.Monkey
 
 def test_what_is_long_past_is_faint_in_a_story() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=500)
-    stays = pages_of(Content("quarter car", made))[0]
-    *_, last = story_of(stays, arms_page(made), {}, (12, 490))
+    _, (*_, last) = sheet_and_story(made, 12, 490)
     past, recent = (i for i in last.page.items if isinstance(i, Lines) and i.role == "trail")
     assert past.weight < 0.5 * recent.weight
     assert past.strength < 0.6 * recent.strength
@@ -155,8 +135,7 @@ def test_what_is_long_past_is_faint_in_a_story() -> None:
 def test_a_long_motion_stays_smooth_in_a_story() -> None:
     spring = EquationPlane(lambda v, x, t: x, True, initial_displacement=1.0)
     made = construct_motion(spring, delta, step=0.5, steps=1000)
-    stays = pages_of(Content("spring", made))[0]
-    *_, last = story_of(stays, arms_page(made), {}, (5,))
+    stays, (*_, last) = sheet_and_story(made, 5)
     radius = abs(stays.subject.motions[0][0])
     past, recent = (s for i in last.page.of(Lines) if i.role == "trail" for s in i.strips)
     for strip in (past, recent):
@@ -170,15 +149,13 @@ def test_a_long_motion_stays_smooth_in_a_story() -> None:
 )
 def test_a_stage_letters_the_points_from_which_it_is_drawn(words: str, letters: str) -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=62)
-    stays = pages_of(Content("quarter car", made))[0]
-    ticks = story_of(stays, arms_page(made), {}, (7,))
+    _, ticks = sheet_and_story(made, 7)
     (tick,) = (tick for tick in ticks if words in tick.caption)
     assert set(letters.split()) <= {text.text for text in tick.page.texts}
 
 
 def test_the_end_of_a_motion_stands_out_from_its_trail() -> None:
-    made = drawing()
-    *_, last = story_of(pages_of(content())[0], arms_page(made), {})
+    _, (*_, last) = sheet_and_story(drawing())
     ends = [motion[-1] for motion in last.page.subject.motions]
     discs = {dots.role: list(dots.points) for dots in last.page.of(Dots)}
     assert [discs.get(role) for role in MOVING_POINT] == [ends] * len(MOVING_POINT)
@@ -186,7 +163,7 @@ def test_the_end_of_a_motion_stands_out_from_its_trail() -> None:
 
 def test_the_ring_does_not_hide_the_step() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=30)
-    stays = pages_of(Content("quarter car", made))[0]
-    told = [t.page for t in story_of(stays, arms_page(made), {}, (12,)) if t.step == 12]
+    _, ticks = sheet_and_story(made, 12)
+    told = [t.page for t in ticks if t.step == 12]
     ringed = [any(dots.role == "halo" for dots in page.of(Dots)) for page in told]
     assert ringed == [True] * (len(told) - 1) + [False]

@@ -82,6 +82,11 @@ def by_scipy(times: np.ndarray, lift_off: bool) -> tuple[np.ndarray, list[float]
     return np.array(rows).T, switches
 
 
+MOTION = (
+    "suspension_deflection", "suspension_deflection_rate", "wheel_displacement", "wheel_velocity",
+)  # fmt: skip
+
+
 def column(drawing, name: str) -> np.ndarray:
     return np.array([frame.readings[name] for frame in drawing])
 
