@@ -62,8 +62,7 @@ class EquationPlane(SwitchedPlane):
     def __post_init__(self) -> None:
         """Check the parameters."""
         check_positive(self, ("angular_frequency", "scale"))
-        check_finite(self, ("initial_displacement", "initial_velocity"))
-        check_finite(self, ("initial_force",))
+        check_finite(self, ("initial_displacement", "initial_velocity", "initial_force"))
 
     @property
     def title(self) -> str:

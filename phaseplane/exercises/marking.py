@@ -188,15 +188,16 @@ def _judged(
     count = len(construction.planes)
     points, successors = _stepped(stepper, step)
     expected = successors[:count]
-    number = after.number
-    foot_said = ""
+    known = foot_said = ""
     if before.feet is not None:
         feet = tuple(points[plane.foot] for plane in construction.planes)
         if _apart(before.feet, feet) > tolerance:
             known = _named(
                 _feet_by_mistake(construction, step, points), before.feet, feet, tolerance
             )
-            foot_said = known or f"D{_off(before.feet, feet)}: read the auxiliary curve again"
+            foot_said = known or (
+                f"D is {1e3 * _apart(before.feet, feet):.2g} mm off: read the auxiliary curve again"
+            )
             own = _with_feet(stepper, step, before.feet)
             if own is not None:
                 expected = own[:count]
@@ -206,10 +207,8 @@ def _judged(
         mistakes = _mistakes(construction, rule, step)
         said = _named(mistakes, after.states, successors[:count], tolerance)
     if foot_said:
-        verdict = METHOD if foot_said and "again" not in foot_said else READING
+        verdict = METHOD if known or distance > tolerance else READING
         said = "; ".join(filter(None, (f"D of point {before.number}: {foot_said}", said)))
-        if distance > tolerance and said:
-            verdict = METHOD
     elif distance <= tolerance:
         verdict = RIGHT
     elif said:
@@ -221,7 +220,7 @@ def _judged(
             if verdict == READING
             else f"not explained by a known mistake; construct the step from point {before.number} again"
         )
-    return Mark(number, verdict, 1e3 * distance, typeset(said), expected)
+    return Mark(after.number, verdict, 1e3 * distance, typeset(said), expected)
 
 
 def _named(
@@ -406,7 +405,3 @@ def _with_feet(stepper: Stepper, step: _Step, feet: States) -> States | None:
 
 def _apart(one: States, other: States) -> float:
     return max(abs(p - q) for p, q in zip(one, other, strict=False))
-
-
-def _off(read: States, right: States) -> str:
-    return f" is {1e3 * _apart(read, right):.2g} mm off"
