@@ -139,7 +139,7 @@ def _stretches(system: PhaseSystem, window: Window, points: Grid) -> list[Equili
         low, high = system.forces(x, 0.0 * x - slow), system.forces(x, 0.0 * x + slow)
         tiny = 4e-16 * window.height  # possible effect of damping at the velocity `slow`
         jumps = (low < -tiny) & (high > tiny) & (high - low > 1e-9 * (np.abs(low) + np.abs(high)))
-        return (system.forces(x, 0.0 * x) == 0.0) | (jumps & (low < 0.0) & (high > 0.0))
+        return (system.forces(x, 0.0 * x) == 0.0) | jumps
 
     resting = np.concatenate([[False], rests(points), [False]])
     edges = np.flatnonzero(resting[1:] != resting[:-1])

@@ -91,9 +91,9 @@ def compute_portrait(
     frozen : time at which f is held constant, s
     fits : whether the window is enlarged such that limit cycles are inside as a whole
     """
-    if system.driven and frozen is None:
-        return Portrait(window, section=section(system, window, starts[0], periods))
-    if system.driven and frozen is not None:
+    if system.driven:
+        if frozen is None:
+            return Portrait(window, section=section(system, window, starts[0], periods))
         system = system.frozen(frozen)
     constant = conserves(system, window)
     cycles = [] if constant else limit_cycles(system, window)
@@ -112,7 +112,7 @@ def compute_portrait(
     else:
         curves = _through(system, window, several)
         shown = [*curves, *borders, *(cycle.curve for cycle in cycles)]
-        curves += orbits(system, window, at_rest, cycles, shown)
+        curves += _orbits(system, window, at_rest, cycles, shown)
     return Portrait(
         window,
         direction_field(system, window),
@@ -230,9 +230,7 @@ def _rounded(slope: float) -> float:
     return float(f"{slope:.2g}")
 
 
-def _between(
-    at_rest: list[Equilibrium] | tuple[Equilibrium, ...], window: Window
-) -> Iterator[float]:
+def _between(at_rest: Sequence[Equilibrium], window: Window) -> Iterator[float]:
     """Yield places on the axis between neighbouring equilibria, nearer to the attracting one."""
     for left, right in pairwise(at_rest):
         low, high = (left.until if left.stretches else left.x), right.x
@@ -243,12 +241,12 @@ def _between(
             yield low + part * (high - low)
 
 
-def orbits(
+def _orbits(
     system: PhaseSystem,
     window: Window,
-    at_rest: list[Equilibrium] | tuple[Equilibrium, ...] = (),
-    cycles: list[Cycle] | tuple[Cycle, ...] = (),
-    shown: Sequence[Grid] = (),
+    at_rest: Sequence[Equilibrium],
+    cycles: Sequence[Cycle],
+    shown: Sequence[Grid],
 ) -> list[Grid]:
     """Return integral curves for every basin and every empty part of a window, (points, 2) each.
 
