@@ -173,7 +173,7 @@ for _ in range(2):  # the first run may pack the FMU, which makes the default sy
         main(["run", "ap57", *sys.argv[1:]])
     except SystemExit:
         pass
-print("\n" + json.dumps([checked, built]))
+print(json.dumps([checked, built]))
 """
 
 
