@@ -348,14 +348,26 @@ def test_the_rule_that_was_broken_is_named(task, mistake, words):
     assert all(m.verdict == RIGHT for m in marks.marks if m.number != 5)
 
 
-def test_a_wrong_foot_is_named_and_the_step_judged_from_it(task):
+@pytest.mark.parametrize(
+    ("change", "beside", "verdict", "words"),
+    [
+        (lambda d: -d, 0.0, METHOD, "D of point 2: delta was laid off on the wrong side"),
+        (lambda d: d + 6e-3, 0.0, READING, "D of point 2: D is 6 mm off: read the auxiliary curve"),
+        (lambda d: d + 6e-3, 8e-3j, METHOD, "D of point 2: D is 6 mm off"),
+    ],
+)
+def test_a_wrong_foot_is_named_and_the_step_judged_from_it(task, change, beside, verdict, words):
     construction, drawing = task
-    points = student(drawing, construction, 4)
-    feet = [frame.points["D"] for frame in drawing.instants[:5]]
-    feet[2] = -feet[2]
-    marks = judged(construction, drawing, points, feet=feet)
-    assert "D of point 2: delta was laid off on the wrong side" in marks.marks[2].said
-    assert [m.number for m in marks.marks if m.verdict != RIGHT] == [3]
+    points = student(drawing, construction, 3)
+    feet = [frame.points["D"] for frame in drawing.instants[:4]]
+    feet[2] = change(feet[2])
+    from_it = judged(construction, drawing, points, feet=feet).marks[2].expected[0]
+    assert abs(from_it - points[3]) > 1e-3
+    points[3] = from_it + beside
+    *others, found = judged(construction, drawing, points, feet=feet).marks
+    assert found.verdict == verdict
+    assert words in found.said
+    assert {m.verdict for m in others} == {RIGHT}
 
 
 def test_steps_that_end_on_a_switch_do_so_from_the_students_point():
