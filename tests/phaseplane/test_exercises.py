@@ -370,6 +370,27 @@ def test_a_wrong_foot_is_named_and_the_step_judged_from_it(task, change, beside,
     assert {m.verdict for m in others} == {RIGHT}
 
 
+@pytest.mark.parametrize(
+    ("senses", "unit", "words"),
+    [
+        ((1.0, 1.0), 10.0, "the values are in millimetres, not in centimetres"),
+        ((-1.0, 1.0), 1.0, "the normal of plane 1 was turned in the wrong direction"),
+        ((1.0, -1.0), 1.0, "the normal of plane 2 was turned in the wrong direction"),
+    ],
+)
+def test_mistakes_in_the_planes_of_a_car_are_named(senses, unit, words):
+    construction = ap57(initial_deflection=0.05, initial_wheel_displacement=0.02)
+    drawing = construct_motion(construction, DELTA, step=0.005, steps=4)
+    stepper = Stepper(construction, DELTA)
+    stepper.rates = tuple(sense * rate for sense, rate in zip(senses, stepper.rates, strict=True))
+    _, made = stepper.step("contact", construction.initial, Window(0.0, 0.005))
+    origins = [plane.displacement.origin for plane in construction.planes]
+    read = tuple(o + unit * (p - o) for o, p in zip(origins, made, strict=True))
+    start = Reading(0, construction.initial)
+    (found,) = mark(construction, DELTA, drawing, [start, Reading(1, read)]).marks
+    assert (found.verdict, found.said) == (METHOD, words)
+
+
 def test_steps_that_end_on_a_switch_do_so_from_the_students_point():
     construction = EquationPlane(
         Formula("x + 0.3*sign(v)").switching, scale=0.04, initial_displacement=2.05
