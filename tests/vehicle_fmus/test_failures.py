@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 import sys
 from math import isnan, nan
 from typing import Any
@@ -60,6 +61,55 @@ def test_a_step_to_nowhere(vehicle: Any, until: float) -> None:
             vehicle.step(0.01, until)
         assert caught.value.status == DISCARD
         assert "cannot step" in vehicle.texts
+
+
+@pytest.mark.parametrize(("time", "until"), [(0.0, 0.01), (0.005, 0.02), (0.02, 0.03)])
+def test_a_step_that_is_repeated_or_left_out(time: float, until: float, vehicle: Any) -> None:
+    """A host that repeats a step returns to the state before it; one that does not would be led on."""
+    with vehicle.instance():
+        running(vehicle)
+        state = vehicle.fmu.getFMUstate()
+        with pytest.raises(FMICallException) as caught:
+            vehicle.step(time, until)
+        assert caught.value.status == DISCARD
+        assert f"the host steps from {time:g} s, but the FMU is at 0.01 s: step" in vehicle.texts
+        vehicle.fmu.setFMUstate(state)
+        vehicle.step(0.01, 0.02)
+        assert vehicle.get("ok")
+
+
+def test_the_first_step_begins_at_the_start(vehicle: Any) -> None:
+    with vehicle.instance():
+        vehicle.start(time=1.0)
+        with pytest.raises(FMICallException):
+            vehicle.step(0.0, 0.01)
+        assert "the host steps from 0 s, but the FMU is at 1 s" in vehicle.texts
+
+
+@pytest.mark.parametrize("start", [0.0, 1000.0])
+def test_hosts_may_count_in_single_precision(start: float, vehicle: Any) -> None:
+    size = single(0.01)
+    with vehicle.instance():
+        vehicle.start(time=start)
+        for k in range(100):
+            vehicle.fmu.doStep(single(start + k * size), size)
+        assert vehicle.get("ok")
+
+
+def single(number: float) -> float:
+    return float(struct.unpack("f", struct.pack("f", number))[0])
+
+
+def test_no_step_follows_the_end(vehicle: Any) -> None:
+    with vehicle.instance():
+        running(vehicle)
+        vehicle.fmu.terminate()
+        assert vehicle.get("ok")  # values can still be read
+        refused_step(vehicle)
+        assert "the run has been terminated: reset the FMU, or restore a state" in vehicle.texts
+        vehicle.fmu.reset()
+        running(vehicle)
+        assert vehicle.get("ok")
 
 
 def test_a_bad_start_value_is_told_to_a_host_without_logging(

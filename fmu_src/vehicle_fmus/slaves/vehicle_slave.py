@@ -48,6 +48,9 @@ START_VALUES = "start_values.json"  # in the FMU's resources: start values other
 # a bad value is logged at the end of initialisation, and the first step is discarded.
 _RAISES = sys.version_info < (3, 12)
 
+_ROUNDING = 1e-6  # of its time, 1 s at least, by which a host may be off: it may count in singles
+_AT_REST = 1e-12  # s by which it may be off in any case
+
 _TYPES = {float: Real, bool: Boolean, int: Integer, str: String}
 # status and category of messages; errors are logged where they are caught
 _LOGGED = {"event": (Fmi2Status.ok, "logEvents"), "info": (Fmi2Status.warning, "logAll")}
@@ -166,6 +169,8 @@ class VehicleSlave(Fmi2Slave):
                 raise SimulationError(self._refusal)
             if session is None or not self._initialised:
                 raise SimulationError("a step needs an initialised model")
+            if session.ok:
+                _check_start(session.time, current_time, step_size)
             session.advance(current_time + step_size)
         except Exception as error:
             self._report()
@@ -178,6 +183,11 @@ class VehicleSlave(Fmi2Slave):
         if session.messages:
             self._report()
         return True
+
+    def terminate(self) -> None:
+        """End the run; values can still be read."""
+        ended = "the run has been terminated: reset the FMU, or restore a state"
+        self._refusal = self._refusal or ended
 
     def _report(self) -> None:
         """Log the session's messages."""
@@ -284,6 +294,16 @@ class VehicleSlave(Fmi2Slave):
             return dict(json.loads(state))
         except (ValueError, TypeError):
             return {}  # refused when it is restored
+
+
+def _check_start(present: float, start: float, size: float) -> None:
+    """Refuse a step that does not start at the present: of a host that repeats or leaves out steps."""
+    off = min(_ROUNDING * max(1.0, abs(present)), 0.5 * size)
+    if not abs(start - present) <= max(off, _AT_REST):
+        raise SimulationError(
+            f"the host steps from {start:.12g} s, but the FMU is at {present:.12g} s: step from "
+            f"there, or first restore its state at {start:.12g} s"
+        )
 
 
 def _start_values(resources: str | None) -> dict[str, Value]:

@@ -293,6 +293,49 @@ def test_after_a_refused_step_no_output_looks_right(
     assert "damper.rebound_rate = -5" in capfd.readouterr().out
 
 
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("time", [0.0, 0.05, 0.2])
+def test_a_step_that_is_repeated_or_left_out(
+    fmi: int, time: float, native_fmu: Packer, slave: Any, tmp_path: Path, capfd: Any
+) -> None:
+    ok = [[v.name for v in variables("QuarterCar")].index("ok")]
+    with slave(native_fmu("QuarterCar", fmi=fmi), tmp_path) as one:
+        one.setupExperiment(startTime=0.0)
+        one.enterInitializationMode()
+        one.exitInitializationMode()
+        one.doStep(0.0, 0.1)
+        state = one.getFMUstate()
+        with pytest.raises(Exception, match=r"status [23]"):
+            one.doStep(time, 0.1)
+        assert one.getBoolean(ok) == [False]
+        one.setFMUstate(state)
+        for k in range(1, 100):  # in single precision
+            one.doStep(float(np.float32(k) * np.float32(0.1)), float(np.float32(0.1)))
+        assert one.getBoolean(ok) == [True]
+    said = capfd.readouterr().out
+    assert f"the host steps from {time:g} s, but the FMU is at 0.1 s: step from there" in said
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_no_step_follows_the_end(
+    fmi: int, native_fmu: Packer, slave: Any, tmp_path: Path, capfd: Any
+) -> None:
+    names = [v.name for v in variables("QuarterCar")]
+    with slave(native_fmu("QuarterCar", fmi=fmi), tmp_path) as one:
+        for _ in range(2):
+            one.setupExperiment(startTime=0.0)
+            one.enterInitializationMode()
+            one.exitInitializationMode()
+            one.doStep(0.0, 0.1)
+            one.terminate()
+            assert one.getReal([names.index("body_displacement")])[0] != 0.0
+            with pytest.raises(Exception, match=r"status [23]"):
+                one.doStep(0.1, 0.1)
+            one.reset()
+    said = capfd.readouterr().out
+    assert ("the run has been terminated" if fmi == 2 else "cannot be called after the end") in said
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_errors_that_add_up_are_told_once_in_the_words_of_a_session(

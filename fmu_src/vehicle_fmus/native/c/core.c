@@ -6,6 +6,7 @@
  */
 
 #define AT_REST 1e-12 /* s by which a communication point may precede the present, from rounding */
+#define ROUNDING 1e-6 /* of its time, at least 1 s, by which a host may be off: it may count in single precision */
 #define PLACES 5 /* of a function whose derivative is that of the polynomial through them */
 #define APART 1e-3 /* distance of these places, of the size of what is varied */
 enum { FINE, WARNING }; /* what a message is, as in both versions of FMI */
@@ -467,6 +468,26 @@ static int advance(Instance *one, double until) {
         }
     }
     return go_on(one, until);
+}
+
+/* Make a communication step of the host; if it fails, outputs are no numbers until a state is restored.
+ *
+ * It starts at the present, but for rounding: a host that repeats or leaves out steps is refused.
+ */
+static int make_step(Instance *one, double time, double size) {
+    const double present = one->now.conduct.run.time;
+    const double off = fmin(ROUNDING * fmax(1.0, fabs(present)), 0.5 * size);
+    int status = 1;
+    if (one->refusal[0]) {
+        fail(one, "%s", one->refusal);
+    } else if (one->now.ok && !(fabs(time - present) <= fmax(off, AT_REST))) {
+        fail(one, "the host steps from %.12g s, but the FMU is at %.12g s: step from there, or first restore "
+             "its state at %.12g s", time, present, time);
+    } else {
+        status = advance(one, time + size);
+    }
+    if (status) one->now.ok = 0;
+    return status;
 }
 
 /* Make the machine from parameters and inputs, at the start. */

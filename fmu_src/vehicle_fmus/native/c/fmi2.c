@@ -88,7 +88,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
 }
 
 fmi2Status fmi2Terminate(fmi2Component c) {
-    (void) c;
+    refuse(&((Host *) c)->instance, "the run has been terminated: reset the FMU, or restore a state");
     return fmi2OK;
 }
 
@@ -137,17 +137,12 @@ SET(String, fmi2String, STRING, set_text)
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real size, fmi2Boolean no_return) {
     Host *host = c;
     Instance *one = &host->instance;
-    int status = 1;
     (void) no_return;
-    if (!one->now.initialised) {
-        fail(one, "a step needs an initialised model");
-    } else if (one->refusal[0]) {
-        fail(one, "%s", one->refusal);
+    if (one->now.initialised) {
+        if (make_step(one, time, size) == 0) return fmi2OK;
     } else {
-        status = advance(one, time + size);
+        fail(one, "a step needs an initialised model");
     }
-    if (status == 0) return fmi2OK;
-    one->now.ok = 0;
     return failed(host, fmi2Discard);
 }
 

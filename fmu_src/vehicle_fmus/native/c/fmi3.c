@@ -264,10 +264,7 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Bo
     int status = 1;
     (void) no_return;
     *event = *terminate = *early = fmi3False;
-    if (!misplaced(host, "fmi3DoStep", STEP)) {
-        status = one->refusal[0] ? fail(one, "%s", one->refusal) : advance(one, until);
-        if (status) one->now.ok = 0;
-    }
+    if (!misplaced(host, "fmi3DoStep", STEP)) status = make_step(one, time, size);
     *reached = one->now.conduct.run.time;
     if (status) return failed(host);
     *event = one->event_mode && one->now.switched;
