@@ -69,7 +69,10 @@ def exercise(
     loaded = load_scene(scene, overrides, expect=False)
     made = exercises.exercise(loaded, steps, paper)
     if readings is not None:
-        summary = exercises.marked(made, _text_of(readings), 1e-3 * tolerance)
+        try:
+            summary = exercises.marked(made, _text_of(readings), 1e-3 * tolerance)
+        except ValueError as error:
+            raise InputError(f"--mark {readings}: {error}") from None
         if output is not None:
             place = Place(output, "exercise", loaded.file)
             with replace_folder(place) as draft:

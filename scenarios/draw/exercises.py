@@ -210,15 +210,12 @@ def marked(made: Exercise, text: str, tolerance: float) -> dict[str, Any]:
 
     Raises
     ------
-    InputError : if the readings cannot be used.
+    ValueError : if the readings cannot be used.
     """
     planes = planes_of(made.scene.fmu.model, made.scene.all_parameters, made.settings)
     rule = constructions.rule_named(made.settings["rule"])
-    try:
-        read = exercises.read_readings(text, made.drawing.planes)
-        found = exercises.mark(planes, rule, made.drawing, read, tolerance)
-    except ValueError as error:
-        raise InputError(f"readings: {error}") from None
+    read = exercises.read_readings(text, made.drawing.planes)
+    found = exercises.mark(planes, rule, made.drawing, read, tolerance)
     return {
         "scene": made.scene.name,
         "rule": rule.name,
