@@ -47,10 +47,17 @@ def modes(
         raise InputError(f"modes of {scene.name}: {what}")
     try:
         system = about_rest(scene.fmu.model, scene.all_parameters)
-        # with springs in series with dampers there are damped modes alone
-        found = None if system.series and figure is None else modal_planes(system)
     except ValueError as error:
         raise InputError(f"modes of {scene.name}: {error}") from None
+    found, why_damped = None, ""
+    try:
+        found = modal_planes(system)
+    except ValueError as error:  # there are damped modes alone
+        if figure is not None:
+            raise InputError(
+                f"modes of {scene.name}: {error}; without --figure the damped modes are listed"
+            ) from None
+        why_damped = str(error)
     modes = [] if found is None else _undamped(found)
     title = scene.title or scene.name
     if scene.controller is not None:
@@ -71,6 +78,7 @@ def modes(
             {"frequency": mode.frequency, "damping_ratio": mode.damping_ratio}
             for mode in system.modes()
         ],
+        "why_damped": why_damped,
         "files": [str(figure)] if figure is not None else [],
     }
 
@@ -114,5 +122,5 @@ def format_modes(summary: Mapping[str, Any]) -> str:
         if summary["modes"]:
             lines += ["", f"the damping couples these modes; damped, they oscillate at {damped}"]
         else:
-            lines.append(f"damped modes, as there are springs in series with dampers: {damped}")
+            lines.append(f"damped modes, as {summary['why_damped']}: {damped}")
     return "\n".join([*lines, *(f"file     {name}" for name in summary["files"])])

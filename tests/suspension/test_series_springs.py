@@ -349,7 +349,7 @@ def test_the_modes_of_a_file_are_the_damped_ones(tmp_path: Path) -> None:
     assert [one["frequency"] for one in summary["damped"]] == pytest.approx(
         [m.frequency for m in linearised(build("MountedRig", {})).modes()]
     )
-    assert "damped modes, as there are springs in series" in format_modes(summary)
+    assert "damped modes, as a system with a spring in series" in format_modes(summary)
     with pytest.raises(InputError, match="no modal planes"):
         modes(str(rig), (), tmp_path / "modes.png")
 
