@@ -50,20 +50,19 @@ _TYPES = {float: "number", bool: "boolean", int: "integer", str: "string"}
 
 @click.command()
 @click.argument("model", required=False)
-@click.option("--sweep", "kind", flag_value="sweep", help="Explain a sweep file instead.")
-@click.option(
-    "--optimise", "kind", flag_value="optimise", help="Explain a file of optimise instead."
-)
-@click.option("--fit", "kind", flag_value="fit", help="Explain a file of fit instead.")
+@click.option("--sweep", is_flag=True, help="Explain a sweep file instead.")
+@click.option("--optimise", is_flag=True, help="Explain a file of optimise instead.")
+@click.option("--fit", is_flag=True, help="Explain a file of fit instead.")
 @json_option
-def schema(model: str | None, kind: str | None, as_data: bool) -> None:
+def schema(model: str | None, as_data: bool, **files: bool) -> None:
     """Explain the keys of a scene, or the variables of MODEL.
 
     The variables are its parameters, outputs and measures. With --json, print a JSON Schema that
     editors can check files against.
     """
-    if kind and model:
-        raise InputError(f"schema: give a MODEL or --{kind}, not both")
+    kind, *more = [*(kind for kind, wanted in files.items() if wanted), ""]
+    if any(more) or (kind and model):
+        raise InputError("schema: give only one of MODEL, --sweep, --optimise and --fit")
     if as_data:
         click.echo(as_json(file_schema(kind) if kind else json_schema(model)))
     else:
