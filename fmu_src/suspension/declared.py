@@ -82,13 +82,16 @@ WHEEL = (
 )  # fmt: skip
 
 
+FARTHEST = 1e9  # m, m/s: far beyond it energies overflow, and no branch fits the motion
+
+
 def road(shape: str, first: str = "the wheel") -> tuple[Variable, ...]:
     """Return the parameters of a road; `shape` describes `road.shape`, `first` the leading wheel."""
     return (
         parameter("road.shape", "bump", shape, choices=ROAD_SHAPES),
         parameter("road.height", 0.05, "height of bump, obstacle, plank, step or ramp, depth of "
                   "pothole, peak-to-peak amplitude of sine and sweep (negative: inverted)", "m",
-                  display="mm"),
+                  display="mm", minimum=-FARTHEST, maximum=FARTHEST),
         parameter("road.length", 1.0, "length of bump, obstacle, plank, pothole or ramp, wavelength "
                   "of sine (a washboard)", "m", positive=True),
         parameter("road.ramp_length", 0.0, "length of the ramps up and down of plank and pothole, "
@@ -142,14 +145,11 @@ CONTACT_RULE = parameter(
 )  # fmt: skip
 
 
-FARTHEST_START = 1e9  # m, m/s: far beyond it energies overflow, and no branch fits the motion
-
-
 def initial(coordinates: Mapping[str, str]) -> tuple[Variable, ...]:
     """Return the initial displacement and velocity of coordinates, given by name with what moves."""
     return tuple(
         parameter(f"initial.{name}{what}", 0.0, text.format(of), unit,
-                  minimum=-FARTHEST_START, maximum=FARTHEST_START)
+                  minimum=-FARTHEST, maximum=FARTHEST)
         for name, of in coordinates.items()
         for what, text, unit in (
             ("_displacement", "displacement of {} at the start, from static equilibrium, upwards "

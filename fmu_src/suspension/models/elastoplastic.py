@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from .. import characteristics, roads
-from ..declared import FARTHEST_START, SOLVER_PARAMETERS
+from ..declared import FARTHEST, SOLVER_PARAMETERS
 from ..model import Model
 from ..outputs import FRAME, SOLVER_OUTPUTS, energies
 from ..parts import force_course
@@ -28,9 +28,9 @@ _VARIABLES = (  # start values of H83 example 40
               "force on the mass as 'time:force, ...' in s and N, joined by straight lines; empty: "
               "none"),
     parameter("initial.displacement", 0.0, "displacement at the start", "m", display="mm",
-              minimum=-FARTHEST_START, maximum=FARTHEST_START),
+              minimum=-FARTHEST, maximum=FARTHEST),
     parameter("initial.velocity", 0.0, "velocity at the start", "m/s",
-              minimum=-FARTHEST_START, maximum=FARTHEST_START),
+              minimum=-FARTHEST, maximum=FARTHEST),
     parameter("initial.permanent_set", 0.0, "displacement at which the spring force is zero, at "
               "the start", "m", display="mm"),
     *SOLVER_PARAMETERS,
