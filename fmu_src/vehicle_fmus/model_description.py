@@ -6,6 +6,7 @@ They follow from the tables of variables and units, so this module is not packed
 from __future__ import annotations
 
 from collections.abc import Mapping
+from sys import float_info
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
@@ -92,7 +93,8 @@ def range_and_unit(variable: Variable) -> dict[str, str]:
     attributes = {
         "unit": variable.unit or None,
         "displayUnit": variable.display or None,
-        "min": 0.0 if variable.positive else variable.minimum,
+        # bounds are inclusive: the least number with all digits that is greater than 0
+        "min": float_info.min if variable.positive else variable.minimum,
         "max": variable.maximum,
         "nominal": variable.nominal,
     }

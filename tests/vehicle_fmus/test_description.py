@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from sys import float_info
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ def test_variables_are_those_of_the_table(model: str, vehicle: Any) -> None:
         assert (said.declaredType, said.displayUnit) == (None, meant.display or None)
         assert meant.description in said.description
         assert all(choice in said.description for choice in meant.choices)
-        bounds = (0.0 if meant.positive else meant.minimum, meant.maximum, meant.nominal)
+        bounds = (float_info.min if meant.positive else meant.minimum, meant.maximum, meant.nominal)
         assert tuple(v and float(v) for v in (said.min, said.max, said.nominal)) == bounds
         if said.causality == "parameter":
             may_change = "tunable" if meant.tunable else "fixed"
