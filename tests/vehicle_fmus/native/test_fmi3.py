@@ -235,6 +235,26 @@ def test_a_contact_that_a_parameter_makes_is_an_event_at_once(
         assert host.value(name) == session.value(name)
 
 
+def test_parameters_change_between_steps_that_end_early(
+    native_fmu: Packer, slave: Any, tmp_path: Path
+) -> None:
+    """Whether parameters change at successive communication points does not depend on early returns."""
+    names = [*(v.name for v in variables("QuarterCar")), "time"]
+    time, scale = [names.index("time")], [names.index("damper.scale")]
+    found = []
+    for events in (False, True):
+        with slave(native_fmu("QuarterCar", fmi=3), tmp_path, events=events) as one:
+            one.setupExperiment(startTime=0.0)
+            one.enterInitializationMode()
+            one.exitInitializationMode()
+            for end, value in ((0.02, 1.0), (0.08, 1.2), (0.1, 1.4), (0.3, 1.4)):
+                one.setReal(scale, [value])
+                (now,) = one.getReal(time)
+                one.doStep(now, end - now)
+            found.append(one.getReal([names.index("body_displacement"), *time]))
+    assert found[0] == found[1]
+
+
 @pytest.mark.slow
 def test_stops_and_yielding_are_events(native_fmu: Packer, tmp_path: Path) -> None:
     what = "with stops, friction and a sampled road"

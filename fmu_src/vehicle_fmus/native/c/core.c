@@ -444,19 +444,19 @@ static int go_on(Instance *one, double until) {
 static int advance(Instance *one, double until) {
     State *now = &one->now;
     Run *run = &now->conduct.run;
+    const int goes_on = until == now->handed; /* from a switch to the same end, which changes nothing */
     if (!now->ok) return fail(one, "the run has already failed, at %.9g s", run->time);
     if (!isfinite(until) || until < run->time - AT_REST) {
         return fail(one, "cannot step from %.9g s to %.9g s: the end of a step must be finite and not "
                     "before its start", run->time, until);
     }
     if (now->tuned && take_parameters(one)) return 1;
-    if (Run_sets_in(run)) {
+    if (!goes_on && Run_sets_in(run)) {
         if (stop_here(one)) return 1;
         run->sampled = 1;
     }
-    /* a host that goes on from a switch to the same end changes nothing */
-    if (until != now->handed) now->kept = 0;
-    if (until != now->handed && Run_hand_over(run, until) && run->time == run->start) {
+    if (!goes_on) now->kept = 0;
+    if (!goes_on && Run_hand_over(run, until) && run->time == run->start) {
         if (start_moving(one)) return 1;
         now->machine.integrator.noted->count = now->machine.integrator.noted->base = 0;
     }
