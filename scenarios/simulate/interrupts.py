@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from time import perf_counter, sleep
 from types import FrameType
 
+_NOT_OURS = (signal.SIG_IGN, None)  # handlers: ignored, and set by another than Python
 _LONGEST_SLEEP = 0.1  # s between two checks for an interrupt
 
 
@@ -26,22 +27,25 @@ class _Record(list[int]):
 def deferred_interrupt() -> Iterator[Callable[[], int]]:
     """Record Ctrl-C and SIGTERM; inside the FMU they would be lost, or treated as its failure.
 
-    A nested deferral yields the record of the outer one.
+    A nested deferral yields the record of the outer one. Signals that this process ignores, such as
+    Ctrl-C in the background of a script, remain ignored.
     """
-    outer = signal.getsignal(signal.SIGTERM)
-    if isinstance(outer, _Record):
-        yield outer.last
+    before = {one: signal.getsignal(one) for one in (signal.SIGINT, signal.SIGTERM)}
+    outer = [handler for handler in before.values() if isinstance(handler, _Record)]
+    if outer:
+        yield outer[0].last
         return
     record = _Record()
     if threading.current_thread() is not threading.main_thread():
         yield record.last
         return
-    signals = (signal.SIGINT, signal.SIGTERM)
-    before = [signal.signal(one, record) for one in signals]
+    heeded = {one: handler for one, handler in before.items() if handler not in _NOT_OURS}
+    for one in heeded:
+        signal.signal(one, record)
     try:
         yield record.last
     finally:
-        for one, handler in zip(signals, before, strict=True):
+        for one, handler in heeded.items():
             signal.signal(one, handler)
 
 

@@ -17,6 +17,7 @@ from phaseplane.scenarios.errors import InputError, RunError
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.schema import Scene
 from phaseplane.scenarios.simulate.driver import Drive, OpenFmu, opened
+from phaseplane.scenarios.simulate.interrupts import deferred_interrupt
 from phaseplane.scenarios.simulate.runner import Interrupted, run, run_with
 from phaseplane.suspension.session import simulate
 from vehicle_reference import solved
@@ -162,6 +163,20 @@ def test_an_interrupt_ends_the_run_at_its_next_step(fmu: Path) -> None:
     assert results.stopped == {"time": pytest.approx(3e-3), "reason": "interrupted"}
     assert caught.value.number == signal.SIGINT
     assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_an_interrupt_that_the_process_ignores_is_ignored() -> None:
+    """As in a script's background, where Ctrl-C in the terminal arrives as well."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with deferred_interrupt() as outer, deferred_interrupt() as inner:
+            signal.raise_signal(signal.SIGINT)
+            assert (outer(), inner()) == (0, 0)
+            signal.raise_signal(signal.SIGTERM)
+            assert (outer(), inner()) == (signal.SIGTERM, signal.SIGTERM)
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_an_interrupted_equation_keeps_its_rows() -> None:
