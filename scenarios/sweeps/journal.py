@@ -8,6 +8,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from ..errors import RunError
+
 
 @contextmanager
 def open_journal(path: Path, key: str) -> Iterator[tuple[list[Any], Callable[..., None]]]:
@@ -16,20 +18,31 @@ def open_journal(path: Path, key: str) -> Iterator[tuple[list[Any], Callable[...
     Parameters
     ----------
     key : what decides the runs; the journal of another key is begun anew
+
+    Raises
+    ------
+    RunError : if it cannot be written; the records in it remain.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     before = _records(path, key)
-    with path.open("w" if before is None else "a", encoding="utf-8") as file:
+    file = path.open("w" if before is None else "a", encoding="utf-8")
 
-        def add(*records: object) -> None:
+    def add(*records: object) -> None:
+        try:
             file.writelines(json.dumps(record) + "\n" for record in records)
             file.flush()
+        except OSError as error:
+            raise RunError(f"cannot write {path}: {error.strerror or error}") from None
 
+    try:
         if before is None:
             add({"journal": key})
         else:  # the last line may be incomplete
             file.write("\n")
         yield before or [], add
+    finally:
+        with suppress(OSError):  # it tries again to write what could not be written
+            file.close()
 
 
 def _records(path: Path, key: str) -> list[Any] | None:

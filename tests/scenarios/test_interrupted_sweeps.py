@@ -18,7 +18,9 @@ from typing import Any
 import pytest
 from command_line import complaint, phaseplane, reported
 from hosting import HANGS, PROGRAM, started, wait_until
+from phaseplane.scenarios.errors import RunError
 from phaseplane.scenarios.sweeps import running
+from phaseplane.scenarios.sweeps.journal import open_journal
 from phaseplane.scenarios.sweeps.plan import Plan, load_plan
 from phaseplane.scenarios.sweeps.running import Row, journal_key, sweep
 from small_sweep import GRID, SCENE, rows, sweep_file
@@ -43,6 +45,24 @@ def test_what_is_in_the_journal_is_not_done_again(tmp_path: Path) -> None:
     found, told = sweep(plan, journal, workers=1)
     assert told["made"] == 6
     assert found[2].values != made_up
+
+
+def test_a_journal_that_cannot_be_written_is_named_and_kept(tmp_path: Path) -> None:
+    """As on a full disk: the file may grow no further."""
+    resource = pytest.importorskip("resource")
+    journal = tmp_path / "journal"
+    with open_journal(journal, "key") as (_, add):
+        add([0, [1.0], ""])
+    _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (journal.stat().st_size + 5, most))
+    try:
+        with open_journal(journal, "key") as (_, add), pytest.raises(RunError) as caught:
+            add([1, [2.0], ""])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+    assert str(caught.value) == f"cannot write {journal}: File too large"
+    with open_journal(journal, "key") as (found, _):
+        assert found == [[0, [1.0], ""]]
 
 
 def test_a_journal_is_that_of_one_way_to_run_one_version_and_one_content(
