@@ -23,7 +23,8 @@ class Wanted(NamedTuple):
     ----------
     heading : its heading in the file
     kinds : the SI units that are allowed for it
-    unit : its unit in the file; "" for the one in the row below the heading, or else SI
+    unit : its unit in the file; "" for the one in the row below the heading, or in brackets at the end of
+        the heading, or else SI
     offset : added to the values, in SI
     """
 
@@ -42,7 +43,8 @@ def read_columns(
 ) -> list[list[float]]:
     """Read columns of a CSV file with a heading, in SI units; the first must ascend from row to row.
 
-    Lines that begin with # are skipped. The row below the heading may give the units.
+    Lines that begin with # are skipped. The row below the heading may give the units, or the headings
+    themselves, such as `force [kN]`.
 
     Parameters
     ----------
@@ -77,7 +79,7 @@ def read_columns(
                 if not scales:
                     above = all(map(_is_unit, units))
                     scales = [
-                        _size(column.unit or (unit if above else column.kinds[0]), column.kinds)
+                        _size(column.unit or (unit if above else _in_heading(column)), column.kinds)
                         for column, unit in zip(wanted, units, strict=True)
                     ]
                     if above:
@@ -218,6 +220,15 @@ def headings(path: str | PathLike[str], delimiter: str = ",") -> list[str]:
         return next(_numbered(csv.reader(file, delimiter=delimiter)), (0, []))[1]
 
 
+def is_number(cell: str) -> bool:
+    """Return whether a cell is a number, with a decimal point or comma."""
+    try:
+        float(cell.replace(",", "."))
+    except ValueError:
+        return False
+    return True
+
+
 def _numbered(rows: Iterator[list[str]]) -> Iterator[tuple[int, list[str]]]:
     """Yield the rows that are neither empty nor comments, stripped, with the number of their line."""
     for line, row in enumerate(rows, 1):
@@ -229,6 +240,14 @@ def _numbered(rows: Iterator[list[str]]) -> Iterator[tuple[int, list[str]]]:
 def _bare(cell: str) -> str:
     """Return a unit without brackets."""
     return spelled(cell.strip("[]()"))
+
+
+def _in_heading(column: Wanted) -> str:
+    """Return the unit in brackets at the end of a heading, or else SI; round ones may hold words."""
+    unit = _bare(column.heading[max(column.heading.rfind("["), column.heading.rfind("(")) :])
+    if column.heading.endswith("]") or (column.heading.endswith(")") and _is_unit(unit)):
+        return unit
+    return column.kinds[0]
 
 
 _DISPLAYED: Mapping[str, float] = {name: 1.0 for unit in UNITS.values() for name in unit.display}

@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
-from phaseplane.suspension.measurement_files import Wanted, headings, read_columns
+from phaseplane.suspension.measurement_files import Wanted, headings, is_number, read_columns
 from phaseplane.suspension.units import UnitError, nearest, to_si
 
 from ..errors import InputError, read_errors, refuse_unknown_keys, shown
@@ -139,6 +139,10 @@ def _both(path: Path, delimiter: str) -> list[str]:
         found = headings(path, delimiter)
     if not found:
         raise InputError(f"{path.name} is empty")
+    if all(map(is_number, found)):
+        raise InputError(
+            f"{path.name} has no heading, as its first row is {', '.join(found)}; write one above it"
+        )
     if len(found) != 2:
         other = next((mark for mark in ";\t" if len(found) == 1 and mark in found[0]), "")
         raise InputError(

@@ -95,6 +95,9 @@ def test_the_columns_of_a_file_with_two_need_no_names() -> None:
     written("# nothing yet\n", "table.csv")
     with pytest.raises(SceneError, match=r"table.csv is empty"):
         load_scene(path)
+    written("-100,-2\n100,2\n", "table.csv")  # its first point was lost
+    with pytest.raises(SceneError, match=r"has no heading, as its first row is -100, -2; write"):
+        load_scene(path)
 
 
 def test_the_schema_and_the_guide_know_of_files() -> None:

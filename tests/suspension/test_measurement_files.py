@@ -42,6 +42,33 @@ def test_whatever_a_spreadsheet_writes_is_read(encoding, tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("heading", "force", "row", "wanted"),
+    [
+        ("v [mm/s],F [kN]", "F [kN]", "", -1400.0),
+        ("v (mm/s),F (kN)", "F (kN)", "", -1400.0),
+        ("v [mm/s],F (raw)", "F (raw)", "", -1.4),
+        ("v [mm/s],F [kN]", "F [kN]", "mm/s,N\n", -1.4),  # the row below is nearer to the numbers
+    ],
+)
+def test_units_in_headings(heading, force, row, wanted, tmp_path):
+    """They were taken for a part of the name, and the numbers for SI."""
+    path = tmp_path / "rig.csv"
+    path.write_text(f"{heading}\n{row}-500,-1.4\n0,0\n", encoding="utf-8")
+    speed = heading.split(",")[0]
+    read = read_columns(path, [Wanted(speed, ("m/s",)), Wanted(force, ("N",))])
+    assert [column[0] for column in read] == pytest.approx([-0.5, wanted])
+    given = [Wanted(speed, ("m/s",), "m/s"), Wanted(force, ("N",), "kN")]
+    assert [column[0] for column in read_columns(path, given)] == [-500.0, -1400.0]
+
+
+def test_a_unit_in_a_heading_that_does_not_fit_is_refused(tmp_path):
+    path = tmp_path / "rig.csv"
+    path.write_text("v [m/s],F [kp]\n0,0\n", encoding="utf-8")
+    with pytest.raises(ValueError, match="unit 'kp' does not fit here; allowed: N, kN"):
+        read_columns(path, [Wanted("v [m/s]", ("m/s",)), Wanted("F [kp]", ("N",))])
+
+
+@pytest.mark.parametrize(
     ("more", "words"),
     [
         ({"delimiter": ";"}, "line 5.*is the decimal sign a comma"),
