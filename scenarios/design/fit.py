@@ -101,6 +101,13 @@ def read_task(path: Path) -> Task:
             "fit needs more samples than parameters; see time_shift"
         )
     signals = {name: column[during] for name, column in columns.items()}
+    for name, x in signals.items():
+        with np.errstate(over="ignore"):
+            if not 0.0 < np.mean(np.square(x)) < np.inf:
+                raise InputError(
+                    f"{path}: measured: {name}: its samples are all 0, or too large to be squared; a fit "
+                    "takes differences over their root mean square"
+                )
     return Task(space, time, signals, said.search or SearchOfFit())
 
 
@@ -120,7 +127,7 @@ def fit(task: Task, journal: Path, progress: Progress = silent) -> Fit:
     space, count = task.space, len(task.space.plan.keys)
     target = np.concatenate([np.asarray(task.signals[name]) for name in task.signals])
     weight = np.concatenate([
-        np.full(len(x), 1.0 / (np.sqrt(np.mean(np.square(x))) or 1.0)) for x in task.signals.values()
+        np.full(len(x), 1.0 / np.sqrt(np.mean(np.square(x)))) for x in task.signals.values()
     ])  # fmt: skip
     stages = (1 + task.search.starts, _USUAL_STEPS * (1 + 2 * count))
 

@@ -229,6 +229,16 @@ def test_a_fit_finds_the_parameters_within_its_confidence(noise):
     assert read_summary(found.folder)["values"] == found.values
 
 
+@pytest.mark.parametrize("value", ["0", "1e200"])
+def test_a_signal_without_a_size_is_refused(value):
+    """It was fitted, with a difference of inf % or nan % and a warning of numpy."""
+    rows = "".join(f"{20 + t};{value}\n" for t in range(5))
+    Path("rig.csv").write_text(f"t;acc_z\nms;m/s2\n{rows}")
+    text = FIT.replace('offset = { body_acceleration = "-0.05 g" }\n', "")
+    with pytest.raises(InputError, match="body_acceleration: its samples are all 0, or too large"):
+        phaseplane.fit_parameters(study(text))
+
+
 def test_parameters_that_do_the_same_are_said_to_be_alike():
     measured(0.02)
     text = FIT.replace("damper.bump_rate = { from = 300, to = 5000 }",
