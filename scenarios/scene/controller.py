@@ -9,7 +9,7 @@ constants = { skyhook = 1500 }                    # in SI
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING, Any
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 _SETTINGS = ("period", "events", "constants")
 _PERIOD = 1e-3  # s
+_OF_ROAD = ("road_elevation", "road_velocity")  # inputs that act with road.shape = "input" alone
 
 
 @dataclass(frozen=True)
@@ -71,13 +72,19 @@ def read_controller(given: Mapping[str, Any], fmu: Fmu) -> Controller | None:
             f"controller: {fmu.path.name if fmu.path else fmu.model} cannot have one; "
             "name a model with inputs, such as QuarterCar",
         )
-    inputs = [v.name for v in fmu.variables if v.causality == "input"]
-    constants = _constants(given)
+    inputs = [
+        v.name for v in fmu.variables if v.causality == "input" and not v.name.endswith(_OF_ROAD)
+    ]
+    constants = _constants(given, fmu.outputs())
     formulas = {}
     for name, text in given.items():
         if name in _SETTINGS or name.startswith("constants."):
             continue
         key = f"controller.{name}"
+        if name.endswith(_OF_ROAD):
+            raise RefusedError(
+                key, f"{key}: the road of a scene is no input; give it by road.shape and road.table"
+            )
         if name not in inputs:
             known = (*inputs, *_SETTINGS)
             raise RefusedError(
@@ -97,7 +104,7 @@ def read_controller(given: Mapping[str, Any], fmu: Fmu) -> Controller | None:
     return Controller(period, events, formulas, constants)
 
 
-def _constants(given: Mapping[str, Any]) -> dict[str, float]:
+def _constants(given: Mapping[str, Any], outputs: Collection[str]) -> dict[str, float]:
     constants = {}
     if "constants" in given:  # a table is given by its dotted keys
         raise RefusedError.value(
@@ -107,7 +114,14 @@ def _constants(given: Mapping[str, Any]) -> dict[str, float]:
         if key.startswith("constants."):
             if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
                 raise RefusedError.value(f"controller.{key}", value, "must be a number in SI")
-            constants[key.removeprefix("constants.")] = float(value)
+            name = key.removeprefix("constants.")
+            try:
+                equations.check_name(name)
+            except ValueError as error:
+                raise RefusedError(f"controller.{key}", f"controller.{key}: {error}") from None
+            if name in outputs:
+                raise RefusedError.value(f"controller.{key}", value, "is the name of an output")
+            constants[name] = float(value)
     return constants
 
 

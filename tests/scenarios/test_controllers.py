@@ -87,6 +87,15 @@ def test_a_sweep_varies_a_gain():
         ({"actuator_force": "1", "period": -1}, "controller.period = -1: must be greater than 0"),
         ({"actuator_force": "1", "events": "yes"}, "controller.events = 'yes': must be true"),
         ({"actuator_force": "c", "constants": {"c": "3 N"}}, "must be a number in SI"),
+        ({"actuator_force": "t", "constants": {"t": 3}}, "controller.constants.t: 't' cannot name"),
+        (
+            {"actuator_force": "-body_velocity", "constants": {"body_velocity": 3}},
+            "controller.constants.body_velocity = 3: is the name of an output",
+        ),
+        (
+            {"road_elevation": "0.1 * t"},
+            "controller.road_elevation: the road of a scene is no input; give it by road.shape",
+        ),
         ({"actuator_force": "1", "constants": 3}, "controller.constants = 3: must be a table"),
         (
             {"actuator_force": "1", "period": 1e-12},
