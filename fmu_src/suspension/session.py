@@ -108,11 +108,14 @@ class Session:
         self._notices = Notices(float(self._parameters["solver.step"]))
         self._tyres = [axle for axle in system.axles if axle.tyre]
         sampled = self.parameters.get("road.shape") == "input"
+        lines = driven(system, self._inputs, sampled)
+        acting = {i for _, *of_signal in lines for i in of_signal}
+        self._idle = {name for i, name in enumerate(self._inputs) if i not in acting}
         self._run = Run(
             integrator,
             start_time,
             len(self._inputs),
-            driven(system, self._inputs, sampled),
+            lines,
             [e for axle in self._tyres if (e := system.element(axle.tyre)) is not None],
             sampled,
         )
@@ -209,7 +212,7 @@ class Session:
         """Set an input from the present time on.
 
         A call counts as a sample even if the value is unchanged. See `kernel.run` for the course
-        between samples.
+        between samples. An input of a road that is not `input` has no effect, which a message says once.
 
         Raises
         ------
@@ -218,6 +221,9 @@ class Session:
         refuse_unknown([name], self._inputs, f"{self.model} has no input")
         if not isfinite(value):
             raise ParameterError(f"input {name} = {value}: must be finite")
+        if name in self._idle and value != 0.0:
+            self._report("info", f"{name} = {value:g} has no effect, {why_idle(self.parameters)}")
+            self._idle.clear()  # said once
         self._run.set_input(self._inputs.index(name), value)
 
     def set_parameter(self, name: str, value: object) -> None:
@@ -545,6 +551,14 @@ def driven(system: System, inputs: Sequence[str], road: bool) -> list[tuple[int,
         elif name in inputs:
             lines.append((signal, inputs.index(name), -1))
     return lines
+
+
+def why_idle(parameters: Mapping[str, Value]) -> str:
+    """Return why an input drives no signal, as the end of a sentence."""
+    shape = parameters.get("road.shape", "input")
+    if shape == "input":
+        return "as no signal of the system follows it"
+    return f"as road.shape is '{shape}' and not 'input'"
 
 
 def _on_level_road(parameters: Checked) -> Checked:

@@ -166,6 +166,17 @@ def test_a_road_that_ends_before_the_experiment_reaches_the_log(
 # -- whole state -----------------------------------------------------------------------------------
 
 
+def test_a_road_set_on_a_built_in_road_is_warned_of(car: Any) -> None:
+    """Once; the road is that of the parameters, whatever is connected."""
+    with car.instance():
+        car.start(road_elevation=0.0)
+        for k, elevation in enumerate((0.0, 0.01, 0.02)):
+            car.set(road_elevation=elevation, body_force=3.0)
+            car.step(0.01 * k, 0.01 * (k + 1))
+        told = "road_elevation = 0.01 has no effect, as road.shape is 'bump' and not 'input'"
+        assert car.texts.count("has no effect") == car.texts.count(told) == 1
+
+
 def test_a_state_brings_a_failed_run_back(car: Any) -> None:
     with car.instance():
         car.start()

@@ -9,6 +9,7 @@ from math import inf
 
 from phaseplane.suspension.engine import FAILURES
 from phaseplane.suspension.reasons import remedy_of
+from phaseplane.suspension.session import driven, why_idle
 from phaseplane.suspension.systems import System
 from phaseplane.suspension.trace import number
 from phaseplane.suspension.variables import Value, Variable
@@ -59,9 +60,14 @@ def tables(
         "",
         "static const Variable variables[VARIABLES] = {",
     ]
+    values = {v.name: parameters.get(v.name, v.start) for v in declared}
+    driving = driven(system, inputs, values.get("road.shape") == "input")
+    acting = {inputs[i] for _, *of_signal in driving for i in of_signal if i >= 0}
     for v in declared:
-        start = parameters.get(v.name, v.start)
+        start = values[v.name]
         text = quoted(start) if isinstance(start, str) else '""'
+        if v.causality == "input" and v.name not in acting:
+            text = quoted(why_idle(values))
         value = 0.0 if isinstance(start, str) else float(start)
         low, high = (float("-inf") if v.minimum is None else v.minimum,
                      float("inf") if v.maximum is None else v.maximum)  # fmt: skip

@@ -294,6 +294,23 @@ def test_after_a_refused_step_no_output_looks_right(
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
+def test_a_road_set_on_a_built_in_road_is_warned_of(
+    fmi: int, native_fmu: Packer, capfd: Any
+) -> None:
+    """Once, in the words of a session; 0, which many hosts set, says nothing."""
+    times = np.linspace(0.0, 0.05, 6)
+    rows = [(t, 0.0 if t < 0.015 else 0.01, 3.0) for t in times]
+    given = np.array(rows, [("time", float), ("road_elevation", float), ("body_force", float)])
+    simulate_fmu(
+        str(native_fmu("QuarterCar", fmi=fmi)), stop_time=0.05, output_interval=0.01, input=given,
+        debug_logging=True,
+    )  # fmt: skip
+    said = capfd.readouterr().out
+    warning = "road_elevation = 0.01 has no effect, as road.shape is 'bump' and not 'input'"
+    assert said.count("has no effect") == said.count(warning) == 1
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("time", [0.0, 0.05, 0.2])
 def test_a_step_that_is_repeated_or_left_out(
     fmi: int, time: float, native_fmu: Packer, slave: Any, tmp_path: Path, capfd: Any

@@ -36,6 +36,7 @@ typedef struct Instance {
     State now;
     int event_mode;   /* whether contacts are counted by the host's event mode, not by its steps */
     int early_return; /* whether steps end on switches */
+    int idle;         /* whether the host has been told that an input has no effect */
     double (*update)(struct Instance *, double); /* called within steps; see `go_on` */
     char reason[1024]; /* why the last call failed */
     char refusal[1024]; /* why the next step cannot be made */
@@ -89,7 +90,7 @@ static void reset_instance(Instance *one) {
     for (int k = 0; k < VARIABLES; k++) now->parameters[k] = variables[k].start;
     now->ok = 1;
     one->reason[0] = one->refusal[0] = 0;
-    one->quiet = 0;
+    one->quiet = one->idle = 0;
     conduct_make(&now->conduct);
     machine_make(&now->machine);
     wire(one);
@@ -555,6 +556,10 @@ static int set_value(Instance *one, unsigned k, double value) {
     if (v->causality == INPUT) {
         if (now->initialised && !isfinite(value)) {
             return refuse(one, "input %s = %g: must be finite", v->name, value);
+        }
+        if (v->text[0] && value != 0.0 && !one->idle) {
+            say(one, WARNING, "%s = %g has no effect, %s", v->name, value, v->text);
+            one->idle = 1;
         }
         now->inputs[k] = value;
         now->is_set[k] = 1;

@@ -15,6 +15,6 @@ typedef struct Variable {
     int kind, causality, tunable, positive;
     double start, minimum, maximum, nominal;
     const char *range; /* the allowed values, in words */
-    const char *text;  /* the start of a string */
+    const char *text;  /* the start of a string; of an input, why it has no effect if it has none */
     int index;         /* number of an input among the inputs */
 } Variable;
