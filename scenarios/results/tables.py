@@ -149,7 +149,7 @@ def _read_parquet(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
 def _write_hdf5(columns: Columns, metadata: str, path: Path) -> None:
     import h5py  # noqa: PLC0415  (heavy)
 
-    with h5py.File(path, "w") as file:
+    with h5py.File(path, "w", track_order=True) as file:  # else columns are read by alphabet
         file.attrs[_METADATA] = metadata
         for name, column in columns.items():
             file.create_dataset(name, data=column, compression="gzip")
