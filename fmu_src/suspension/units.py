@@ -96,6 +96,8 @@ def to_si(quantity: str, unit: str) -> float:
     display = UNITS[unit].display
     if name in display:
         return number * display[name]
+    if re.match(r",\d", name):
+        raise UnitError(f"{quantity!r}: the decimal sign is a point, not a comma")
     raise UnitError(f"unit {name!r} does not fit here; allowed: {', '.join((unit, *display))}")
 
 

@@ -93,6 +93,7 @@ def test_every_unit_is_what_its_name_says(x: float, unit: str) -> None:
         ({"sprung_mass": float("inf")}, r"sprung_mass = inf"),
         ({"sprung_mass": True}, r"must be a number in kg"),
         ({"sprung_mass": "heavy"}, r"not a number with a unit"),
+        ({"sprung_mass": "3,5 kg"}, r"'3,5 kg': the decimal sign is a point, not a comma"),
         ({"sprung_mass": "3 m"}, r"unit 'm' does not fit here; allowed: kg, g, t"),
         ({"lift_off": 1}, r"lift_off = 1: must be true or false"),
         ({"road.shape": "bmup"}, r"must be one of .* did you mean 'bump'"),
