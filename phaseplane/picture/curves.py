@@ -140,12 +140,12 @@ def draw_trails(
 ) -> None:  # fmt: skip
     """Draw the motion in all planes, up to a number of steps, in curves of at most so many vertices.
 
-    Of a long one only the recent steps are drawn in full.
+    Of a long one that would be a blot only the recent steps are drawn in full.
     """
     known = min(map(len, page.subject.ways), default=0)
     last = known if steps is None else min(steps, known)
-    since = last - recent if last > 2 * _RECENT else 0
-    if since:  # a long motion would be a blot
+    since = last - recent if last > 2 * _RECENT and page.subject.winds else 0
+    if since:
         past = page.subject.past(since, _STRAIGHT * page.em, most)
         page.lines("trail", past, 0.4, 0.5 * strength)
     if since < last:

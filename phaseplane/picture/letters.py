@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import pi
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from .paper import Box, Boxes, Lengths, Points
+from .paper import Box, Boxes, Lengths, Points, segments_of
 
 NEAR = 2.0  # farthest distance of a letter from its point without a leader, in em
 
 _WIDTH, _HEIGHT = 0.58, 1.15  # of one character, in em
 _RINGS = np.array([0.8, 1.1, 1.5, NEAR - 0.1, 2.8, 3.8, 5.0, 7.0, 10.0])  # gaps to the point, in em
 _ANGLES = 16
+_SQUARE, _WALL = 0.25, 1000  # em; what a text takes up counts as so many squares of a curve
 _MOST_CLOSE = 300  # lines about a letter that are looked at
 _GAPS = np.repeat(_RINGS, _ANGLES)
 _DIRECTIONS = np.tile(np.exp(1j * (np.arange(_ANGLES) + 0.5) * 2 * pi / _ANGLES), len(_RINGS))
@@ -34,6 +35,56 @@ class Placed(NamedTuple):
     centres: Points
     led: npt.NDArray[np.bool_]
     free: npt.NDArray[np.bool_]
+
+
+class Room:
+    """The room for letters on a page, in squares that texts or curves take up or leave free.
+
+    Parameters
+    ----------
+    view, em : of the page
+    texts : boxes of the texts on it
+    curves : polylines on it
+    """
+
+    def __init__(
+        self, view: Box, em: float, texts: Iterable[Box], curves: Iterable[Points]
+    ) -> None:
+        self.em, self._side = em, _SQUARE * em
+        self._low = view.corners[0] - self._side * (1 + 1j)
+        size = view.corners[1] - self._low
+        shape = int(size.real / self._side) + 2, int(size.imag / self._side) + 2
+        taken = np.full(shape, _WALL, np.int32)  # nothing is out of view
+        taken[1:-1, 1:-1] = 0
+        for curve in curves:
+            start, end = segments_of([curve[np.isfinite(curve)]]).T
+            count = (abs(end - start) / self._side).clip(0, sum(shape)).astype(np.int64) + 2
+            part = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+            z = np.repeat(start, count) + part * np.repeat((end - start) / (count - 1), count)
+            x, y = self._square(z, shape)
+            taken[x, y] = np.maximum(taken[x, y], 1)
+        for box in texts:
+            (x, u), (y, v) = self._square(np.array(box.corners), shape)
+            taken[x : u + 1, y : v + 1] = _WALL
+        self._sums = np.pad(taken.cumsum(0).cumsum(1), ((1, 0), (1, 0)))
+
+    def _square(self, z: Points, shape: Sequence[int]) -> list[npt.NDArray[np.int64]]:
+        parts = (z - self._low).real, (z - self._low).imag
+        return [
+            (part / self._side).clip(0, most - 1).astype(np.int64)
+            for part, most in zip(parts, shape, strict=True)
+        ]
+
+    def covered(self, boxes: Boxes) -> npt.NDArray[np.int64]:
+        """Return how many squares with parts of curves boxes touch; many where there is a text."""
+        sums, shape = self._sums, [n - 1 for n in self._sums.shape]
+        (x, y), (u, v) = (
+            self._square(boxes.centres + sign * boxes.halves, shape) for sign in (-1, 1)
+        )
+        found: npt.NDArray[np.int64] = (
+            sums[u + 1, v + 1] - sums[x, v + 1] - sums[u + 1, y] + sums[x, y]
+        )
+        return found
 
 
 def text_box(centre: complex, text: str, em: float) -> Box:

@@ -16,6 +16,8 @@ from .layers import Layer, layers_at
 from .paper import Points, arcs, columns, table, telling_vertices
 from .quantities import CENTIMETRES, QUANTITIES, Quantity, by_ending, display_unit, rate_unit
 
+_WOUND = 20.0  # times width and height together: about ten turns, or more smaller ones
+
 
 @dataclass
 class Subject:
@@ -34,6 +36,13 @@ class Subject:
         """The way from each state point to the next in each plane, shape (steps, vertices)."""
         known = [np.asarray(way, complex) for way in self.drawing.ways]
         return known or paths_of(self.drawing, self.motions)
+
+    @cached_property
+    def winds(self) -> bool:
+        """Whether a motion is many times as long as it is large, so that its curve would be a blot."""
+        curves = [z[np.isfinite(z)] for z in map(joined, self.ways)]
+        return any(abs(np.diff(z)).sum() > _WOUND * abs(np.ptp(z.real) + np.ptp(z.imag))
+                   for z in curves if z.size)  # fmt: skip
 
     def past(self, steps: int, close: float, most: int | None) -> list[Points]:
         """Return the motion in all planes over the first steps: parts of curves thinned once.

@@ -59,7 +59,7 @@ class Viewer:
 
     def curve(
         self, name: str, role: str, ways: Points, first: int,
-        columns: Callable[[Integers], Sequence[rr.TimeColumn]],
+        columns: Callable[[Integers], Sequence[rr.TimeColumn]], *, winds: bool = True,
     ) -> None:  # fmt: skip
         """Log more of a growing curve: each step as a row, and blocks of steps as one row each.
 
@@ -68,11 +68,13 @@ class Viewer:
         ways : of some steps, shape (steps, vertices)
         first : number of the first of these steps
         columns : returns the time columns of the steps with some numbers
+        winds : whether the curve is so long that its older parts must be faint
         """
         path = f"{self.root}/{role}/{name}"
         if path not in self._begun:
             self._begun.add(path)
-            for part, strength, weight in (("recent", 1.0, 1.0), ("past", _FAINT, 0.4)):
+            past = (_FAINT, 0.4) if winds else (1.0, 1.0)
+            for part, strength, weight in (("recent", 1.0, 1.0), ("past", *past)):
                 style = line_style([role], [strength], weight, beneath=role == "run")
                 self.recording.log(f"{path}/{part}", style, static=True)
         if not len(ways):

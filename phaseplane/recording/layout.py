@@ -99,14 +99,18 @@ def _time_panel(recorder: Recorder) -> rrb.TimePanel:
 
 
 def _sheets(content: Content, pages: Sequence[Page]) -> rrb.View | rrb.Container:
-    """Return the view of the whole sheet, and with several planes one of each."""
-    names = [content.heading]
+    """Return the view of the whole sheet, and with several planes one of each, or a grid of them."""
+    names = [in_words(displacement) for displacement, _ in content.pairs]
+    together = False
     if content.constructed is not None:
-        names += [typeset(plane.displacement.label) for plane in content.constructed.planes]
-    else:
-        names += [in_words(displacement) for displacement, _ in content.pairs]
-    views = [_sheet(content, page, name) for page, name in zip(pages, names, strict=False)]
-    return rrb.Tabs(*views, active_tab=0) if len(views) > 1 else views[0]
+        planes = content.constructed.planes
+        together = len(planes) > 2  # one below the other on the sheet, they are small
+        names = [typeset(p.displacement.label) + f", {in_words(p.name)}" * together for p in planes]
+    names.insert(0, content.heading)
+    whole, *single = (_sheet(content, page, name) for page, name in zip(pages, names, strict=False))
+    if together:
+        return rrb.Tabs(whole, rrb.Grid(*single, grid_columns=2, name="each plane"), active_tab=0)
+    return rrb.Tabs(whole, *single, active_tab=0) if single else whole
 
 
 def _sheet(content: Content, page: Page, name: str) -> rrb.Spatial2DView:

@@ -12,11 +12,12 @@ import rerun as rr
 
 from phaseplane.picture.chart import Chart
 from phaseplane.picture.curves import draw_trails
+from phaseplane.picture.letters import Room
 from phaseplane.picture.page import Page
 from phaseplane.picture.quantities import Quantity
 from phaseplane.picture.step import event_pages, mark_events
 from phaseplane.picture.story import VERTICES, Tick, arms_page, story_of
-from phaseplane.picture.subject import read_off
+from phaseplane.picture.subject import joined, read_off
 from phaseplane.picture.text import control_text, end_text, step_text
 
 from .canvas import Viewer
@@ -64,6 +65,12 @@ class Recorder:
             draw_trails(page, most=VERTICES)
             mark_events(page)
         return page
+
+    @cached_property
+    def room(self) -> Room:
+        """The room for the letters of steps: neither on texts nor on the whole motion."""
+        page = self.lettered
+        return Room(page.view, page.em, page.taken, map(joined, page.subject.ways))
 
     @cached_property
     def events(self) -> dict[int, Page]:
@@ -150,7 +157,10 @@ class Recorder:
             if self.content.constructed is not None:
                 subject = self.pages[0].subject
                 for plane, way in zip(drawing.planes, subject.ways, strict=True):
-                    self.sheet.curve(plane.name, "trail", way[start:end], start, self.clock.columns)
+                    self.sheet.curve(
+                        plane.name, "trail", way[start:end], start, self.clock.columns,
+                        winds=subject.winds,
+                    )  # fmt: skip
                 here = np.stack(subject.motions, 1)[start : None if ends else end]
                 now = self.clock.columns(start + np.arange(len(here)))
                 self.sheet.move("steps/here", here, now)
@@ -159,7 +169,7 @@ class Recorder:
                     pages = [self.events[i] for i in marked]
                     self.sheet.mark(pages, self.clock.columns(np.array(marked)))
                 if self.content.detail != "trail":
-                    send_steps(self.recording, drawing, self.lettered, self.clock, start, end)
+                    send_steps(self.recording, drawing, self.room, self.clock, start, end)
             if self.words:
                 frames = drawing.frames[start:end]
                 note = control_text(drawing, self.quantities)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import chain
+from itertools import chain, product
 from typing import Any
 
 import numpy as np
@@ -13,8 +13,8 @@ import rerun as rr
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture.layers import Layer, is_main, layers_of
-from phaseplane.picture.letters import text_box
-from phaseplane.picture.page import Page
+from phaseplane.picture.letters import NEAR, Room, away, text_box
+from phaseplane.picture.page import PLATE
 from phaseplane.picture.paper import Boxes, Points
 
 from .columns import (
@@ -35,20 +35,19 @@ SHEET, ARMS, CHART = "/sheet", "/arms", "/chart"
 WORDS = "/words"
 SLICE = 4096  # steps that are encoded at once
 _REPEATED = 0.4  # opacity of what a rule repeats
-# places of letters beside their points, em, the best ones first
-_SIDES = {
-    "state": (0.9 + 1.3j, -0.9 + 1.3j, 0.9 - 1.3j, -0.9 - 1.3j),
-    "normal": (-1.3j, 1.3j),
-}
+# gaps between a letter and its point, em, and directions from it, the best ones first
+_GAPS = (0.8, 1.3, NEAR - 0.1)
+_WAYS = np.exp(0.25j * np.pi * np.array([1, 3, -1, -3, 2, -2, 0, 4]))
+_LEAST_COVERED = 2  # squares of a motion behind a plate that are not missed
 
 # root and name of an entity, its style, its columns, and how many items each step has
 Part = tuple[str, str, rr.AsComponents, Any, int | Integers]
 
 
 def send_steps(
-    recording: rr.RecordingStream, drawing: Drawing, page: Page, clock: Clock, first: int, last: int
+    recording: rr.RecordingStream, drawing: Drawing, room: Room, clock: Clock, first: int, last: int
 ) -> None:
-    """Log the construction of a range of steps, whose letters keep clear of the texts on a page.
+    """Log the construction of a range of steps, whose letters have this room.
 
     An empty row clears a scheme where a step of another one begins, and at the end of the motion.
 
@@ -69,7 +68,7 @@ def send_steps(
         order = np.argsort(rows, kind="stable")
         columns, shown = clock.columns(rows[order]), shown[order]
         layers = layers_of(drawing, key, first, last)
-        for root, name, style, column, items in chain(_parts(layers), _letters(layers, page)):
+        for root, name, style, column, items in chain(_parts(layers), _letters(layers, room)):
             counts = np.zeros(len(shown), np.int64)
             counts[shown > 0] = items
             path = f"{root}/steps/{key}/{name}"
@@ -100,7 +99,7 @@ def _parts(layers: Sequence[Layer]) -> Iterator[Part]:
         yield SHEET, "points", point_style(roles, 1.2), column, len(roles)
 
 
-def _letters(layers: Sequence[Layer], page: Page) -> Iterator[Part]:
+def _letters(layers: Sequence[Layer], room: Room) -> Iterator[Part]:
     """Yield the letters of P and D, wherever they do not lie on another one."""
     kept = [
         (layer, i)
@@ -113,13 +112,12 @@ def _letters(layers: Sequence[Layer], page: Page) -> Iterator[Part]:
         return
     texts = [typeset(layer.labels[i]) for layer, i in kept]
     points = np.stack([layer.vertices[:, i, 0] for layer, i in kept], 1)
-    sides = [_SIDES[layer.roles[i]] for layer, i in kept]
-    centres, free = free_letters(points, sides, texts, page)
+    centres, free = free_letters(points, texts, room)
     for role in ("state", "normal"):
         chosen = [i for i, (layer, k) in enumerate(kept) if layer.roles[k] == role]
         if not chosen:
             continue
-        places, seen = centres[:, chosen] + LINE_UP * 1j * page.em, free[:, chosen]
+        places, seen = centres[:, chosen] + LINE_UP * 1j * room.em, free[:, chosen]
         labels = np.broadcast_to(np.array([legible(texts[i]) for i in chosen], object), seen.shape)
         letters = rr.Points2D.columns(positions=xy(places[seen]), labels=labels[seen].tolist())
         style = rr.Points2D.from_fields(
@@ -129,31 +127,33 @@ def _letters(layers: Sequence[Layer], page: Page) -> Iterator[Part]:
 
 
 def free_letters(
-    points: Points, sides: Sequence[Sequence[complex]], texts: Sequence[str], page: Page
+    points: Points, texts: Sequence[str], room: Room
 ) -> tuple[Points, npt.NDArray[np.bool_]]:
-    """Return the places of letters, each on the first side of its point on which it is legible.
+    """Return the places of letters, each as near to its point as it is legible.
 
-    That is in view, and not covered by another letter or a text on the page.
+    That is in view, not covered by another letter or a text on the page, and where the viewer's plate
+    behind it covers nothing of the motion to speak of.
 
     Parameters
     ----------
     points : shape (steps, letters)
-    sides : the places of each letter beside its point, em
 
     Returns
     -------
     the places, and which letters are legible, shapes as points
     """
-    halves = np.array([text_box(0j, text, page.em).half for text in texts])
-    centres, free = points.copy(), np.zeros(points.shape, bool)
-    fixed = Boxes.of(page.taken)
-    for i, half in enumerate(halves):
-        for side in sides[i]:
-            place = points[:, i] + side * page.em
-            mine = Boxes(place[:, None], half)
-            over = mine.overlap(Boxes(centres[:, :i], halves[:i])) * free[:, :i]
-            clear = mine.within(page.view)[:, 0] & ~free[:, i] & ~(over > 0.0).any(axis=1)
-            clear &= ~(mine.overlap(fixed) > 0.0).any(axis=1)
-            centres[clear, i] = place[clear]
-            free[:, i] |= clear
+    halves = np.array([text_box(0j, text, room.em).half for text in texts])
+    plates = halves + PLATE * room.em * (1 + 1j)
+    known = np.isfinite(points)
+    centres, free = np.where(known, points, 0.0), np.zeros(points.shape, bool)
+    for (i, half), gap in product(enumerate(halves), _GAPS):
+        left = np.flatnonzero(known[:, i] & ~free[:, i])
+        places = points[left, i, None] + (away(half, _WAYS) + gap * room.em) * _WAYS
+        mine, others = Boxes(places[..., None], half), free[left, None, :]
+        over = (mine.overlap(Boxes(centres[left, None, :], halves)) > 0.0) & others
+        clear = ~over.any(axis=-1) & (room.covered(Boxes(places, plates[i])) <= _LEAST_COVERED)
+        best = clear.argmax(axis=1)
+        found = np.flatnonzero(clear.any(axis=1))
+        centres[left[found], i] = places[found, best[found]]
+        free[left[found], i] = True
     return centres, free

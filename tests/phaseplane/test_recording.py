@@ -220,6 +220,25 @@ def test_a_long_trail_goes_in_blocks(tmp_path: Path) -> None:
     assert all(np.min(abs(path - z)) < 1e-7 for z in expected)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("shrinking", "faint"), [(0.98, False), (1.0, True)])
+def test_a_long_trail_is_faint_if_it_winds_so_often_that_it_would_be_a_blot(
+    tmp_path: Path, shrinking: float, faint: bool
+) -> None:
+    frames = []
+    for k in range(601):
+        one = replace(frame(k), scheme="flight", event="")
+        frames.append(
+            replace(one, points=one.points | {"P2": 0.06 * shrinking**k * np.exp(0.3j * k)})
+        )
+    drawn = replace(drawing(), frames=tuple(frames))
+    record(replace(content(), drawing=drawn, detail="trail"), tmp_path / "f.rrd")
+    static = Recorded(tmp_path / "f.rrd").static
+    past, recent = (static[f"/sheet/trail/wheel_displacement/{p}"] for p in ("past", "recent"))
+    for part in ("colors", "radii"):
+        assert (past[f"LineStrips2D:{part}"] != recent[f"LineStrips2D:{part}"]) is faint
+
+
 def ranges_of(recorded: Recorded) -> dict[str, list[Any]]:
     """The ranges of time that are shown of each entity."""
     return {

@@ -123,8 +123,20 @@ def test_a_story_computes_the_ways_of_its_motion_once(monkeypatch: pytest.Monkey
     assert len(computed) == 1
 
 
-def test_what_is_long_past_is_faint_in_a_story() -> None:
+def test_a_long_motion_of_few_turns_stays_in_full_in_a_story() -> None:
+    """Also where the car has been at rest for more than the last 200 steps."""
     made = construct_motion(ap57(), delta, step=0.0025, steps=500)
+    stays, (*_, last) = sheet_and_story(made, 12, 490)
+    (trail,) = (i for i in last.page.items if isinstance(i, Lines) and i.role == "trail")
+    starts = [motion[0] for motion in stays.subject.motions]
+    assert [strip[0] for strip in trail.strips] == starts
+    assert trail.weight == 1.0
+
+
+def test_what_is_long_past_is_faint_in_a_story() -> None:
+    """If the motion winds so often that its curve would be a blot."""
+    spring = EquationPlane(lambda v, x, t: x, True, initial_displacement=1.0)
+    made = construct_motion(spring, delta, step=0.25, steps=500)
     _, (*_, last) = sheet_and_story(made, 12, 490)
     past, recent = (i for i in last.page.items if isinstance(i, Lines) and i.role == "trail")
     assert past.weight < 0.5 * recent.weight

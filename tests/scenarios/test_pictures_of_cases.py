@@ -28,8 +28,8 @@ from phaseplane.figures.planes import step_page
 from phaseplane.figures.style import PLAIN
 from phaseplane.picture.curves import curve_through
 from phaseplane.picture.items import Arrow
-from phaseplane.picture.letters import NEAR
-from phaseplane.picture.page import Page
+from phaseplane.picture.letters import NEAR, Room, text_box
+from phaseplane.picture.page import PLATE, Page
 from phaseplane.picture.paper import Boxes, around, segments_of, table
 from phaseplane.picture.step import mark_events, write_letters
 from phaseplane.picture.story import MOST, arms_page, story_of, told_steps
@@ -460,16 +460,56 @@ def test_the_turn_angles_leave_the_sheet_to_the_planes(name: str) -> None:
     assert np.ptp(planes.imag) > 0.4 * 2.0 * view.half.imag
 
 
+@pytest.mark.slow
+def test_four_planes_can_be_seen_side_by_side() -> None:
+    """On the sheet they are one below the other, each as high as a sixth of a wide pane."""
+    shown = Content("half car", drawing_of("half_car_pitch", 0.05))
+    left = blueprint(Recorder(rr.RecordingStream("planes"), shown)).root_container.contents[0]
+    _, grid = left.contents[0].contents
+    assert [view.name for view in grid.contents] == [
+        "y₁₁, front suspension deflection", "y₁₂, front wheel displacement",
+        "y₂₁, rear suspension deflection", "y₂₂, rear wheel displacement",
+    ]  # fmt: skip
+
+
 def test_a_letter_of_a_moving_step_stands_where_no_other_is() -> None:
-    """On the first of its sides that is free; there is none for the last one."""
+    """Near its point; there is none where it would be out of view, or on lines everywhere."""
     stays, *_ = pages_of(Content("ap57", drawing_of("ap57")))
-    stays.taken.clear()
-    sides = [(2.0j, -2.0j)] * 3
-    z = np.array([[0j, 0j, 0j], [0j, 10 * stays.em + 0j, 1e3 + 0j]])
-    centres, free = free_letters(z, sides, ["A", "B", "C"], stays)
-    assert free.tolist() == [[True, True, False], [True, True, False]]
-    places = (centres - z)[free] / stays.em
-    assert places == pytest.approx(np.array([2.0j, -2.0j, 2.0j, 2.0j]))
+    here, em = complex(stays.view.centre), stays.em
+    z = np.array([[here, here, here + 1e3], [here, here + 1.5 * em, 1j * np.inf]])
+    centres, free = free_letters(z, ["A", "B", "C"], Room(stays.view, em, [], []))
+    assert free.tolist() == [[True, True, False]] * 2
+    assert (abs(centres[free] - z[free]) < 3.0 * em).all()
+    boxes = [[text_box(c, "A", em) for c in row[:2]] for row in centres]
+    assert not any(one.overlap(other) for one, other in boxes)
+    hatched = here + np.arange(-9.0, 9.0, 0.5) * em
+    strokes = [np.array([x - 9j * em, x + 9j * em]) for x in hatched]
+    assert not free_letters(z, ["A", "B", "C"], Room(stays.view, em, [], strokes))[1].any()
+
+
+@pytest.mark.parametrize(
+    ("name", "least"),
+    [
+        ("ap57", 0.95),
+        *(
+            pytest.param(*of, marks=pytest.mark.slow)
+            for of in (("half_car_pitch", 0.3), ("iso8608_c", 0.0))
+        ),
+    ],
+)
+def test_letters_of_steps_do_not_cover_the_motion(name: str, least: float) -> None:
+    """The viewer draws a plate behind each; where the motion is everywhere there is no letter."""
+    drawing = drawing_of(name)
+    recorder = Recorder(rr.RecordingStream("letters"), Content(name, drawing, detail="steps"))
+    names = [plane.state for plane in drawing.planes]
+    points = table(drawing.frames, names)
+    centres, free = free_letters(points, names, recorder.room)
+    assert free.mean() > least
+    page = recorder.lettered
+    starts, ends = segments_of(recorder.pages[0].subject.motions).T
+    for i, plate in enumerate(text_box(0j, n, page.em).grown(PLATE * page.em) for n in names):
+        places = Boxes(centres[free[:, i], i][::9, None], np.array(plate.half))
+        assert (places.inside(starts, ends).sum(axis=1) < 0.75 * page.em).all()
 
 
 @pytest.mark.parametrize("name", ["crest_jump", "h83_example23", "speed_bump", "ap57"])
