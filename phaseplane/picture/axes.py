@@ -108,7 +108,7 @@ def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> _Texts:
     rows = plane.name.split("_")
     label = f"{typeset(axis.label)}{bracketed(graduation.unit)}".strip()
     name = "\n".join(rows) + f" {label}"
-    if _in_columns(page) or text_box(0j, name, em).half.real > _WIDEST * page.view.half.real:
+    if _in_columns(page) or _too_wide(page, name):
         name, rows = label, rows[:1]
     places = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
     sides = [complex(along, way * (1.0 + far)) for far, along in _PLACES for way in (-1, 1)]
@@ -127,9 +127,12 @@ def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) 
     _ticks(page, axis, graduation, 0.35 * em)
     # on the side of the axis away from the motion
     side = -1.0 if (motion - axis.origin).real.sum() > 0.0 else 1.0
-    name = f"{typeset(axis.label)}{bracketed(graduation.unit)}"
+    label, unit = typeset(axis.label), bracketed(graduation.unit)
     if _in_columns(page):
-        name = bracketed(graduation.unit).strip()
+        label, unit = "", unit.strip()
+    elif _too_wide(page, label):
+        label = label.partition(" =")[0]
+    name = label + unit
     places = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
     values = [
         [
@@ -141,16 +144,21 @@ def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) 
     return ((start, tip), tip + side * 0.8 * em - 0.2j * em, name, -side), values
 
 
+def _too_wide(page: Page, name: str) -> bool:
+    return text_box(0j, name, page.em).half.real > _WIDEST * page.view.half.real
+
+
 def _upright(
     page: Page, plane: Plane, motion: Points, graduation: Graduation
 ) -> tuple[complex, complex]:
-    """Return the ends of the y-bar axis; its tip is in view."""
+    """Return the ends of the y-bar axis, which are in view."""
     axis = plane.scaled_velocity
     ends = [0.0, *graduation.values, *reach_of(axis, motion)]
     start, tip = axis.at(min(ends)) - 0.8j * page.em, axis.at(max(ends)) + 1.6j * page.em
     above = 1.8 if _in_columns(page) else 0.2  # room for the name of the plane
-    highest = page.view.centre.imag + page.view.half.imag - above * page.em
-    return start, complex(tip.real, min(tip.imag, max(highest, start.imag)))
+    low, high = (z.imag for z in page.view.corners)
+    start = complex(start.real, max(start.imag, low))
+    return start, complex(tip.real, min(tip.imag, max(high - above * page.em, start.imag)))
 
 
 def _in_columns(page: Page) -> bool:

@@ -26,9 +26,12 @@ from phaseplane.constructions import (
     tangent,
 )
 from phaseplane.figures import Look, save
-from phaseplane.figures.canvas import Sheet
-from phaseplane.figures.style import heading_lines
+from phaseplane.figures.canvas import Sheet, new_page
+from phaseplane.figures.style import PLAIN, heading_lines
+from phaseplane.picture.axes import draw_axes
+from phaseplane.picture.items import Arrow
 from phaseplane.picture.styles import ROLES
+from phaseplane.picture.views import view_of
 
 
 @pytest.fixture(scope="module")
@@ -193,6 +196,20 @@ def test_captions_of_a_storyboard_are_below_their_pictures(width, drawing: Drawi
     assert len(pictures) == 9 + 1  # and the arm of the turn angles
     assert not any(one.overlaps(other) for one in captions for other in pictures)
     assert not any(one.overlaps(other) for one, other in combinations(captions, 2))
+
+
+@pytest.mark.parametrize(("inches", "name"), [(40.0, "ȳ₁ = ẏ₁/Ω₁ [cm]"), (2.5, "ȳ₁ [cm]")])
+def test_axes_of_a_small_picture_have_short_names_and_stay_in_it(
+    inches: float, name: str, drawing: Drawing
+) -> None:
+    """Pictures of a storyboard in a column are 3 cm wide; below each is a caption."""
+    page = new_page(drawing, view_of(drawing, [drawing.frames[8]], turn=False), PLAIN, inches)
+    draw_axes(page)
+    written = {text.text.replace("\n", " ") for text in page.texts if text.kind == "name"}
+    assert name in written
+    for arrow in page.of(Arrow):
+        assert page.view.grown(1e-6).holds(arrow.start)
+        assert page.view.grown(1e-6).holds(arrow.tip)
 
 
 def test_figure_6_names_the_parts_of_the_quarter_car(drawing: Drawing) -> None:
