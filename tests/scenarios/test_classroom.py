@@ -19,6 +19,7 @@ from typing import Any
 
 import notebooks
 import pytest
+from browsers import FREE, browser
 from hosting import in_python
 from matplotlib.figure import Figure
 from phaseplane.scenarios.draw.classroom import OWN, answered
@@ -132,14 +133,6 @@ def test_the_notebook_runs_from_top_to_bottom() -> None:
 
 # In a browser.
 
-FREE = """
-const boxes = [...document.querySelectorAll('.paper text')].map(text => text.getBoundingClientRect());
-const across = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left);
-const down = (a, b) => Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
-const meet = (a, b) => across(a, b) > 1 && down(a, b) > 0.35 * Math.min(a.height, b.height);
-return boxes.every((a, i) => boxes.every((b, k) => k <= i || !meet(a, b)));
-"""
-
 
 class _Quiet(SimpleHTTPRequestHandler):
     extensions_map = {  # noqa: RUF012
@@ -178,44 +171,34 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def browser(site: Path) -> Iterator[Any]:
+def page(site: Path) -> Iterator[Any]:
     """A browser that has the page open, served from this machine."""
-    webdriver = pytest.importorskip("selenium.webdriver")
-    programs = [shutil.which(name) for name in ("chromium", "chromedriver")]
-    if not all(programs):
-        pytest.skip("no browser: install chromium and chromium-driver")
     server = ThreadingHTTPServer(("127.0.0.1", 0), partial(_Quiet, directory=str(site)))
     threading.Thread(target=server.serve_forever, daemon=True).start()
-    options = webdriver.ChromeOptions()
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-                     "--window-size=1300,900"):  # fmt: skip
-        options.add_argument(argument)
-    options.binary_location = programs[0]
-    opened = webdriver.Chrome(options=options, service=webdriver.ChromeService(programs[1]))
-    opened.get(f"http://127.0.0.1:{server.server_port}/index.html")
-    yield opened
-    opened.quit()
-    server.shutdown()
-    server.server_close()
+    try:
+        with browser("headless=new") as opened:
+            opened.get(f"http://127.0.0.1:{server.server_port}/index.html")
+            yield opened
+    finally:
+        server.shutdown()
+        server.server_close()
 
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::ResourceWarning")
-def test_the_page_in_a_browser(browser: Any) -> None:
+def test_the_page_in_a_browser(page: Any) -> None:
     from selenium.webdriver.common.by import By  # noqa: PLC0415
     from selenium.webdriver.common.keys import Keys  # noqa: PLC0415
     from selenium.webdriver.support.ui import Select, WebDriverWait  # noqa: PLC0415
 
-    wait = WebDriverWait(browser, 240)
+    wait = WebDriverWait(page, 240)
 
     def told(name: str) -> str | None:
-        found: str | None = browser.execute_script(
-            f"return document.documentElement.dataset.{name}"
-        )
+        found: str | None = page.execute_script(f"return document.documentElement.dataset.{name}")
         return found
 
     def find(selector: str) -> Any:
-        return browser.find_element(By.CSS_SELECTOR, selector)
+        return page.find_element(By.CSS_SELECTOR, selector)
 
     assert told("first") is not None  # a sheet is there before Python is
     assert "stage 1 of" in find(".now").text
@@ -223,8 +206,8 @@ def test_the_page_in_a_browser(browser: Any) -> None:
     bottom = (
         "return document.querySelector('#player svg').getBoundingClientRect().bottom - innerHeight"
     )
-    assert browser.execute_script(bottom) <= 0  # the form and the whole sheet in one window
-    written = [text.text for text in browser.find_elements(By.CSS_SELECTOR, ".paper text")]
+    assert page.execute_script(bottom) <= 0  # the form and the whole sheet in one window
+    written = [text.text for text in page.find_elements(By.CSS_SELECTOR, ".paper text")]
     assert "\N{MINUS SIGN}2" in written
     assert not any("-" in text for text in written)
     Select(find("select[name=scene]")).select_by_value("ap57")
@@ -244,21 +227,21 @@ def test_the_page_in_a_browser(browser: Any) -> None:
 
     def free() -> bool:
         """Whether no text on the sheet covers another."""
-        return bool(browser.execute_script(FREE))
+        return bool(page.execute_script(FREE))
 
     body.send_keys(Keys.END)
     assert free()
 
     def pages() -> int:
-        printed = browser.execute_cdp_cmd("Page.printToPDF", {})["data"]
+        printed = page.execute_cdp_cmd("Page.printToPDF", {})["data"]
         return b64decode(printed).count(b"/Type /Page\n")
 
     body.send_keys(Keys.END)
     assert pages() <= 4  # the sheet and its points
-    browser.execute_script("document.querySelector('table').classList.add('whole')")
+    page.execute_script("document.querySelector('table').classList.add('whole')")
     assert pages() > 10  # the protocol, on demand
     find("#solve").click()
-    wait.until(lambda _: browser.find_elements(By.CSS_SELECTOR, "#run polyline"))
+    wait.until(lambda _: page.find_elements(By.CSS_SELECTOR, "#run polyline"))
     equation = find("input[name=equation]")
     Select(find("select[name=scene]")).select_by_value(OWN)
     wait.until(lambda _: "sign(ẋ)" in (told("shown") or ""))
@@ -267,15 +250,15 @@ def test_the_page_in_a_browser(browser: Any) -> None:
     find("button[type=submit]").click()
     wait.until(lambda _: "'kk' is not known" in find("#state").text)
     # on a phone
-    browser.execute_cdp_cmd(
+    page.execute_cdp_cmd(
         "Emulation.setDeviceMetricsOverride",
         {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True},
     )
-    wide = browser.execute_script("return document.documentElement.scrollWidth - innerWidth")
+    wide = page.execute_script("return document.documentElement.scrollWidth - innerWidth")
     assert wide <= 0
-    browser.refresh()
+    page.refresh()
     wait.until(lambda _: told("first"))
-    smallest = browser.execute_script(
+    smallest = page.execute_script(
         "return Math.min(...[...document.querySelectorAll('.paper text')].map(text => "
         "text.getAttribute('font-size') * text.ownerSVGElement.getScreenCTM().a))"
     )
@@ -289,5 +272,5 @@ def test_the_page_in_a_browser(browser: Any) -> None:
         )
         find("body").send_keys(Keys.END)
         assert free(), name
-    errors = [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
+    errors = [entry for entry in page.get_log("browser") if entry["level"] == "SEVERE"]
     assert errors == []

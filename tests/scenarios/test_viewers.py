@@ -6,7 +6,6 @@ The pictures are kept in `artefacts/`.
 from __future__ import annotations
 
 import os
-import shutil
 import socket
 import subprocess
 import tempfile
@@ -18,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from browsers import browser
 from hosting import HANGS
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.commands.viewing import recordings_in
@@ -167,31 +167,22 @@ def test_all_recordings_of_a_folder_are_on_one_page(viewer: ViewerClient, tmp_pa
 
 
 def test_a_browser_shows_the_planes_on_the_page(tmp_path: Path) -> None:
-    programs = [shutil.which(name) for name in ("chromium", "chromedriver")]
-    if not all(programs):
-        pytest.skip("no browser: install chromium and chromium-driver")
-    webdriver = pytest.importorskip("selenium.webdriver")
-
     _, folder = run_scene("ap57", ["show.figures=[]"], tmp_path / "out")
-    options = webdriver.ChromeOptions()
-    options.binary_location = str(programs[0])
-    with tempfile.TemporaryDirectory() as profile, serving([folder / "construction.rrd"]) as server:
-        for argument in (
-            "headless", "no-sandbox", "disable-gpu", "disable-quic", "no-first-run", "disable-sync",
-            "disable-background-networking", "disable-component-update", "enable-unsafe-swiftshader",
-            f"user-data-dir={profile}", "window-size={},{}".format(*SIZE),
-        ):  # fmt: skip
-            options.add_argument(f"--{argument}")
-        browser = webdriver.Chrome(options, webdriver.ChromeService(str(programs[1])))
-        try:
-            browser.get(server.page)
-            ARTEFACTS.mkdir(exist_ok=True)
-            picture = ARTEFACTS / "page.png"
+    quiet = (
+        "headless", "disable-quic", "no-first-run", "disable-sync", "disable-background-networking",
+        "disable-component-update", "enable-unsafe-swiftshader",
+    )  # fmt: skip
+    with (
+        tempfile.TemporaryDirectory() as profile,
+        serving([folder / "construction.rrd"]) as server,
+        browser(*quiet, f"user-data-dir={profile}", size=SIZE) as opened,
+    ):
+        opened.get(server.page)
+        ARTEFACTS.mkdir(exist_ok=True)
+        picture = ARTEFACTS / "page.png"
 
-            def drawn() -> bool:
-                browser.save_screenshot(str(picture))
-                return min(pixels(picture, hue) for hue in (AUXILIARY, hue_of("wheel"))) > 20
+        def drawn() -> bool:
+            opened.save_screenshot(str(picture))
+            return min(pixels(picture, hue) for hue in (AUXILIARY, hue_of("wheel"))) > 20
 
-            until(drawn)
-        finally:
-            browser.quit()
+        until(drawn)
