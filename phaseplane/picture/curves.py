@@ -24,7 +24,7 @@ _PLACES = 12  # for the label of a curve on each of its segments
 _STRAIGHT = 0.01  # em: how far a thinned curve may be from the whole one
 _LEVELS = 9  # at which auxiliary curves are compared
 _SAME = 1e-3  # of the width of their family: distance of curves that coincide
-_RECENT = 200  # steps of a long motion that are drawn in full
+RECENT = 200  # steps of a long motion that are drawn in full, more than the viewer has in a block
 
 
 def draw_curves(page: Page, roles: Sequence[str] | None = CURVES) -> None:
@@ -136,7 +136,7 @@ def _plane_of(page: Page, curve: Curve) -> Plane:
 
 def draw_trails(
     page: Page, steps: int | None = None, strength: float = 1.0, most: int | None = None,
-    recent: int = _RECENT,
+    recent: int = RECENT,
 ) -> None:  # fmt: skip
     """Draw the motion in all planes, up to a number of steps, in curves of at most so many vertices.
 
@@ -144,15 +144,17 @@ def draw_trails(
     """
     known = min(map(len, page.subject.ways), default=0)
     last = known if steps is None else min(steps, known)
-    since = last - recent if last > 2 * _RECENT and page.subject.winds else 0
+    since = last - recent if last > 2 * RECENT and page.subject.winds else 0
+    close = _STRAIGHT * page.em
     if since:
-        past = page.subject.past(since, _STRAIGHT * page.em, most)
-        page.lines("trail", past, 0.4, 0.5 * strength)
-    if since < last:
+        page.lines("trail", page.subject.past(since, close, most), 0.4, 0.5 * strength)
+    if 0 < since < last:
         lately = [joined(way[since:last]) for way in page.subject.ways]
         if most:
-            lately = [z[telling_vertices(z, _STRAIGHT * page.em, len(z))] for z in lately]
+            lately = [z[telling_vertices(z, close, len(z))] for z in lately]
         page.lines("trail", lately, 1.0, strength)
+    elif since < last:
+        page.lines("trail", page.subject.past(last, close, most), 1.0, strength)
 
 
 def draw_missed(page: Page) -> None:

@@ -32,7 +32,6 @@ from .columns import (
 )
 
 BLOCK = 128  # steps in a block of a long curve, which the viewer draws as one row
-RECENT = 200  # steps of a curve that are drawn in full, more than a block
 PARTS = ("lines", "points", "letters")  # the entities of a page
 # the draw order of the lines of each page; those of `stage` have neighbouring depths
 _ORDER = {"paper": 11.0, "story": 13.0, "events": 21.0}

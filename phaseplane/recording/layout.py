@@ -10,11 +10,12 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from phaseplane.constructions.letters import typeset
+from phaseplane.picture.curves import RECENT
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
 from phaseplane.picture.text import in_words, number
 
-from .canvas import PARTS, RECENT
+from .canvas import PARTS
 from .columns import legible
 from .content import Content
 from .histories import MOST_NAMED, Panel, overlays, panels
