@@ -232,8 +232,7 @@ def test_a_long_trail_is_faint_if_it_winds_so_often_that_it_would_be_a_blot(
             replace(one, points=one.points | {"P2": 0.06 * shrinking**k * np.exp(0.3j * k)})
         )
     drawn = replace(drawing(), frames=tuple(frames))
-    record(replace(content(), drawing=drawn, detail="trail"), tmp_path / "f.rrd")
-    static = Recorded(tmp_path / "f.rrd").static
+    static = read_back(replace(content(), drawing=drawn, detail="trail"), tmp_path).static
     past, recent = (static[f"/sheet/trail/wheel_displacement/{p}"] for p in ("past", "recent"))
     for part in ("colors", "radii"):
         assert (past[f"LineStrips2D:{part}"] != recent[f"LineStrips2D:{part}"]) is faint
