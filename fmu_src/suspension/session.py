@@ -507,7 +507,7 @@ class Session:
                 "parameters": self._now,
                 "ok": self.ok,
                 "tuned": self._tuned,
-                "run": self._run.snapshot(),
+                "run": self._run.snapshot().hex(),
                 "integrator": self._integrator.snapshot().hex(),
                 "behind": self._behind.hex() if self._integrator.time > self.time else "",
             }
@@ -527,7 +527,7 @@ class Session:
         self._behind = bytes.fromhex(kept["behind"])
         self._forget_events()
         self.ok, self._tuned = kept["ok"], kept["tuned"]
-        self._run.restore(kept["run"])
+        self._run.restore(bytes.fromhex(kept["run"]))
         self._read_lines()
         self._sample()
 

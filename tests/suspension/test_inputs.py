@@ -38,8 +38,8 @@ class Line(NamedTuple):
 
 def road(**samples: Sequence[tuple[float, float]]) -> Any:
     """A run whose inputs, `elevation` and `velocity` of a road, have been set at some times."""
-    parts = {"signals": SimpleNamespace(count=1), "elements": None, "laws": None}
-    net = SimpleNamespace(n=1, memory=plain_module("arrays").Memory(), **parts)
+    signals = SimpleNamespace(count=1)
+    net = SimpleNamespace(n=1, memory=plain_module("arrays").Memory(), signals=signals)
     integrator = SimpleNamespace(replace_signal=lambda *_: None, net=net)
     run = plain_module("run").Run(integrator, -1.0, 2, [(0, 0, 1)], [], True)
     for time, i, value in sorted(

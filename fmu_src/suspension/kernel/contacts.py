@@ -9,12 +9,11 @@ from .layout import UNBOUNDED
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from typing import Any
 
     from .arrays import Memory
     from .integrator import Integrator
 
-_WAITING = 1024  # switches later than the present time, up to the end of the last step
+_WAITING = 256  # switches later than the present time, up to the end of the last step
 _NONE = -1
 
 
@@ -115,13 +114,3 @@ class Contacts:
             self.memory.seen(self.last_lift_off, self.tyres),
             self.memory.seen(self.last_touchdown, self.tyres),
         )
-
-    @of_python
-    def parts(self) -> list[Any]:
-        """Return views of all arrays of the state for Python."""
-        return [
-            *self.seen(),
-            self.memory.seen(self.waiting_time, self.waiting),
-            self.memory.seen_marks(self.waiting_tyre, self.waiting),
-            self.memory.seen_marks(self.waiting_airborne, self.waiting),
-        ]

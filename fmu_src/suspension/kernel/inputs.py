@@ -5,11 +5,7 @@ from __future__ import annotations
 from math import fabs
 from typing import TYPE_CHECKING
 
-from .language import of_python
-
 if TYPE_CHECKING:
-    from typing import Any
-
     from .arrays import Memory
 
 _SAMPLES = 3  # for two slopes
@@ -77,13 +73,3 @@ class Inputs:
         if before * last <= 0.0:
             return 0.0
         return before if fabs(before) <= fabs(last) else last
-
-    @of_python
-    def parts(self) -> list[Any]:
-        """Return views of all arrays of the state for Python."""
-        return [
-            self.memory.seen(self.value, self.count),
-            self.memory.seen_marks(self.samples, self.count),
-            self.memory.seen(self.sample_time, _SAMPLES * self.count),
-            self.memory.seen(self.sample_value, _SAMPLES * self.count),
-        ]

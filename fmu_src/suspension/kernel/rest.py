@@ -30,8 +30,8 @@ class Rest:
     """
 
     def __init__(self, network: Network) -> None:
+        # its parts are reached through it, because a native FMU links the network alone to its run
         self.net, self.n = network, network.n
-        self.elements, self.laws = self.net.elements, self.net.laws
         memory, n = self.net.memory, self.n
         self.level = memory.zeros(max(self.net.signals.count, 1))  # of roads and loads, m and N
         self.q, self.trial, self.change = memory.zeros(n), memory.zeros(n), memory.zeros(n)
@@ -84,10 +84,10 @@ class Rest:
         """Return a small shift of the tangent, relative to the stiffness at the origin."""
         stiffness = 0.0
         largest = 0.0
-        for e in range(self.elements.count):
+        for e in range(self.net.elements.count):
             self._find_force(e, 0.0)
             for i in range(self.n):
-                b = self.elements.row_direction[self.elements.row_of[e] * self.n + i]
+                b = self.net.elements.row_direction[self.net.elements.row_of[e] * self.n + i]
                 stiffness += fabs(self.stiffness) * b * b
         for i in range(self.n):
             largest = max(largest, self.net.mass[i * self.n + i])
@@ -100,46 +100,46 @@ class Rest:
         return True
 
     def _deflection(self, e: int, q: Doubles) -> float:
-        r = self.elements.row_of[e]
+        r = self.net.elements.row_of[e]
         d = 0.0
         for i in range(self.n):
-            d += self.elements.row_direction[r * self.n + i] * q[i]
-        s = self.elements.row_signal[r]
+            d += self.net.elements.row_direction[r * self.n + i] * q[i]
+        s = self.net.elements.row_signal[r]
         return d - self.level[s] if s >= 0 else d
 
     def _find_force(self, e: int, d: float) -> None:
         """Set `force` and `stiffness` of element e at rest: up to its limit, along its yield lines."""
-        if self.elements.limit[e] < UNBOUNDED and d >= self.elements.free_length[e]:
-            self.force, self.stiffness = self.elements.limit[e], 0.0
+        if self.net.elements.limit[e] < UNBOUNDED and d >= self.net.elements.free_length[e]:
+            self.force, self.stiffness = self.net.elements.limit[e], 0.0
             return
         law = LAWS * e + SPRING
-        p = self.laws.first[law] + self.laws.piece_at(law, d)
-        self.force = self.laws.law(p, d)
-        self.stiffness = self.laws.law_slope(p, d)
+        p = self.net.laws.first[law] + self.net.laws.piece_at(law, d)
+        self.force = self.net.laws.law(p, d)
+        self.stiffness = self.net.laws.law_slope(p, d)
 
     def _energy(self, e: int, d: float) -> float:
         """Return the potential of element e at rest, J."""
-        if self.elements.limit[e] < UNBOUNDED and d >= self.elements.free_length[e]:
-            return self.elements.free_energy[e] + self.elements.limit[e] * (
-                d - self.elements.free_length[e]
+        if self.net.elements.limit[e] < UNBOUNDED and d >= self.net.elements.free_length[e]:
+            return self.net.elements.free_energy[e] + self.net.elements.limit[e] * (
+                d - self.net.elements.free_length[e]
             )
         law = LAWS * e + SPRING
-        k = self.laws.piece_at(law, d)
-        p = self.laws.first[law] + k
-        if not self.elements.yields[e]:
-            return self.laws.potential(p, d)
+        k = self.net.laws.piece_at(law, d)
+        p = self.net.laws.first[law] + k
+        if not self.net.elements.yields[e]:
+            return self.net.laws.potential(p, d)
         # the elastic line up to where it yields, then a line of flow
-        elastic = self.laws.first[law] + 1
+        elastic = self.net.laws.first[law] + 1
         end = d
         if k == 0:
-            end = self.laws.piece[elastic * PIECE + START]
+            end = self.net.laws.piece[elastic * PIECE + START]
         elif k == 2:
-            end = self.laws.piece[(elastic + 1) * PIECE + START]
-        rate = self.laws.law_slope(elastic, end)
-        force = self.laws.law(elastic, end)
+            end = self.net.laws.piece[(elastic + 1) * PIECE + START]
+        rate = self.net.laws.law_slope(elastic, end)
+        force = self.net.laws.law(elastic, end)
         beyond = d - end
         return force * force / (2.0 * rate) + beyond * (
-            force + 0.5 * beyond * self.laws.law_slope(p, d)
+            force + 0.5 * beyond * self.net.laws.law_slope(p, d)
         )
 
     def _potential(self, q: Doubles) -> float:
@@ -149,7 +149,7 @@ class Rest:
             p = self.level[self.net.load_signal[m]]
             for i in range(self.n):
                 total -= self.net.load_direction[m * self.n + i] * p * q[i]
-        for e in range(self.elements.count):
+        for e in range(self.net.elements.count):
             total += self._energy(e, self._deflection(e, q))
         return total
 
@@ -168,21 +168,21 @@ class Rest:
             for i in range(n):
                 self.slope[i] -= self.net.load_direction[m * n + i] * p
                 self.size[i] += fabs(self.net.load_direction[m * n + i] * p)
-        for e in range(self.elements.count):
-            r = self.elements.row_of[e]
-            s = self.elements.row_signal[r]
+        for e in range(self.net.elements.count):
+            r = self.net.elements.row_of[e]
+            s = self.net.elements.row_signal[r]
             self._find_force(e, self._deflection(e, q))
             # the magnitude includes the effect of rounding in the deflection on the force
             reach = fabs(self.level[s]) if s >= 0 else 0.0
             for i in range(n):
-                reach += fabs(self.elements.row_direction[r * n + i] * q[i])
+                reach += fabs(self.net.elements.row_direction[r * n + i] * q[i])
             rounding = fabs(self.force) + fabs(self.stiffness) * reach
             for i in range(n):
-                b = self.elements.row_direction[r * n + i]
+                b = self.net.elements.row_direction[r * n + i]
                 self.slope[i] += b * self.force
                 self.size[i] += fabs(b) * rounding
                 for j in range(n):
-                    c = self.elements.row_direction[r * n + j]
+                    c = self.net.elements.row_direction[r * n + j]
                     self.tangent[i * n + j] += b * c * self.stiffness
 
     def _falls(self) -> bool:

@@ -13,6 +13,7 @@ have changed at two successive ones: running ahead would be in vain.
 
 from __future__ import annotations
 
+from array import array
 from typing import TYPE_CHECKING
 
 from .account import Account
@@ -24,13 +25,13 @@ from .rest import Rest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from typing import Any
 
     from .integrator import Integrator
-    from .language import Doubles, Integers, Lendable, Numbers
+    from .language import Doubles, Integers, Lendable
 
 _NONE = -1
 _CHANGED, _SUCCESSIVELY = 2, 3
+_NUMBERS = 10  # of the state, besides arrays
 
 
 class Run:
@@ -268,19 +269,6 @@ class Run:
     # -- whole state ---------------------------------------------------------------------------------
 
     @of_python
-    def _parts(self) -> list[Any]:
-        """Return views of all arrays of the state for Python."""
-        memory = self.memory
-        return [
-            *self.inputs.parts(),
-            memory.seen(self.line_time, self.lines),
-            memory.seen(self.line_value, self.lines),
-            memory.seen(self.line_slope, self.lines),
-            memory.seen(self.account.carried, self.account.signals),
-            *self.contacts.parts(),
-        ]
-
-    @of_python
     def courses(self) -> list[tuple[int, float, float, float]]:
         """Return the present course of every signal that inputs drive.
 
@@ -294,28 +282,29 @@ class Run:
         ]
 
     @of_python
-    def snapshot(self) -> list[float]:
-        """Return the state, apart from the integrator's, as numbers."""
+    def snapshot(self) -> bytes:
+        """Return the state as bytes, apart from the integrator's."""
+        account, contacts = self.account, self.contacts
         numbers = [
-            self.time, self.start, self.handed, self.interval, self.account.opening,
-            self.account.look_at, self.account.drifts, self.sampled, self.contacts.waiting,
-            self.changed,
+            self.time, self.start, self.handed, self.interval, account.opening,
+            account.look_at, account.drifts, self.sampled, contacts.waiting, self.changed,
         ]  # fmt: skip
-        for part in self._parts():
-            numbers += part.tolist()
-        return numbers
+        return array("d", numbers).tobytes() + self.memory.content()
 
     @of_python
-    def restore(self, state: Numbers) -> None:
-        """Return to the state of a snapshot of the same run."""
+    def restore(self, state: bytes) -> None:
+        """Return to the state of a snapshot of the same run.
+
+        Raises
+        ------
+        ValueError : if a snapshot of this run has another size.
+        """
+        if len(state) != len(self.snapshot()):
+            raise ValueError("this state belongs to another run; use one of this")
         account, contacts = self.account, self.contacts
-        self.time, self.start, self.handed, self.interval, account.opening = state[:5]
-        whole = map(int, state[5:10])
+        numbers = array("d", state[: 8 * _NUMBERS])
+        self.time, self.start, self.handed, self.interval, account.opening = numbers[:5]
+        whole = map(int, numbers[5:])
         account.look_at, drifts, sampled, contacts.waiting, self.changed = whole
         account.drifts, self.sampled = bool(drifts), bool(sampled)
-        at = 10
-        for part in self._parts():
-            kind = int if part.format == "i" else float
-            for k in range(len(part)):
-                part[k] = kind(state[at + k])
-            at += len(part)
+        self.memory.put_back(state, 8 * _NUMBERS)

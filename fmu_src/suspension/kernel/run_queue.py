@@ -128,8 +128,8 @@ class RunQueue:
             status = 0
             if not self.underway:
                 if not self.logs:
-                    self.integrator.noted.count = 0
-                elif self.integrator.noted.count > CAPACITY // 4:
+                    self.integrator.noted.logged = 0
+                elif self.integrator.noted.logged > CAPACITY // 4:
                     return False
                 status = self._begin()
             if status == 0:
@@ -156,7 +156,7 @@ class RunQueue:
         k = self.made
         self.status[k], self.filled[k] = status, self.filling.filled
         self.time[k], self.steps[k] = self.integrator.state.time, self.integrator.state.step_count
-        self.log_end[k] = self.integrator.noted.flushed + self.integrator.noted.count
+        self.log_end[k] = self.integrator.noted.flushed + self.integrator.noted.logged
         for i in range(self.integrator.limited.count):
             self.limited[k * self.contacts + i] = self.integrator.limited_time_at(
                 self.integrator.limited.element[i],

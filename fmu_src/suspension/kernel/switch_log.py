@@ -30,33 +30,33 @@ class SwitchLog:
 
     def start(self) -> None:
         """Discard the switches in the arrays."""
-        self.count = self.base = self.flushed = 0
+        self.logged = self.base = self.flushed = 0
 
     def begin_row(self) -> None:
         """Begin another run of a batch: its switches are counted from here."""
-        self.base = self.count
+        self.base = self.logged
 
     def is_half_full(self) -> bool:
         """Return whether the present run has filled half of the arrays, which Python should then read."""
-        return self.count - self.base > CAPACITY // 2
+        return self.logged - self.base > CAPACITY // 2
 
     def note(self, time: float, e: int, kind: int, before: int, after: int) -> None:
         """Log that element e has moved from one branch to another."""
-        k = self.count
+        k = self.logged
         if k < self.capacity:
             self.time[k] = time
             self.what[4 * k] = e
             self.what[4 * k + 1] = kind
             self.what[4 * k + 2] = before
             self.what[4 * k + 3] = after
-            self.count += 1
+            self.logged += 1
 
     def all(self) -> list[tuple[float, int, int, int, int]]:
         """Return the switches so far: (time, element, kind, branch before, branch after)."""
-        for k in range(self.count):
+        for k in range(self.logged):
             what, i = self.what, 4 * k
             self.listed.append((self.time[k], what[i], what[i + 1], what[i + 2], what[i + 3]))
-        self.count, self.base, self.flushed = 0, 0, len(self.listed)
+        self.logged, self.base, self.flushed = 0, 0, len(self.listed)
         return self.listed
 
     @of_python

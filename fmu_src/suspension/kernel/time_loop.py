@@ -297,7 +297,7 @@ class TimeLoop:
         Return 0, `PAUSED`, `HALTED`, or the key in `outcomes.FAILURES` of the reason why the run ended.
         """
         while self.state.time < until:
-            events = self.noted.count
+            events = self.noted.logged
             if self.noted.is_half_full() or self.pace.since_pause >= PAUSE:
                 return PAUSED
             self.pace.since_pause += 1
@@ -305,7 +305,7 @@ class TimeLoop:
             status = self._step(until if stop else UNBOUNDED)
             if status != 0:
                 return status
-            if self.noted.count == events or self._passes(self.state.time - before):
+            if self.noted.logged == events or self._passes(self.state.time - before):
                 self.state.stalled = 0
             else:
                 self.state.stalled += 1
@@ -313,7 +313,7 @@ class TimeLoop:
                     status = self._overrun(until if stop else UNBOUNDED)
                     if status != 0:
                         return status
-            if self.halts == AT_STEPS or (self.halts == AT_SWITCHES and self.noted.count > events):
+            if self.halts == AT_STEPS or (self.halts == AT_SWITCHES and self.noted.logged > events):
                 return HALTED
         return REACHED
 

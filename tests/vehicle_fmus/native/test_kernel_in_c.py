@@ -30,7 +30,7 @@ int go(const double *times, int count, double *out) {
     Integrator_begin_row(one, row, 0, 0.0);
     for (int k = 0; k < count; k++) {
         while ((status = Integrator_step_until(one, times[k], 0)) == PAUSED) {
-            one->pace->since_pause = one->noted->count = 0;
+            one->pace->since_pause = one->noted->logged = 0;
         }
         if (status) return status;
         Integrator_sample(one, times[k]);

@@ -234,7 +234,7 @@ static int take_due(Instance *one, double until, double *time) {
 static void note_switches(Instance *one, double until) {
     Integrator *integrator = &one->now.machine.integrator;
     Run *run = &one->now.conduct.run;
-    for (int k = 0; k < integrator->noted->count; k++) {
+    for (int k = 0; k < integrator->noted->logged; k++) {
         const double time = integrator->noted->time[k];
         const int *what = integrator->noted->what + 4 * k;
         const int e = what[0], before = what[2], after = what[3];
@@ -250,7 +250,7 @@ static void note_switches(Instance *one, double until) {
             enter_due(one, time);
         }
     }
-    integrator->noted->count = integrator->noted->base = 0;
+    integrator->noted->logged = integrator->noted->base = 0;
 }
 
 /* Step up to a time or beyond it, or to where the integrator halts for the host. */
@@ -459,7 +459,7 @@ static int advance(Instance *one, double until) {
     if (!goes_on) now->kept = 0;
     if (!goes_on && Run_hand_over(run, until) && run->time == run->start) {
         if (start_moving(one)) return 1;
-        now->machine.integrator.noted->count = now->machine.integrator.noted->base = 0;
+        now->machine.integrator.noted->logged = now->machine.integrator.noted->base = 0;
     }
     now->handed = until;
     if (run->time > run->start) note_switches(one, -INFINITY);
@@ -509,7 +509,7 @@ static int begin(Instance *one) {
     wire(one);
     Run_begin(run, now->start);
     if (start_moving(one)) return 1;
-    now->machine.integrator.noted->count = now->machine.integrator.noted->base = 0;
+    now->machine.integrator.noted->logged = now->machine.integrator.noted->base = 0;
     sample(one);
     for (int k = 0; k < VARIABLES; k++) {
         if (!now->is_set[k]) continue;
