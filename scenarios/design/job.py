@@ -170,6 +170,7 @@ def _optimum_data(found: Optimum) -> dict[str, Any]:
         "objective": found.problem.objective,
         "sense": "minimise" if found.problem.sign > 0 else "maximise",
         "feasible": found.feasible,
+        "without_effect": list(found.without_effect),
         "runs": len(found.points),
         "made": found.made,
         "measures": {
@@ -209,6 +210,10 @@ def _format_optimum(found: Optimum) -> list[str]:
         values = (quantity(float(x[k]), unit) for x in (found.numbers_before, found.numbers))
         measured.append((name, *values, ", ".join([*([role] if role else []), *limits])))
     lines = [*aligned(rows), "", *aligned(measured), "", f"{len(found.points)} runs"]
+    lines += [
+        f"{name} has no effect on the measures at both ends and in the middle of its range"
+        for name in found.without_effect
+    ]
     if not found.feasible:
         lines.append("no point satisfies all bounds; the one found violates them least")
     return lines

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import compress
 from pathlib import Path
 
 import numpy as np
@@ -79,6 +80,7 @@ class Optimum:
     before, best : the scene's point and the best one, in shares of the ranges
     numbers_before, numbers : the measures of both
     feasible : whether the best point keeps all bounds
+    without_effect : names of the parameters on which no measure depends
     front : points of the trade-off, and their measures, if there is one
     points, measured : all runs
     made : number of runs made now
@@ -90,6 +92,7 @@ class Optimum:
     numbers_before: Points
     numbers: Points
     feasible: bool
+    without_effect: tuple[str, ...]
     front: tuple[Points, Points]
     points: Points
     measured: Points
@@ -148,7 +151,7 @@ def solve(problem: Problem, journal: Path, progress: Progress = silent) -> Optim
 
     Raises
     ------
-    RunError : if no run succeeds.
+    RunError : if no run succeeds, or no measure depends on any of the parameters.
     """
     search, space = problem.search, problem.space
     count = len(space.plan.keys)
@@ -160,7 +163,16 @@ def solve(problem: Problem, journal: Path, progress: Progress = silent) -> Optim
     with journaled(space, _measures_of, journal, problem.measures, stages, progress) as runs:
         before = space.given()
         at_start = runs.at(before)
+        without_effect = _without_effect(runs, before)
+        if all(without_effect):
+            raise RunError(
+                f"{space.plan.file}: no measure depends on {' or '.join(space.plan.keys)}: all measures "
+                "are the same at both ends and in the middle of each range"
+            )
         evolved = _evolved(problem, runs)
+        if any(without_effect):  # perhaps it has one elsewhere
+            elsewhere = _without_effect(runs, evolved)
+            without_effect = [a and b for a, b in zip(without_effect, elsewhere, strict=True)]
         starts = [evolved, *([before] if np.isfinite(at_start).all() else [])]
         candidates = [start for s in starts for start in (s, _refined(problem, runs, s))]
         best = _best(problem, runs, candidates)
@@ -173,7 +185,8 @@ def solve(problem: Problem, journal: Path, progress: Progress = silent) -> Optim
         everything = np.array(runs.points)
         return Optimum(
             problem, before, best, at_start[0], numbers[0],
-            feasible, front, everything, runs.at(everything), runs.made,
+            feasible, tuple(compress(space.plan.keys, without_effect)), front, everything,
+            runs.at(everything), runs.made,
         )  # fmt: skip
 
 
@@ -182,6 +195,17 @@ def _measures_of(plan: Plan) -> list[tuple[float | None, ...]]:
     return [
         tuple(None if row.reason or x is None else float(x) for x in row.values) for row in rows
     ]
+
+
+def _without_effect(runs: Runs, point: Points) -> list[bool]:
+    """Return for each parameter whether the measures are equal along its range through a point."""
+    found = []
+    for k in range(len(point)):
+        probes = np.tile(point, (3, 1))
+        probes[:, k] = (0.0, 0.5, 1.0)
+        numbers = runs.at(probes)
+        found.append(bool((numbers == numbers[0]).all()))
+    return found
 
 
 def _evolved(problem: Problem, runs: Runs) -> Points:

@@ -76,6 +76,8 @@ class Space:
                 raise InputError(
                     f"{path}: vary.{key}: from = {shown(low)} must be below to = {shown(high)}"
                 )
+            if (found := plan.idle(key)) is not None:
+                raise InputError(f"{path}: vary.{found}")
         return cls(plan)
 
     @property

@@ -201,10 +201,13 @@ class Plan:
         names = dict.fromkeys(
             (*(k for k in self.keys if k in base), *(i.name for i in self.scene.idle))
         )
-        return [str(found) for name in names if (found := self._idle(name, base)) is not None]
+        return [str(found) for name in names if (found := self.idle(name)) is not None]
 
-    def _idle(self, name: str, base: Mapping[str, Value]) -> Idle | None:
+    def idle(self, name: str) -> Idle | None:
         """Return why a parameter has no effect in any run, or None if it may have one."""
+        base = self.scene.all_parameters
+        if not self.scene.fmu.is_ours or name not in base:
+            return None
         deciding = decided_by(name, base)
         places = [k for k, key in enumerate(self.keys) if key in deciding]
         found = None

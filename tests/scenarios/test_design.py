@@ -374,3 +374,39 @@ def test_signals_of_results_need_no_units():
     found = read_signals({"file": "out/results.csv", "time_shift": 1.0}, Path(), run.units)
     np.testing.assert_allclose(found["time"], run.time + 1.0)
     np.testing.assert_array_equal(found["body_velocity"], run["body_velocity"])
+
+
+@pytest.mark.parametrize("command", ["optimise", "fit"])
+def test_a_parameter_that_a_table_replaces_is_not_sought(folder, command):
+    Path("car.toml").write_text(CAR + 'damper.table = "-1:-1400, 0:0, 1:2100"\n')
+    wanted = {
+        "optimise": 'minimise = "rms.body_acceleration"\n',
+        "fit": '[measured]\nfile = "rig.csv"\n',
+    }
+    name = study(wanted[command] + "[vary]\ndamper.rebound_rate = { from = 300, to = 6000 }\n")
+    told = CliRunner().invoke(main, [command, name])
+    assert told.exit_code == 2
+    reason = "vary.damper.rebound_rate has no effect on the motion: damper.table is given"
+    assert reason in told.output
+
+
+GAP = "bump_stop.gap = { from = 0.5, to = 0.8 }\n"
+
+
+def test_an_optimum_that_depends_on_no_parameter_is_refused(folder):
+    Path("car.toml").write_text(CAR + "bump_stop.stiffness = 1e6\n")
+    told = CliRunner().invoke(
+        main, ["optimise", study(f'minimise = "rms.body_acceleration"\n[vary]\n{GAP}')]
+    )
+    assert told.exit_code == 1
+    assert "no measure depends on bump_stop.gap" in told.output
+
+
+def test_a_parameter_without_effect_on_the_optimum_is_named(folder):
+    Path("car.toml").write_text(CAR + "bump_stop.stiffness = 1e6\n")
+    found = phaseplane.optimise(study(
+        f'minimise = "rms.body_acceleration"\n[vary]\n{GAP}spring.rate = {{ from = 1e4, to = 3e4 }}\n'
+        "[search]\npopulation = 2\ngenerations = 1\n"
+    ))  # fmt: skip
+    assert found.summary["without_effect"] == ["bump_stop.gap"]
+    assert "bump_stop.gap has no effect on the measures" in found.report
