@@ -81,6 +81,6 @@ def remarks(parameters: Mapping[str, Value], duration: float) -> Iterator[str]:
             return
         if share < _ENOUGH:
             yield (
-                f"random road of {length:.4g} m has no waves longer than {longest:.3g} m, which make "
-                f"up {100.0 * (1.0 - share):.0f} % of the variance of a long road of its class"
+                f"a random road of {length:.4g} m contains no wavelengths above {longest:.3g} m, which "
+                f"carry {100.0 * (1.0 - share):.0f} % of the variance of its class"
             )

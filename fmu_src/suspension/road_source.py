@@ -21,7 +21,7 @@ class RoadSource:
     Parameters
     ----------
     model : `Road`
-    parameters : public parameters by name, in SI or as texts with units; the others at their defaults
+    parameters : public parameters by name, in SI or as strings with units; the others at their defaults
     start_time : s
     tolerance : ignored
 

@@ -74,7 +74,7 @@ class Session:
     Parameters
     ----------
     model : a key of `variables.MODELS`, such as `QuarterCar`
-    parameters : public parameters by name, in SI or as texts with units; the others at their defaults
+    parameters : public parameters by name, in SI or as strings with units; the others at their defaults
     start_time : s
     tolerance : the host's tolerance; used if `solver.tolerance` is left at its default. A
         tolerance outside the range of `solver.tolerance` is ignored, with a message

@@ -285,7 +285,7 @@ def _pairs(said: object, where: str) -> str:
     """Return the text of a table."""
     if not isinstance(said, str):
         raise ParameterError(
-            f"{where} = {said!r}: must be a text of pairs, such as '-0.1:-1500, 0:0, 0.1:1500'"
+            f"{where} = {said!r}: must be a string of pairs, such as '-0.1:-1500, 0:0, 0.1:1500'"
         )
     return said
 

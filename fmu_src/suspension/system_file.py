@@ -195,7 +195,7 @@ def _coordinates(table: Mapping[str, Any]) -> Iterator[tuple[str, tuple[object, 
 
 
 def _declared_parameters(table: Mapping[str, Any]) -> Iterator[Variable]:
-    """Yield the parameters of a file: a number, a text with a unit, or a table with more."""
+    """Yield the parameters of a file: a number, a string with a unit, or a table with more."""
     for name, said in table.items():
         check_word(name, "system.parameters")
         whole = said if isinstance(said, dict) else {"value": said}

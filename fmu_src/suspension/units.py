@@ -75,7 +75,7 @@ def spelled(unit: str) -> str:
 
 
 def to_si(quantity: str, unit: str) -> float:
-    """Turn a text such as `5 cm` into a number in the given SI unit.
+    """Turn a string such as `5 cm` into a number in the given SI unit.
 
     Parameters
     ----------

@@ -93,7 +93,7 @@ class Variable:
             pairs = (
                 ', pairs such as "-0.1:-900, 0:0, 0.1:900"' if self.name.endswith("table") else ""
             )
-            raise ParameterError(f"{self.name} = {value!r}: must be a text in quotes{pairs}")
+            raise ParameterError(f"{self.name} = {value!r}: must be a string in quotes{pairs}")
         if self.choices and value not in self.choices:
             raise ParameterError(
                 f"{self.name} = {value!r}: must be one of {', '.join(self.choices)}"

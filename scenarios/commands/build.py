@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
+from zipfile import BadZipFile, ZipFile
 
 import click
 from phaseplane.suspension.models import FILES
@@ -76,6 +77,7 @@ def build(
     MODEL can also be a scene or the file of a system; the start values of the FMU are then the
     parameters of the scene. Its controller is not packed. A reference result is written next to each FMU.
     """
+    before = {path: _is_native(path) for path in output.glob("*.fmu")}
     if native:
         if ssp:
             raise InputError(
@@ -87,8 +89,30 @@ def build(
         raise InputError("--fmi, --set and --platforms are for native FMUs; give --native, too")
     else:
         paths = build_models(models, output, ssp)
+    warn(_replaced(paths, before))
     files = [str(path) for path in paths]
     click.echo(as_json({"files": files}) if as_data else "\n".join(files))
+
+
+def _is_native(path: Path) -> bool:
+    """Return whether an FMU is one of this package that needs no Python: it has sources in C."""
+    try:
+        with ZipFile(path) as archive:
+            return any(name.startswith("sources/") for name in archive.namelist())
+    except (OSError, BadZipFile):
+        return False
+
+
+def _replaced(paths: Iterable[Path], before: Mapping[Path, bool]) -> Iterator[str]:
+    """Yield a warning for each FMU that has replaced one of the other kind."""
+    kinds = {True: "a native FMU", False: "an FMU that runs Python"}
+    for path in paths:
+        now = path in before and _is_native(path)
+        if path in before and now != before[path]:
+            yield (
+                f"{path}: {kinds[now]} has replaced {kinds[not now]}; to have both, build them into "
+                "different folders"
+            )
 
 
 def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list[Path]:

@@ -226,7 +226,7 @@ class FiniteRange(click.FloatRange):
 
 
 class TimeRange(FiniteRange):
-    """A time within a range, in s, or a text with a unit."""
+    """A time within a range, in s, or a string with a unit."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if isinstance(value, str):

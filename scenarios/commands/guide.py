@@ -7,27 +7,30 @@ from textwrap import fill
 from typing import Any
 
 import click
-from phaseplane.suspension.variables import MODELS, Variable
+from phaseplane.suspension.variables import MODELS, SOURCES, Variable
 
 from ..design.files import MEASURED, FitFile, OptimumFile
 from ..errors import InputError
 from ..measures import catalogue
 from ..results.plain import as_json
+from ..scene.controller import KEYS as OF_CONTROLLER
+from ..scene.equation import EQUATION
 from ..scene.expectations import During, Reference
 from ..scene.fields import schema_of
-from ..scene.fmus import fmu_named
+from ..scene.fmus import described, fmu_named
 from ..scene.names import SWEEPS
 from ..scene.sections import Construction, Show
 from ..sweeps.plan import Range, SweepFile
 from .console import json_option
 
 _TOP = {
-    "extends": ("", "another case or scene file that this one is based on"),
+    "extends": ("", "the built-in scene or scene file on which this one is based"),
     "title": ("", "name of the run in reports and pictures"),
     "source": ("", "source of its numbers"),
     "fmu": (
         "",
-        f"{', '.join(MODELS)}, or the path of an .fmu file, or of a system's .toml or .py file",
+        f"{', '.join((*MODELS, EQUATION))}, or the path of an .fmu file, or of a system's .toml or .py "
+        "file",
     ),
     "duration": ("s", "time to simulate"),
 }
@@ -36,6 +39,21 @@ _SECTIONS: dict[str, tuple[str, type]] = {
     "construction": ("settings of the graphical construction", Construction),
     "[expect.during]": ("bounds on an output within an interval of time; repeatable", During),
     "expect.reference": ("a table of results that the run must agree with", Reference),
+}
+_CONTROLLER = "what sets inputs of the model during the run"
+_FORMULA = "formula of outputs, t and constants, for any input of the model: actuator_force, ..."
+_SYSTEM = "a system of your own, in the same file instead of fmu"
+_TEXTS = ("name", "about", "source")
+_OF_SYSTEM = {
+    "name": "name of the model",
+    "about": "what it is, for its page",
+    "source": "source of its numbers",
+    "parameters": "name = value with a unit, or { value = ..., about = ..., min = ..., max = ... }",
+    "coordinates": "name = mass or moment of inertia, or { mass = ..., about = ..., angle = true }",
+    "couplings": "off-diagonal entries of the mass matrix: first.second = ...",
+    "wheels": "wheels with suspension and tyre: axle, body, load, and delay or level",
+    "elements": "springs, dampers and friction along a direction: direction, spring, damper, ...",
+    "loads": "forces along a direction, inputs of the model: direction, table, sine",
 }
 FILES: dict[str, tuple[str, type]] = {
     "sweep": ("A sweep runs a scene many times", SweepFile),
@@ -134,6 +152,21 @@ def json_schema(model: str | None) -> dict[str, Any]:
             **{n: {**bounds, "description": m.about, "unit": m.unit} for n, m in known.items()},
         },
     }
+    properties["controller"] = {
+        "type": "object",
+        "description": _CONTROLLER,
+        "properties": OF_CONTROLLER,
+        "additionalProperties": {"type": "string", "description": _FORMULA},
+    }
+    properties["system"] = {
+        "type": "object",
+        "description": _SYSTEM,
+        "properties": {
+            key: {"description": about, "type": "string" if key in _TEXTS else "object"}
+            for key, about in _OF_SYSTEM.items()
+        },
+        "required": ["name", "coordinates"],
+    }
     return {
         "$schema": _DIALECT,
         "title": f"A scene that runs {fmu.model}",
@@ -154,13 +187,16 @@ def _section(name: str) -> dict[str, Any]:
 
 
 def _of_scenes() -> Iterator[str]:
-    yield "A scene is a TOML file. Values are in SI, or texts with a unit: 0.05 or '5 cm'."
+    yield "A scene is a TOML file. Values are numbers in SI, or strings with a unit: 0.05 or '5 cm'."
     yield ""
     yield from (_key(key, unit, about) for key, (unit, about) in _TOP.items())
     yield ""
     yield "[parameters]  parameters that differ from the FMU's defaults, by name"
     yield '  a table may be read from a CSV file with a header line: road.table = { file = "road.csv",'
     yield '  columns = ["distance", "profile"], units = ["m", "mm"], delimiter = ";" }'
+    yield ""
+    yield f"[controller]  {_CONTROLLER}"
+    yield from _keys({**OF_CONTROLLER, "INPUT": {"description": _FORMULA}})
     for name, (about, _) in _SECTIONS.items():
         yield ""
         yield f"[{name}]  {about}"
@@ -169,7 +205,11 @@ def _of_scenes() -> Iterator[str]:
     yield "[expect]  bounds on measures: name = { min = ..., max = ... }, or a list of these, one"
     yield "  for each value, as for natural_frequencies"
     yield ""
-    yield f"phaseplane schema MODEL lists the variables and measures of {', '.join(MODELS)};"
+    yield f"[system]  {_SYSTEM}"
+    yield from _keys({key: {"description": about} for key, about in _OF_SYSTEM.items()})
+    yield ""
+    models = ", ".join((*MODELS, EQUATION, *SOURCES))
+    yield fill(f"phaseplane schema MODEL lists the variables and measures of {models};", 100)
     yield "phaseplane schema --sweep, --optimise and --fit explain the keys of other files."
 
 
@@ -187,15 +227,23 @@ def _keys(properties: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _of_model(name: str) -> Iterator[str]:
-    fmu = fmu_named(name)
+    fmu = described(name)
     outputs = fmu.outputs()
-    for heading, declared in (("parameters", fmu.parameters()), ("outputs", outputs)):
+    inputs = {v.name: v for v in fmu.variables if v.causality == "input"}
+    for heading, declared in (
+        ("parameters", fmu.parameters()), ("inputs", inputs), ("outputs", outputs)
+    ):  # fmt: skip
+        if not declared:
+            continue
         yield f"{fmu.model}: {heading}"
         for v in declared.values():
             start = _default(v.start) if heading == "parameters" else ""
             words = f"{v.description}{': ' + ', '.join(v.choices) if v.choices else ''}{start}"
             yield _key(v.name, v.unit, words)
         yield ""
+    if name in SOURCES:
+        yield f"{name} drives other FMUs; a scene cannot run it alone."
+        return
     yield f"{fmu.model}: measures"
     yield _key("peak.X", "", "signed value of largest magnitude of any output X over the run")
     yield _key("rms.X", "", "root mean square of any output X over the run")

@@ -1,12 +1,13 @@
-"""`phaseplane list`: the scenes and sweeps in the package, or the parameters of an FMU."""
+"""`phaseplane list`: the scenes, sweeps and models in the package, or the parameters of an FMU."""
 
 from __future__ import annotations
 
 import click
+from phaseplane.suspension.models import ALL, FILES
 from phaseplane.suspension.variables import Variable
 
 from ..results.plain import as_json
-from ..scene.fmus import Fmu, fmu_named
+from ..scene.fmus import Fmu, described
 from ..scene.layers import case_titles
 from ..scene.names import sweep_titles
 from .console import json_option
@@ -16,20 +17,21 @@ from .console import json_option
 @click.argument("fmu", required=False)
 @json_option
 def list_cases(fmu: str | None, as_data: bool) -> None:
-    """List the package's scenes and sweeps, or the parameters of FMU.
+    """List the package's scenes, sweeps and models, or the parameters of FMU.
 
     FMU is a file or a model. Its parameters are grouped by the time at which they can be set: when a
     native FMU is packed, before a run, or during a run.
     """
     if fmu is not None:
-        _list_parameters(fmu_named(fmu), as_data)
+        _list_parameters(described(fmu), as_data)
         return
-    titles = {"scenes": case_titles(), "sweeps": sweep_titles()}
+    models = {name: ALL[name].summary for name in FILES}
+    titles = {"scenes": case_titles(), "sweeps": sweep_titles(), "models": models}
     if as_data:
         click.echo(as_json(titles))
         return
     width = max(len(name) for named in titles.values() for name in named)
-    for command, named in zip(("run", "sweep"), titles.values(), strict=True):
+    for command, named in zip(("run", "sweep", "schema"), titles.values(), strict=True):
         click.echo(f"phaseplane {command}")
         for name, title in named.items():
             click.echo(f"  {name:<{width}}  {title}")

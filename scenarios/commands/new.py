@@ -45,7 +45,7 @@ def _lines(model: str) -> Iterator[str]:
     yield f"# All parameters, outputs and measures: phaseplane schema {model}"
     yield 'title = "My scene"'
     yield f'fmu = "{model}"'
-    yield 'duration = "1 s"  # values are in SI, or texts with a unit'
+    yield 'duration = "1 s"  # numbers in SI, or strings with a unit'
     yield "# To start from another scene, give its name or file by the key extends instead of fmu."
     if "body_displacement" in outputs:
         yield '# construction = { rule = "delta", step = "2.5 ms" }  # drawn if figures ask for it'

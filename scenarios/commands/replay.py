@@ -29,7 +29,7 @@ from ..errors import (
 )
 from ..results.folder import DAMAGED, read_results, read_summary
 from ..results.plain import as_json
-from ..results.report import format_drift
+from ..results.report import format_missed
 from ..results.tables import read_table
 from ..scene.fields import one_of
 from ..scene.layers import Setting, find_scene
@@ -110,7 +110,7 @@ def replay(
             if as_data
             else f"{summary['title']}: {counted(summary['steps'], 'step')}"
             + (f" in {places}" if places else "")
-            + format_drift(summary)
+            + format_missed(summary)
         )
         until_interrupted(server)
 

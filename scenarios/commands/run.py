@@ -84,7 +84,9 @@ def run(
     planes: tuple[str, ...],
     as_data: bool,
 ) -> int:
-    """Run SCENE: a case (see `list`), a scene file, or any .fmu file.
+    """Run SCENE.
+
+    SCENE is a built-in scene (see `list`), a scene or system file (.toml, .py), or an .fmu file.
 
     --connect, --serve and --save show or record the run while it is under way.
     """
@@ -131,7 +133,7 @@ def run_scene(
 
     Parameters
     ----------
-    reference : name of a case, or path of a scene file
+    reference : name of a built-in scene, or path of a scene file
     overrides : `key=value` texts
     folder : folder to write to; `out/<scene>` if None
     progress : makes a context for a slow task from its label

@@ -65,8 +65,8 @@ def _inner(kind: type, key: str) -> Kind:
 _SETTINGS = "settings of the search"
 _OF_OPTIMUM, _OF_FIT = _inner(SearchOfOptimum, "search"), _inner(SearchOfFit, "search")
 _SIGNALS = Kind(_TABLE.read, MEASURED)
-_SCENE = "the case or scene file whose parameters are sought"
-_VARY = "range of each parameter: { from = ..., to = ... }, numbers in SI or texts with a unit"
+_SCENE = "the built-in scene or scene file whose parameters are sought"
+_VARY = "range of each parameter: { from = ..., to = ... }, numbers in SI or strings with a unit"
 _TITLE = "name of the study in its report and picture"
 
 

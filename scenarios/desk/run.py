@@ -191,7 +191,7 @@ def settings(
     ):  # fmt: skip
         raise InputError(
             f"{_ORIGIN}: changes = {shown(changes)}: give a mapping such as {{'speed': 25}}, or a list "
-            "of texts such as ['speed=25']"
+            "of strings such as ['speed=25']"
         )
     return [*texts, *(_setting(str(key), value) for key, value in {**given, **values}.items())]
 
@@ -204,7 +204,7 @@ def _setting(key: str, value: Any) -> Setting:
 def plain(value: Any, key: str) -> Any:
     """Return the value of a scene's key as parsed from TOML.
 
-    Within `parameters`, an array of pairs becomes the text of a table.
+    Within `parameters`, an array of pairs becomes the string of a table.
     """
     if isinstance(value, Mapping):
         return {str(name): plain(one, f"{key}.{name}") for name, one in value.items()}

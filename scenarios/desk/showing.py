@@ -61,13 +61,13 @@ def show(
 
     Parameters
     ----------
-    scene : name of a case, or path of a scene file
+    scene : name of a built-in scene, or path of a scene file
     changes : `key=value` texts
     kind : name of a figure, such as `phase_planes`, `storyboard` or `figure7`; `animation`; or
         `recording`, which is served to this machine only until the notebook ends
     at_step : step that a figure of one step shows
     height : of a recording, in pixels
-    look : dark, width (m, or a text such as "85mm"), font, mono, headed; see `figures.Look`
+    look : dark, width (m, or a string such as "85mm"), font, mono, headed; see `figures.Look`
 
     Raises
     ------

@@ -12,7 +12,7 @@ _NARROWEST, _WIDEST = 0.04, 1.0  # m
 
 
 def width_from(given: str | float, where: str) -> float:
-    """Return a width in m, given in m or as a text with a unit, by the option that messages begin with.
+    """Return a width in m, given in m or as a string with a unit, by the option that messages begin with.
 
     Raises
     ------

@@ -15,7 +15,9 @@ from .quantities import reading, shown_in
 
 # least widths: of the names before words, of the names, numbers and units of measures
 _WORDS, _NAME, _NUMBER, _UNIT = 16, 26, 10, 5
-UNCOMPILED = ", uncompiled and therefore slower"
+UNCOMPILED = (
+    ", uncompiled and therefore 30 to 200 times slower; with a C compiler, install phaseplane again"
+)
 Line = str | tuple[str, str]
 """A line, or a name with the text next to it."""
 
@@ -170,23 +172,23 @@ def _contact(prefix: str, measures: Mapping[str, Any]) -> Iterator[Line]:
 
 
 def _drawn(drawn: Mapping[str, Any] | None) -> Iterator[Line]:
-    """Yield the graphical construction, and its control by a second path (AP57 section 4)."""
+    """Yield the graphical construction, and its check by a second path (AP57 section 4)."""
     if drawn is None:
         return
     yield "construction", f"{counted(drawn['steps'], 'step')} in {drawn['seconds']:.3f} s"
-    control = (f"differs by at most {x} (AP57 eqs. 24, 25)" for x in _lengths(drawn, "control"))
-    yield from _under("control", control)
+    check = (f"differs by at most {x} (AP57 eqs. 24, 25)" for x in _lengths(drawn, "control"))
+    yield from _under("check", check)
     yield from _under("drift", (f"from the run by at most {x}" for x in _lengths(drawn, "drift")))
 
 
-def format_drift(drawn: Mapping[str, Any]) -> str:
+def format_missed(drawn: Mapping[str, Any]) -> str:
     """Return how far construction steps end from the motion they are laid over, or ""."""
     lengths = ", ".join(_lengths(drawn, "drift"))
-    return f"; a step drifts by at most {lengths}" if lengths else ""
+    return f"; a step misses the motion by at most {lengths}" if lengths else ""
 
 
 def _lengths(drawn: Mapping[str, Any], which: str) -> list[str]:
-    """Return the control or drift lengths of a construction in words."""
+    """Return the lengths of the check or the drift of a construction in words."""
     factor, unit = (1e3, " mm") if drawn["unit"] == "m" else (1.0, f" {drawn['unit']}".rstrip())
     return [
         f"{float(f'{factor * value:.2g}'):g}{unit} in {name.replace('_', ' ')}"

@@ -24,9 +24,27 @@ from .fields import FLAG, SECONDS, RefusedError, read_value
 if TYPE_CHECKING:
     from .fmus import Fmu
 
-_SETTINGS = ("period", "events", "constants")
 _PERIOD = 1e-3  # s
 _OF_ROAD = ("road_elevation", "road_velocity")  # inputs that act with road.shape = "input" alone
+KEYS: dict[str, dict[str, Any]] = {
+    "period": {
+        "description": "time between two evaluations of the formulas",
+        **SECONDS.schema,
+        "default": _PERIOD,
+    },
+    "events": {
+        "description": "whether every switch of the model triggers an evaluation, too",
+        **FLAG.schema,
+        "default": False,
+    },
+    "constants": {
+        "description": "values of the names in the formulas, in SI: { gain = 1500 }",
+        "type": "object",
+        "additionalProperties": {"type": "number"},
+    },
+}
+"""The JSON Schema of its keys, besides those that are names of inputs."""
+_SETTINGS = tuple(KEYS)
 
 
 @dataclass(frozen=True)

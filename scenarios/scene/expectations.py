@@ -64,7 +64,7 @@ class During:
         INSTANT, "end of the interval; the end of the run if left out", None, name="to"
     )
     min: float | str | None = entry(
-        NUMBER_OR_TEXT, "lower bound, a number in SI or a text with a unit", None
+        NUMBER_OR_TEXT, "lower bound, a number in SI or a string with a unit", None
     )
     max: float | str | None = entry(NUMBER_OR_TEXT, "upper bound, as min", None)
     equals: bool | None = entry(FLAG, "true or false, for boolean outputs", None, name="is")
@@ -172,7 +172,7 @@ def bounds_from(raw: object, unit: str) -> Bounds:
 
     Raises
     ------
-    ValueError : if they are not finite numbers, or texts with a unit, or min is above max.
+    ValueError : if they are not finite numbers, or strings with a unit, or min is above max.
     """
     if unit == COUNT and isinstance(raw, int) and not isinstance(raw, bool):
         raw = {"min": raw, "max": raw}

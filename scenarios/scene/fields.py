@@ -170,7 +170,7 @@ def instance_of(kinds: type | tuple[type, ...], words: str, *, true: bool = Fals
     return read
 
 
-TEXT = Kind(instance_of(str, "a text (a string)"), {"type": "string"})
+TEXT = Kind(instance_of(str, "a string"), {"type": "string"})
 FLAG = Kind(instance_of(bool, "true or false", true=True), {"type": "boolean"})
 
 
@@ -182,7 +182,7 @@ def _finite(value: object) -> float:
 
 NUMBER = Kind(_finite, {"type": "number"})
 NUMBER_OR_TEXT = Kind(
-    instance_of((int, float, str), "a number in SI or a text with a unit"),
+    instance_of((int, float, str), "a number in SI or a string with a unit"),
     {"type": ["number", "string"]},
 )
 
@@ -204,13 +204,15 @@ def whole(least: int, most: int | None = None) -> Kind:
 
 
 def quantity(unit: str, *, zero: bool = False) -> Kind:
-    """Return the type of a positive number (or zero) in SI, or a text with a unit."""
+    """Return the type of a positive number (or zero) in SI, or a string with a unit."""
 
     def read(value: object) -> float:
         if isinstance(value, str):
             value = to_si(value, unit)
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ValueError(f"must be a number{format_unit(unit)} or a text such as '1.5 {unit}'")
+            raise ValueError(
+                f"must be a number{format_unit(unit)} or a string such as '1.5 {unit}'"
+            )
         try:
             number = float(value)
         except OverflowError:
@@ -230,11 +232,11 @@ def format_unit(unit: str) -> str:
 
 
 def one_of(choices: Sequence[str] | Mapping[str, str], note: str = "") -> Kind:
-    """Return the type of one of the given texts.
+    """Return the type of one of the given strings.
 
     Parameters
     ----------
-    choices : the texts, or what each of them means
+    choices : the strings, or what each of them means
     note : what they are, at the end of a message
     """
 
@@ -268,7 +270,7 @@ def list_of(kind: Kind, words: str) -> Kind:
 
 
 def choices_of(choices: Sequence[str]) -> Kind:
-    """Return the type of a list of the given texts."""
+    """Return the type of a list of the given strings."""
     return list_of(one_of(choices), f"a list of {', '.join(choices)}")
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from phaseplane.suspension import extent
 from phaseplane.suspension.units import UNITS, nearest
 from phaseplane.suspension.variable import Checked
-from phaseplane.suspension.variables import MODELS, ParameterError, Value, Variable
+from phaseplane.suspension.variables import MODELS, SOURCES, ParameterError, Value, Variable
 from phaseplane.vehicle_fmus.content import content_key
 from phaseplane.vehicle_fmus.model_description import CHOSEN
 
@@ -185,6 +185,11 @@ def fmu_named(model: str) -> Fmu:
         return find_fmu(model)
     except InputError as error:
         raise InputError(f"MODEL {shown(model)}: {error}") from None
+
+
+def described(model: str) -> Fmu:
+    """Return the FMU as `fmu_named`, also of a source of signals, which no scene can run."""
+    return Fmu(model, None, SOURCES[model]) if model in SOURCES else fmu_named(model)
 
 
 def default_duration(path: Path) -> float | None:

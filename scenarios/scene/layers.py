@@ -50,7 +50,7 @@ class Setting(NamedTuple):
 
     @classmethod
     def read(cls, text: str) -> Setting:
-        """Read a `key=value` text; the value is parsed as TOML, or else is a text.
+        """Read a `key=value` text; the value is parsed as TOML, or else is a string.
 
         Raises
         ------
@@ -185,11 +185,11 @@ def case_titles() -> dict[str, str]:
 
 
 def find_scene(reference: str, folder: Path | None = None) -> Path:
-    """Return the file of a scene, given the name of a case or a path (relative to `folder`).
+    """Return the file of a scene, given the name of a built-in scene or a path (relative to `folder`).
 
     Raises
     ------
-    SceneError : if there is no such case or file; the message names the nearest case.
+    SceneError : if there is no such scene or file; the message names the nearest one.
     """
     if reference in case_names():
         return CASES / f"{reference}.toml"
@@ -251,7 +251,7 @@ def fmu_layers(path: Path) -> Layers:
 
 
 def read_settings(overrides: Iterable[str | Setting]) -> list[Setting]:
-    """Return the settings of `key=value` texts and of other options.
+    """Return the settings of `key=value` strings and of other options.
 
     Raises
     ------
@@ -343,7 +343,7 @@ def _parents(key: str) -> list[str]:
 
 
 def _called(path: Path) -> str:
-    """Return a scene file's name for messages: of a case the file name, of others the path."""
+    """Return a scene file's name for messages: of a built-in one the file name, of others the path."""
     return path.name if path.parent == CASES else str(path)
 
 

@@ -42,9 +42,9 @@ def load_scene(
 
     Parameters
     ----------
-    reference : name of a case, path of a scene file, or path of an `.fmu` file to be run with its
-        defaults for the duration of its default experiment, a model's name, or the content of a scene
-    overrides : `key=value` texts, laid over the file
+    reference : name of a built-in scene, path of a scene file, a model's name, the content of a scene,
+        or path of an `.fmu` file to be run with its defaults for the duration of its default experiment
+    overrides : `key=value` strings, laid over the file
     expect : whether to check the file's expectations; those of `overrides` are always checked
 
     Raises

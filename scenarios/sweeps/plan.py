@@ -53,7 +53,7 @@ class Range:
 
     start: float | str = entry(
         NUMBER_OR_TEXT,
-        "the first value, or the lower end, a number in SI or a text with a unit",
+        "the first value, or the lower end, a number in SI or a string with a unit",
         name="from",
     )
     end: float | str = entry(NUMBER_OR_TEXT, "the last value, or the upper end", name="to")
@@ -100,7 +100,7 @@ _VARIED = Kind(_varied, {"type": "object"})  # keys may be nested: damper.reboun
 class SweepFile:
     """A sweep file."""
 
-    scene: str = entry(TEXT, "the case or scene file to vary")
+    scene: str = entry(TEXT, "the built-in scene or scene file to vary")
     title: str = entry(TEXT, "name of the sweep in reports and pictures", "")
     method: str = entry(
         one_of(METHODS),
@@ -138,7 +138,7 @@ class SweepFile:
                 for value in values:
                     if not isinstance(value, bool | int | float | str):
                         raise ValueError(
-                            f"{key}: {shown(value)}: a value must be a number, a text, true or false"
+                            f"{key}: {shown(value)}: a value must be a number, a string, true or false"
                         )
                 if sampled:
                     raise ValueError(f"{key}: a random sample needs a range, {{ from, to }}")
@@ -369,7 +369,7 @@ def plan_of(path: Path, content: Mapping[str, Any], keys: Mapping[str, str] | No
 
 
 def _base(path: Path, reference: str) -> str | Path:
-    """Return the scene that the sweep file names: a case, or a path relative to the file."""
+    """Return the scene that the sweep file names: a built-in one, or a path relative to the file."""
     beside = path.parent / reference
     return beside if reference.endswith(SCENE_FILES) and beside.is_file() else reference
 

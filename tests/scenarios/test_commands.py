@@ -22,6 +22,7 @@ from phaseplane.scenarios.scene.fields import keys_of, schema_of
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.sections import RULES, Construction, Show
 from phaseplane.scenarios.sweeps.plan import Range, SweepFile
+from phaseplane.suspension.system_file import _SECTIONS
 from phaseplane.suspension.variables import MODELS
 from pyarrow import parquet
 
@@ -196,6 +197,28 @@ def test_every_key_of_a_scene_is_explained(kind: type) -> None:
         assert f"  {name}" in told
 
 
+def test_the_keys_of_controllers_and_systems_are_explained() -> None:
+    told, properties = phaseplane("schema").stdout, json_schema(None)["properties"]
+    for key in ("period", "events", "constants"):
+        assert f"  {key}" in told.partition("[controller]")[2].partition("[show]")[0]
+        assert properties["controller"]["properties"][key]["description"]
+    assert properties["controller"]["additionalProperties"] == {
+        "type": "string",
+        "description": "formula of outputs, t and constants, for any input of the model: "
+        "actuator_force, ...",
+    }
+    # as the reader of such a file takes them
+    for key in _SECTIONS:
+        assert f"  {key} " in told.partition("[system]")[2]
+        assert key in properties["system"]["properties"]
+
+
+def test_the_road_is_explained_like_a_model() -> None:
+    assert "  wheelbase [m] " in phaseplane("schema", "Road").stdout
+    assert "  wheelbase  " in phaseplane("list", "Road").stdout
+    assert "Equation" in phaseplane("schema").stdout.partition("  duration")[0]
+
+
 def test_schema_says_what_each_rule_of_a_step_is() -> None:
     told = " ".join(printed("schema").split())
     assert "how a step ends in Liénard's construction" in told
@@ -237,7 +260,7 @@ def test_schema_tells_a_models_parameters_outputs_and_measures(model: str) -> No
     told = printed("schema", model)
     keys = {line.split()[0] for line in told.splitlines() if line[:2] == "  " and line[2] != " "}
     for variable in MODELS[model]:
-        assert (variable.name in keys) == (variable.causality != "input"), variable.name
+        assert variable.name in keys, variable.name
     properties = json_schema(model)["properties"]
     assert properties["parameters"]["properties"].keys() == {
         v.name for v in MODELS[model] if v.causality == "parameter"

@@ -80,3 +80,13 @@ def test_its_accuracy_is_measured(car: Path) -> None:
         RuntimeError, match=r"solver\.tolerance: the structure .* does not allow this"
     ):
         through_fmu(bench, 1e-3)()
+
+
+def test_build_says_that_an_fmu_of_the_other_kind_is_replaced(car: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "both"
+    folder.mkdir()
+    (folder / "OneDof.fmu").write_bytes(car.read_bytes())
+    status, _, told = invoked("build", "OneDof", "-o", str(folder))
+    assert status == 0
+    assert "an FMU that runs Python has replaced a native FMU" in told
+    assert invoked("build", "OneDof", "-o", str(folder))[2] == ""

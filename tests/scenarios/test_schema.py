@@ -293,7 +293,7 @@ def test_a_file_in_utf_8_may_begin_with_a_mark() -> None:
         ("duration=true", ["duration = True", "a number in s"]),
         ("fmu=Quartercar", ["fmu = 'Quartercar'", "did you mean 'QuarterCar'?"]),
         ("fmu=gone.fmu", ["fmu = 'gone.fmu'", "no such file"]),
-        ("title=3", ["title = 3", "must be a text"]),
+        ("title=3", ["title = 3", "must be a string"]),
         ("show=3", ["show = 3", "table"]),
         ("parameters=3", ["parameters = 3", "table"]),
         ("show.figure=[]", ["'show.figure'", "did you mean 'figures'?", "recording"]),

@@ -75,8 +75,8 @@ def test_what_is_said() -> None:
     assert said(9.0, shape="random") == []
     short = said(0.5, shape="random", profile_length=20.0)
     assert short == [
-        "random road of 20 m has no waves longer than 32 m, which make up 68 % of the "
-        "variance of a long road of its class"
+        "a random road of 20 m contains no wavelengths above 32 m, which carry 68 % of the variance "
+        "of its class"
     ]
 
 
