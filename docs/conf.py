@@ -8,6 +8,8 @@ from importlib.metadata import metadata
 from importlib.metadata import version as version_of
 from typing import Any
 
+from phaseplane.suspension.models import ALL
+
 project = "phaseplane"
 version = release = version_of("phaseplane")
 language = "en"
@@ -23,13 +25,21 @@ extensions = [
 
 # the source folder is that of the project, so that links between README and pages hold everywhere
 root_doc = "README"
-include_patterns = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md", "docs/*/*.md"]
+include_patterns = [
+    "README.md",
+    "CONTRIBUTING.md",
+    "CHANGELOG.md",
+    "benchmarks/results.md",
+    "docs/*.md",
+    "docs/*/*.md",
+]
 templates_path = ["_templates"]
 
 # what the front page's column shows; GitHub shows the README without it
 CONTENTS = {
-    "Begin": ("start", "installation", "terms"),
+    "Begin": ("start", "installation", "terms", "messages"),
     "Guides": (
+        "models",
         "scenes",
         "comfort",
         "sweeps",
@@ -48,7 +58,7 @@ CONTENTS = {
     "How well it works": ("validation", "accuracy", "hosts"),
     "Reference": ("reference/commands", "reference/scenes", "reference/models", "reference/python"),
 }
-PROJECT = ("CONTRIBUTING", "CHANGELOG")
+PROJECT = ("benchmarks/results", "CONTRIBUTING", "CHANGELOG")
 
 html_theme = "furo"
 html_title = "phaseplane"
@@ -91,6 +101,14 @@ def _add_contents(_app: Any, page: str, source: list[str]) -> None:
         for title, names in columns.items():
             entries = "\n".join(names)
             source[0] += f"\n```{{toctree}}\n:hidden:\n:caption: {title}\n\n{entries}\n```\n"
+
+
+def _add_pages_of_models(_app: Any, page: str, source: list[str]) -> None:
+    """Add what the page inside the FMU of a model says: equations and symbols."""
+    if page == "docs/models":
+        for name, model in ALL.items():
+            html = f"\n```{{raw}} html\n{model.page}\n```\n"
+            source[0] = source[0].replace(f"<!-- page: {name} -->", html)
 
 
 def _without_types(lines: Iterable[str]) -> Iterator[str]:
@@ -137,6 +155,7 @@ def _leave_out(
 def setup(app: Any) -> None:
     """Connect the rewriting of sources."""
     app.connect("source-read", _add_contents)
+    app.connect("source-read", _add_pages_of_models)
     app.connect("autodoc-process-docstring", _rewrite, priority=1)  # before napoleon
     app.connect("autodoc-process-signature", _shorten)
     app.connect("autodoc-skip-member", _leave_out)

@@ -13,7 +13,7 @@ import phaseplane
 from .commands.console import Commands, Entry
 
 COMMANDS = {
-    "run": Entry("run.run", "Run SCENE: a case (see `list`), a scene file, or any .fmu file."),
+    "run": Entry("run.run", "Run a scene, a system or an FMU, and write its results."),
     "sweep": Entry("sweeping.sweep", "Run a scene many times with varied parameters."),
     "optimise": Entry("design.optimise", "Find the best parameters of a scene within bounds."),
     "fit": Entry("design.fit", "Fit parameters of a scene to measured signals."),
@@ -26,7 +26,7 @@ COMMANDS = {
         "exercise.exercise", "Write an exercise: construct the first steps of SCENE by hand."
     ),
     "list": Entry(
-        "listing.list_cases", "List the package's scenes and sweeps, or the parameters of FMU."
+        "listing.list_cases", "List built-in scenes, sweeps and models, or the parameters of FMU."
     ),
     "new": Entry("new.new", "Write a commented scene to start from."),
     "schema": Entry("guide.schema", "Explain the keys of a scene, or the variables of MODEL."),

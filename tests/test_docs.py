@@ -20,6 +20,7 @@ from pathlib import Path
 from textwrap import dedent
 
 import pytest
+from phaseplane.suspension.units import UNITS
 from phaseplane.vehicle_fmus.build import build
 
 ROOT = Path(__file__).parents[1]
@@ -150,6 +151,13 @@ def test_there_are_examples_and_some_tell_what_they_print() -> None:
     assert any(block.printed for block in PROGRAMS)
     told = [printed for p in WITH_COMMANDS for b in BLOCKS[p] for _, printed in b.commands]
     assert sum(printed is not None for printed in told) >= 3
+
+
+def test_the_units_on_the_page_are_those_accepted() -> None:
+    text = (ROOT / "docs" / "terms.md").read_text(encoding="utf-8")
+    rows = [row.split("|")[2:4] for row in text.splitlines() if re.match(r"\| [a-z ]+ \| `", row)]
+    told = {si.strip(" `"): re.findall(r"`([^`]+)`", others) for si, others in rows}
+    assert told == {name: list(unit.display) for name, unit in UNITS.items()}
 
 
 def test_the_readme_is_short() -> None:

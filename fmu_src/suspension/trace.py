@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import isfinite
 from typing import Any
 
@@ -23,6 +23,7 @@ _COMPARISONS: dict[str, Callable[[float, float], bool]] = {
     "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq,
     "!=": operator.ne,
 }  # fmt: skip
+_OPPOSITE = {"==": "!=", "!=": "==", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
 _LONGEST = 90  # characters of a condition in a message
 
 
@@ -80,8 +81,13 @@ class Guard:
 
     def in_words(self) -> str:
         """Return the condition by names of parameters, or nothing if that is too long."""
-        text = self.condition.written({}, words=True)[0]
-        text = text if self.holds else f"not {text}"
+        condition = self.condition
+        if not self.holds and condition.text in _OPPOSITE:
+            condition = replace(condition, text=_OPPOSITE[condition.text])
+            text = condition.written({}, words=True)[0]
+        else:
+            text = condition.written({}, words=True)[0]
+            text = text if self.holds else f"not {text}"
         return text if len(text) <= _LONGEST else ""
 
 

@@ -17,7 +17,7 @@ from .console import json_option
 @click.argument("fmu", required=False)
 @json_option
 def list_cases(fmu: str | None, as_data: bool) -> None:
-    """List the package's scenes, sweeps and models, or the parameters of FMU.
+    """List built-in scenes, sweeps and models, or the parameters of FMU.
 
     FMU is a file or a model. Its parameters are grouped by the time at which they can be set: when a
     native FMU is packed, before a run, or during a run.

@@ -84,7 +84,7 @@ def run(
     planes: tuple[str, ...],
     as_data: bool,
 ) -> int:
-    """Run SCENE.
+    """Run a scene, a system or an FMU, and write its results.
 
     SCENE is a built-in scene (see `list`), a scene or system file (.toml, .py), or an .fmu file.
 

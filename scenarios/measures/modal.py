@@ -16,20 +16,24 @@ def of_modes(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
     """Yield natural frequencies and damping ratios, lowest frequency first, and their extremes."""
     if "stable_step" not in outputs:  # no model of this package
         return
-    for name, unit, what, extremes in (
+    for name, unit, what, meant, extremes in (
         (
             "natural_frequencies",
             "Hz",
             "frequency",
+            "|s| / 2 pi",
             {"lowest_natural_frequency": min, "highest_natural_frequency": max},
         ),
-        ("damping_ratios", "1", "damping_ratio", {"least_damping_ratio": min}),
+        ("damping_ratios", "1", "damping_ratio", "-Re s / |s|", {"least_damping_ratio": min}),
     ):
-        about = f"{name.replace('_', ' ')} of small motions about rest, lowest frequency first"
+        about = (
+            f"{name.replace('_', ' ')} of small damped motions about rest, lowest frequency first: "
+            f"{meant} of each eigenvalue s; `phaseplane modes` lists those without damping, too"
+        )
         taken = partial(_of_run, what)
         yield Measure(name, unit, (), taken, about, at_end=True, single=tuple(extremes))
         for single, extreme in extremes.items():
-            about = f"{single.replace('_', ' ')} of small motions about rest"
+            about = f"{single.replace('_', ' ')} of small damped motions about rest"
             yield Measure(single, unit, (), partial(_extreme, extreme, taken), about, at_end=True)
 
 

@@ -124,10 +124,10 @@ def _refusals(guards: Sequence[Guard]) -> list[tuple[str, str]]:
         several = alike[guard.condition.of, guard.condition.text] > _MOST_ALIKE
         words = "" if several else guard.in_words()
         which = ", ".join(names) or "the parameters"
-        how = f" ({words} must hold)" if words else ""
+        how = f" (it needs {words})" if words else ""
         sets = " ".join(f"--set {name}=..." for name in names)
         found.append((
-            f"{which}: the structure with which this FMU was packed does not allow this",
+            f"{which}: this FMU was packed for another structure, which this value would change",
             f"{how}; pack another with {sets}",
         ))  # fmt: skip
     return found

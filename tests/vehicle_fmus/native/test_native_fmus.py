@@ -209,7 +209,7 @@ def test_the_library_shows_the_functions_of_fmi_alone(native_fmu: Packer, tmp_pa
     [
         ("sprung_mass", -5.0, False, "sprung_mass = -5: must be greater than 0 in kg"),
         ("sprung_mass", float("nan"), False, "sprung_mass = nan: must be"),
-        ("friction", 50.0, False, "friction: the structure with which this FMU was packed"),
+        ("friction", 50.0, False, "friction: this FMU was packed for another structure"),
         ("lift_off", False, False, "lift_off = 0: this FMU was packed for lift_off = 1"),
         ("road.shape", "100 %s", True, "road.shape = '100 %s': this FMU was packed for 'bump'"),
         ("body_displacement", 0.1, True, "body_displacement = 0.1: an output cannot be set"),

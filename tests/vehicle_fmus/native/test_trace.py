@@ -50,6 +50,17 @@ def test_where_a_float_is_wanted_the_value_is_fixed() -> None:
     assert (guard.in_words(), guard.holds) == ("speed == 20", True)
 
 
+def test_a_condition_that_does_not_hold_is_said_by_its_opposite() -> None:
+    tape = Tape()
+    friction = tape.given("p[0]", 0.0, "friction")
+    assert not friction < 0.0
+    assert not friction > 1.0
+    assert [guard.in_words() for guard in tape.guards.values()] == [
+        "friction >= 0",
+        "friction <= 1",
+    ]
+
+
 def test_a_number_is_not_taken_for_a_plain_one() -> None:
     number = Tape().given("a", 1.0)
     assert hash(number) != hash(1.0)
