@@ -1,4 +1,4 @@
-"""FMI 2.0 co-simulation FMUs of the models of `suspension`: `build.build` packs them."""
+"""FMUs of the models of `suspension`: `build.build` packs those that run Python, `native` the others."""
 
 import lazy_loader
 

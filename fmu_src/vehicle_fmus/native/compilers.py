@@ -74,13 +74,14 @@ def chosen(names: Sequence[str]) -> list[Platform]:
             )
         if name != this_platform() and not has_zig():
             raise ValueError(
-                f"a library for {name} needs zig's compiler: pip install 'phaseplane[native]'"
+                f"a library for {name} needs zig's compiler: pip install '.[native]' in a clone of "
+                "phaseplane"
             )
     if this_platform() in names and (given := os.environ.get("CC")) and not _own():
         raise ValueError(f"CC = {given!r}: there is no such compiler; set CC to one, or unset it")
     if names == [this_platform()] and not has_zig() and not _own():
         raise ValueError(
-            "a native FMU needs a C compiler: set CC, or pip install 'phaseplane[native]'"
+            "a native FMU needs a C compiler: set CC, or pip install '.[native]' in a clone of phaseplane"
         )
     return [PLATFORMS[name] for name in names]
 
