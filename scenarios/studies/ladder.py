@@ -192,6 +192,11 @@ def _rung_data(
     }
 
 
+def _joined(names: Sequence[str]) -> str:
+    """Return names in a row, the last one after `and`."""
+    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
+
+
 # -- rungs -----------------------------------------------------------------------------------------
 
 
@@ -203,8 +208,8 @@ def _below(scene: Scene, truth: Columns) -> Iterator[Rung]:
     idle = {what: values for what, values in _off(p, truth) if values}
     if idle:
         p = {**p, **{name: value for values in idle.values() for name, value in values.items()}}
-        words = ", ".join(idle)
-        argument = f"{words}: never acts" if len(idle) == 1 else f"{words}: never act"
+        words = _joined(list(idle))
+        argument = f"{words} never {'acts' if len(idle) == 1 else 'act'}"
         yield Rung(f"without {words}", (Part(model, p),), _DEGREES[model], argument)
     if model != "QuarterCar":
         single = "QuarterCar" if model == "HalfCar" else "OneDof"

@@ -27,7 +27,7 @@ def test_uncoupled_axles_are_two_quarter_cars() -> None:
     told = climbed(text + "front.bump_stop.stiffness=1e6\n", "--tolerance", "1e-4")
     rungs = by_name(told)
     assert rungs["two quarter cars"]["error"] < 5e-5
-    assert rungs["without lift-off, bump stop"]["error"] < 5e-5
+    assert rungs["without lift-off and bump stop"]["error"] < 5e-5
     assert told["proposal"] == "two quarter cars"
     assert rungs["rigid tyres"]["serves"] is False
     assert rungs["rigid tyres"]["note"].startswith("the error is too large in")
