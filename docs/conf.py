@@ -6,9 +6,12 @@ import re
 from collections.abc import Iterable, Iterator
 from importlib.metadata import metadata
 from importlib.metadata import version as version_of
+from pathlib import Path
 from typing import Any
 
 from phaseplane.suspension.models import ALL
+
+import phaseplane
 
 project = "phaseplane"
 version = release = version_of("phaseplane")
@@ -40,6 +43,7 @@ CONTENTS = {
     "Begin": ("start", "installation", "terms", "messages"),
     "Guides": (
         "models",
+        "gallery",
         "scenes",
         "comfort",
         "sweeps",
@@ -111,6 +115,20 @@ def _add_pages_of_models(_app: Any, page: str, source: list[str]) -> None:
             source[0] = source[0].replace(f"<!-- page: {name} -->", html)
 
 
+def _add_gallery(app: Any, page: str, source: list[str]) -> None:
+    """Add the time histories of built-in scenes, drawn now."""
+    if page == "docs/gallery":
+        folder = Path(app.srcdir, "build", "gallery")
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in re.findall(r"<!-- picture: (\w+) -->", source[0]):
+            phaseplane.run(name).figure().save(folder / f"{name}.png")
+        source[0] = re.sub(
+            r"<!-- picture: (\w+) -->",
+            r"![Time histories of \1](../build/gallery/\1.png)",
+            source[0],
+        )
+
+
 def _without_types(lines: Iterable[str]) -> Iterator[str]:
     """Put what follows `name : ` below it: it is a description, where Sphinx expects a type."""
     previous, listed = "", False
@@ -156,6 +174,7 @@ def setup(app: Any) -> None:
     """Connect the rewriting of sources."""
     app.connect("source-read", _add_contents)
     app.connect("source-read", _add_pages_of_models)
+    app.connect("source-read", _add_gallery)
     app.connect("autodoc-process-docstring", _rewrite, priority=1)  # before napoleon
     app.connect("autodoc-process-signature", _shorten)
     app.connect("autodoc-skip-member", _leave_out)
