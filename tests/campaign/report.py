@@ -20,7 +20,7 @@ def text(results: Sequence[Mapping[str, Any]]) -> str:
         f"{sum(r.get('switches', 0) for r in results)} switches; "
         f"{sum('without' in r for r in results)} without a reference",
         "",
-        *_head("errors in tolerances"),
+        *_head("errors in tolerances, at"),
     ]
     for tolerance in ("0.001", "0.0001", "1e-06", "1e-08"):
         lines += _kinds(tolerance, [r["errors"].get(tolerance) for r in results], results)
@@ -42,7 +42,7 @@ _Column = list[tuple[float, int]]
 
 def _head(what: str) -> list[str]:
     return [
-        f"| {what} | systems | median | 90 % | 99 % | worst | its number |",
+        f"| {what} | systems | median | 90 % | 99 % | worst | its seed |",
         "|---|---:|---:|---:|---:|---:|---:|",
     ]
 
@@ -87,7 +87,7 @@ def _fixed(results: Iterable[Mapping[str, Any]]) -> Iterator[str]:
 
 def _symmetries(results: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """What is left of each symmetry, in tolerances of 1e-6, and the order of inputs."""
-    yield from _head("left of a symmetry, in tolerances of 1e-6")
+    yield from _head("symmetry")
     found: dict[str, _Column] = {}
     for r in results:
         for name, value in r.get("symmetries", {}).items():
