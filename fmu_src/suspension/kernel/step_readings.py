@@ -57,6 +57,8 @@ class StepReadings:
         self._find_factor(self.dense.vb, 5)
         self._find_factor(self.dense.ab, 6)
         self._find_factor(self.dense.jb, 7)
+        self.dense.known = False
+        self.dense.read(0.0)  # of a step at rest, which leaves no numbers behind
         self.dense.start, self.dense.end, self.dense.known = 0.0, 0.0, False
 
     def _find_factor(self, end: Doubles, m: int) -> None:

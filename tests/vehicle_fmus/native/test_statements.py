@@ -123,5 +123,5 @@ def test_what_is_noted_before_steps_is_short_on_a_long_road() -> None:
     text = model_in_c("QuarterCar", {"road.shape": "random", "road.profile_length": 30.0}).text
     snapshot = text[text.index("typedef struct Snapshot {") : text.index("} Snapshot;")]
     assert sum(map(int, re.findall(r"\[(\d+)\]", snapshot))) < 300
-    (network,) = re.findall(r"^struct Network \{.*?^\};", text, re.M | re.S)
-    assert " segment[" in network
+    (signals,) = re.findall(r"^struct Signals \{.*?^\};", text, re.M | re.S)
+    assert " segment[" in signals
