@@ -10,25 +10,24 @@ from __future__ import annotations
 
 import json
 from array import array
-from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import starmap
 from math import inf, isfinite, nan
-from typing import Any, NamedTuple
+from typing import Any
 from weakref import proxy
 
-from .engine import KINDS, Integrator, Lines, Run, laws_of
+from .engine import Integrator, Lines, Run, laws_of
 from .equilibrium import start_state
+from .events import Event, Events
 from .kernel.outcomes import AT_SWITCHES, HALTED
 from .models import build, declared_parameters, inputs
 from .notices import Notices
-from .reading import Contacts, Energies, Readers, ReadMany, State
+from .reading import Energies, Readers, ReadMany, State
 from .reasons import why_stopped
 from .retuning import Retuning
 from .signals import Segment, Signal
-from .systems import Axle, System
+from .systems import System
 from .variable import Checked
 from .variables import (
     SOLVER_PARAMETERS,
@@ -41,27 +40,6 @@ from .variables import (
 
 _AT_REST = 1e-12  # s by which a communication point may precede the present, from rounding
 _TOLERANCE = next(v for v in SOLVER_PARAMETERS if v.name == "solver.tolerance")
-_MOST_EVENTS = 100_000  # stored per run
-_CONTACT = KINDS.index("contact")
-
-
-class Event(NamedTuple):
-    """The switch of an element from one of its branches to another.
-
-    Parameters
-    ----------
-    time : s
-    element : its name
-    kind : one of `engine.KINDS`
-    before, after : numbers of the branches: pieces of a law in ascending order; contact 0 on and 1
-        off the road; friction -1 and 1 slipping, 0 sticking
-    """
-
-    time: float
-    element: str
-    kind: str
-    before: int
-    after: int
 
 
 class SimulationError(RuntimeError):
@@ -95,7 +73,6 @@ class Session:
         self.ok = True
         self.messages: list[tuple[str, str]] = []
         self._tolerance = self._allowed(tolerance)
-        self._switches: deque[tuple[float, str, str, int, int]] = deque(maxlen=_MOST_EVENTS)
         self._parameters: Checked | None = checked_parameters(model, parameters)
         self._now: dict[str, Value] = {**self._parameters}  # as they are now
         self._tuned: dict[str, Value] = {}  # as they are from the next step on
@@ -106,7 +83,7 @@ class Session:
         self._signals = dict(system.signals)
         integrator = self._new_integrator(system, start_time)
         self._notices = Notices(float(self._parameters["solver.step"]))
-        self._tyres = [axle for axle in system.axles if axle.tyre]
+        tyres = [axle for axle in system.axles if axle.tyre]
         sampled = self.parameters.get("road.shape") == "input"
         lines = driven(system, self._inputs, sampled)
         acting = {i for _, *of_signal in lines for i in of_signal}
@@ -116,9 +93,11 @@ class Session:
             start_time,
             len(self._inputs),
             lines,
-            [e for axle in self._tyres if (e := system.element(axle.tyre)) is not None],
+            [e for axle in tyres if (e := system.element(axle.tyre)) is not None],
             sampled,
         )
+        self._events = Events(tyres, self._run, self.messages)
+        self.contacts = self._events.contacts
         self._attach(system, integrator)
         self._start_moving()
         self._sample()
@@ -131,7 +110,7 @@ class Session:
     @property
     def events(self) -> list[Event]:
         """The switches so far; at most the last 100 000 of them."""
-        return [*starmap(Event, self._switches)]
+        return self._events.all()
 
     @property
     def parameters(self) -> Checked:
@@ -197,11 +176,7 @@ class Session:
         self._system, self._integrator = system, integrator
         self._is_old = False  # whether it has other laws than the integrator
         self._behind = integrator.snapshot()
-        names = [element.name for element in system.elements]
-        self._element_names = names
-        self._tyre_elements = {system.element(axle.tyre) for axle in self._tyres}
-        self._stops = {e for e, name in enumerate(names) if name.endswith("stop")}
-        self.contacts = Contacts(*self._run.contacts.seen())
+        self._events.attach(system)
         self.state = State(system, integrator)
         # of use while `ok`; they do not hold the session, so that it is freed with its last owner
         self.readers = Readers(outputs(self.model), system, integrator, proxy(self))
@@ -272,28 +247,17 @@ class Session:
         if run.sampled:
             self._hand_over(until)
         if now == run.start < until:
-            for axle, airborne in zip(self._tyres, self.contacts.airborne, strict=True):
-                if airborne:
-                    self._report("event", f"{_wheel(axle)}wheel in the air at the start")
+            self._events.report_start()
         self._integrator.halts = AT_SWITCHES if to_switch else 0
-        switch = self._next_switch() if to_switch else inf
+        switch = self._events.next_after(self.time) if to_switch else inf
         while switch > until and self._integrator.time < until:
             if not run.sampled:
                 self._behind = self._integrator.snapshot()
             self._step(until, stop=run.sampled)
             if to_switch:
-                switch = self._next_switch()
+                switch = self._events.next_after(self.time)
         run.time = min(switch, until)
         self._sample()
-
-    def _next_switch(self) -> float:
-        """Return the time of the next switch that is known; inf if none."""
-        coming = inf
-        for time, *_ in reversed(self._switches):
-            if time <= self.time:
-                break
-            coming = time
-        return coming
 
     def _step(self, until: float, stop: bool) -> None:
         integrator = self._integrator
@@ -304,7 +268,7 @@ class Session:
             fixed = bool(self._now["solver.step"])
             # it names the last switches in the log, which is then taken
             reason = why_stopped(status, where, integrator, self.system, fixed=fixed)
-        self._note_switches(until if until > self.time else -inf)
+        self._events.note(integrator.take_log(), until if until > self.time else -inf)
         for text in self._notices.new(integrator, self._run):
             self._report("info", text)
         if reason:
@@ -312,11 +276,6 @@ class Session:
             self._run.time = integrator.time
             self._report("error", reason)
             raise SimulationError(reason)
-
-    def _forget_events(self) -> None:
-        """Delete the events after the integrator's present time."""
-        while self._switches and self._switches[-1][0] > self._integrator.time:
-            self._switches.pop()
 
     def _take_parameters(self) -> None:
         """Continue from the present state with the parameters set.
@@ -383,7 +342,7 @@ class Session:
             return
         reported = len(self.messages)
         self._integrator.restore(self._behind)
-        self._forget_events()
+        self._events.forget_after(self._integrator.time)
         self._step(self.time, stop=True)
         # what happened up to now was reported when it was first passed
         self._run.contacts.forget_waiting()
@@ -398,7 +357,7 @@ class Session:
                 self._start_moving()
                 self._integrator.take_log()  # the initial level of the road switches nothing
         if self.time > run.start:
-            self._note_switches()
+            self._events.note(self._integrator.take_log(), -inf)
 
     def _read_lines(self) -> None:
         """Take the present course of every signal that inputs drive."""
@@ -407,21 +366,6 @@ class Session:
             self._signals[names[signal]] = Signal(
                 (Segment(-inf, origin, (value, slope, 0.0, 0.0)),)
             )
-
-    def _note_switches(self, until: float = -inf) -> None:
-        """Note the switches of the last steps; those of contact up to `until` are counted at once."""
-        names, stops, tyres = self._element_names, self._stops, self._tyre_elements
-        for time, element, kind, before, after in self._integrator.take_log():
-            # an `Event` costs more than the rest, and many hosts read none: `events` makes them
-            name = names[element]
-            self._switches.append((time, name, KINDS[kind], before, after))
-            if kind == _CONTACT and element in tyres:
-                self._run.contacts.note(time, element, after != 0)
-                if time <= until:
-                    self._count_contacts(time)
-            elif element in stops:
-                met = (after < before) == name.endswith("bump_stop")
-                self._report("event", f"{name} {'met' if met else 'left'} at {time:.9g} s")
 
     @property
     def integrator(self) -> Integrator:
@@ -450,17 +394,9 @@ class Session:
         """Interpolate the state at the present time."""
         self._energies = None
         now = self._run.time
-        self._count_contacts(now)
+        self._events.count_contacts(now)
         self._integrator.sample(now)
         self.state.at(now, self._signals)
-
-    def _count_contacts(self, until: float) -> None:
-        """Count the contact switches up to a time, and report them."""
-        while (c := self._run.contacts.next(until)) >= 0:
-            airborne = self.contacts.airborne[c]
-            instants = self.contacts.last_lift_off if airborne else self.contacts.last_touchdown
-            what = f"{_wheel(self._tyres[c])}{'lift-off' if airborne else 'touchdown'}"
-            self._report("event", f"{what} at {instants[c]:.9g} s")
 
     def value(self, name: str) -> Value:
         """Return an output, input or parameter at the present time; NaN once the run has failed.
@@ -525,7 +461,7 @@ class Session:
             raise ValueError("this state belongs to another model or to other parameters")
         self._integrator.restore(bytes.fromhex(kept["integrator"]))
         self._behind = bytes.fromhex(kept["behind"])
-        self._forget_events()
+        self._events.forget_after(self._integrator.time)
         self.ok, self._tuned = kept["ok"], kept["tuned"]
         self._run.restore(bytes.fromhex(kept["run"]))
         self._read_lines()
@@ -575,11 +511,6 @@ def _has_other_laws_alone(system: System, other: System) -> bool:
         and system.axles == other.axles
         and system.motions == other.motions
     )
-
-
-def _wheel(axle: Axle) -> str:
-    """Return a word that identifies the wheel, such as "front "."""
-    return axle.prefix.replace("_", " ")
 
 
 def simulate(

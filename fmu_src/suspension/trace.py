@@ -81,13 +81,8 @@ class Guard:
 
     def in_words(self) -> str:
         """Return the condition by names of parameters, or nothing if that is too long."""
-        condition = self.condition
-        if not self.holds and condition.text in _OPPOSITE:
-            condition = replace(condition, text=_OPPOSITE[condition.text])
-            text = condition.written({}, words=True)[0]
-        else:
-            text = condition.written({}, words=True)[0]
-            text = text if self.holds else f"not {text}"
+        sign = self.condition.text if self.holds else _OPPOSITE[self.condition.text]
+        text, _ = replace(self.condition, text=sign).written({}, words=True)
         return text if len(text) <= _LONGEST else ""
 
 

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
-from phaseplane.suspension.session import Event, Session, SimulationError
+from phaseplane.suspension.events import Event
+from phaseplane.suspension.session import Session, SimulationError
 
 from ..draw.constructions import draw_scene
 from ..draw.pictures import figure_of, pictures_of

@@ -31,7 +31,9 @@ def page() -> Iterator[Any]:
         yield opened
 
 
-def open_in(page: Any, window: str, file: Path) -> None:
+def open_in(page: Any, window: str, made: Exercise, file: Path) -> None:
+    """Open one of the pages of an exercise, which are written beside each other; it is not too wide."""
+    write_sheets(made, file.parent)
     width, height = WINDOWS[window]
     page.execute_cdp_cmd(
         "Emulation.setDeviceMetricsOverride",
@@ -63,8 +65,7 @@ def test_points_that_are_clicked_are_saved_as_readings_and_marked(
     from selenium.webdriver.common.by import By  # noqa: PLC0415
     from selenium.webdriver.common.keys import Keys  # noqa: PLC0415
 
-    write_sheets(made, tmp_path)
-    open_in(page, window, tmp_path / "sheet.html")
+    open_in(page, window, made, tmp_path / "sheet.html")
     assert page.execute_script(FREE)
 
     def click(z: complex) -> None:
@@ -105,8 +106,7 @@ def test_a_protocol_goes_through_all_stages_without_a_letter_on_another(
     from selenium.webdriver.common.by import By  # noqa: PLC0415
     from selenium.webdriver.common.keys import Keys  # noqa: PLC0415
 
-    write_sheets(made, tmp_path)
-    open_in(page, window, tmp_path / "protocol.html")
+    open_in(page, window, made, tmp_path / "protocol.html")
     schemes = made.drawing.schemes
     stages = [
         (frame.step, k, len(schemes[frame.scheme].stages))
@@ -128,8 +128,8 @@ def test_a_protocol_goes_through_all_stages_without_a_letter_on_another(
     assert page.execute_script(seen)
     body.send_keys(Keys.HOME)
     assert f"stage 1 of {stages[0][2]}" in texts(page, ".now")[0]
-    for row in page.find_elements(By.CSS_SELECTOR, "tbody tr")[-1:]:
-        row.click()  # shows where its point is found
+    # shows where its point is found
+    page.find_elements(By.CSS_SELECTOR, "tbody tr")[-1].click()
     assert texts(page, ".now")[0].startswith(f"Step {stages[-1][0]},")
     assert not [e for e in page.get_log("browser") if e["level"] == "SEVERE"]
 

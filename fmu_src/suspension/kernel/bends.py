@@ -113,11 +113,7 @@ class Bends:
                 self.piece[i] = self.laws.place(self.piece[i], x)
                 self._bound(i)
             self.laws.read_piece(self.piece[i], x)
-            value, slope, curvature = (
-                self.laws.value,
-                self.laws.slope,
-                self.laws.curvature,
-            )
+            value, slope, curvature = self.laws.value, self.laws.slope, self.laws.curvature
             if law == SPRING:
                 force += value
                 k += slope

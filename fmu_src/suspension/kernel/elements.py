@@ -67,12 +67,7 @@ class Elements:
     count: int
 
     def __init__(
-        self,
-        memory: Memory,
-        state: KernelState,
-        signals: Signals,
-        laws: Laws,
-        system: System,
+        self, memory: Memory, state: KernelState, signals: Signals, laws: Laws, system: System
     ) -> None:
         self.signals, self.laws = signals, laws
         self.n = len(system.mass)

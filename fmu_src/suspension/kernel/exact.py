@@ -170,10 +170,7 @@ class Propagator:
     def _enter_sinusoid(self, s: int, at: int, t: float) -> None:
         """Enter cosine and sine of signal s, which rotate at w; its derivatives are -w sin, -w^2 cos."""
         g = self._segment(s)
-        amplitude, speed = (
-            self.signals.segment[g + AMPLITUDE],
-            self.signals.segment[g + SPEED],
-        )
+        amplitude, speed = self.signals.segment[g + AMPLITUDE], self.signals.segment[g + SPEED]
         angle = self.signals.segment[g + ANGLE] + speed * (t - self.signals.segment[g + ORIGIN])
         self.state[at], self.state[at + 1] = cos(angle), sin(angle)
         self.rates[at * self.size + at + 1] = -speed * self.part

@@ -57,8 +57,7 @@ class Jumps:
                 else self.laws.first[law] + self.laws.pieces[law] - 1
             )
             self._push(
-                e,
-                self.laws.piece[p * PIECE + C1] * self._way(e, self.elements.row_d[r], jump),
+                e, self.laws.piece[p * PIECE + C1] * self._way(e, self.elements.row_d[r], jump)
             )
         self._give_way(v)
 

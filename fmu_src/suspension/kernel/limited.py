@@ -26,10 +26,7 @@ class Limited:
         self.element, self.count = network.memory.integers(elements), len(elements)
         kept = network.state.memory
         # of every element: whether it was at its limit in the last step, and the time spent there, s
-        self.now, self.time = (
-            kept.marks(self.elements.count),
-            kept.zeros(self.elements.count),
-        )
+        self.now, self.time = kept.marks(self.elements.count), kept.zeros(self.elements.count)
 
     def start(self) -> None:
         """No element is at its limit before the first step."""

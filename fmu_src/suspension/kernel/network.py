@@ -15,11 +15,7 @@ from .branches import Branches
 from .elements import Elements, element_numbers
 from .language import of_python, open_to_python
 from .laws import Laws, functions_of, pieces_of
-from .layout import (
-    SEGMENT,
-    START,
-    UNBOUNDED,
-)
+from .layout import SEGMENT, START, UNBOUNDED
 from .linear import decompose, solve
 from .signals import Signals
 from .state import KernelState

@@ -159,8 +159,7 @@ class RunQueue:
         self.log_end[k] = self.integrator.noted.flushed + self.integrator.noted.logged
         for i in range(self.integrator.limited.count):
             self.limited[k * self.contacts + i] = self.integrator.limited_time_at(
-                self.integrator.limited.element[i],
-                self.filling.instants[self.filling.count - 1],
+                self.integrator.limited.element[i], self.filling.instants[self.filling.count - 1]
             )
         self.made += 1
         self.underway = False

@@ -51,10 +51,7 @@ class Straight:
 
     def _read(self, e: int) -> None:
         """Read the pieces of element e."""
-        spring, damper = (
-            self.elements.piece_now(e, SPRING),
-            self.elements.piece_now(e, DAMPER),
-        )
+        spring, damper = self.elements.piece_now(e, SPRING), self.elements.piece_now(e, DAMPER)
         self.bent_spring[e] = not self.laws.straight[spring]
         self.bent_damper[e] = not self.laws.straight[damper]
         factor = 1.0

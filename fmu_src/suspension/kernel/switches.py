@@ -119,11 +119,7 @@ class Switches:
         at = 8 * self.elements.row_of[e] + end
         if kind == CONTACT:
             self._contact_force(e, at)
-            x, dx, ddx = (
-                self.elements.force0,
-                self.elements.force1,
-                self.elements.force2,
-            )
+            x, dx, ddx = self.elements.force0, self.elements.force1, self.elements.force2
         else:
             at += 1 if kind == DAMPER else 0
             x, dx, ddx = self.row[at], self.row[at + 1], self.row[at + 2]
@@ -148,24 +144,14 @@ class Switches:
             return 7
         if kind == CONTACT:
             self._contact_force(e, at)
-            f0, f1, f2 = (
-                self.elements.force0,
-                self.elements.force1,
-                self.elements.force2,
-            )
+            f0, f1, f2 = self.elements.force0, self.elements.force1, self.elements.force2
             self._contact_force(e, at + 4)
             if self._is_slaved(e, h):
                 f1 += self._rate_left(e, self.motion.j, self.motion.jerk)
                 self.crossing.hermite3(f0, f1, self.elements.force0, self._end_rate(e, h), h)
                 return 3
             self.crossing.hermite5(
-                f0,
-                f1,
-                f2,
-                self.elements.force0,
-                self.elements.force1,
-                self.elements.force2,
-                h,
+                f0, f1, f2, self.elements.force0, self.elements.force1, self.elements.force2, h
             )
             return 5
         if kind == FRICTION and self.elements.branch[BRANCHES * e + FRICTION] == 0:
@@ -315,11 +301,7 @@ class Switches:
         self._read_points(self.elements.row_of[e], h, share)
         for m in range(_STRETCHES):
             self.elements.unlimited_force(e, self.point, 4 * m)
-            f0, f1, f2 = (
-                self.elements.force0,
-                self.elements.force1,
-                self.elements.force2,
-            )
+            f0, f1, f2 = self.elements.force0, self.elements.force1, self.elements.force2
             self.elements.unlimited_force(e, self.point, 4 * m + 4)
             self.crossing.hermite5(
                 f0,

@@ -1,0 +1,108 @@
+"""The switches of a session's elements, and what hosts are told of contacts and stops."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Sequence
+from itertools import starmap
+from math import inf
+from typing import NamedTuple
+
+from .engine import KINDS, Run
+from .kernel.language import Switch
+from .kernel.layout import CONTACT
+from .reading import Contacts
+from .systems import Axle, System
+
+_MOST = 100_000  # stored per run
+
+
+class Event(NamedTuple):
+    """The switch of an element from one of its branches to another.
+
+    Parameters
+    ----------
+    time : s
+    element : its name
+    kind : one of `engine.KINDS`
+    before, after : numbers of the branches: pieces of a law in ascending order; contact 0 on and 1
+        off the road; friction -1 and 1 slipping, 0 sticking
+    """
+
+    time: float
+    element: str
+    kind: str
+    before: int
+    after: int
+
+
+class Events:
+    """The switches so far; those of contact are counted and reported when their time has come.
+
+    Parameters
+    ----------
+    tyres : the axles with a tyre
+    run : counts their contacts
+    messages : where reports are added
+    """
+
+    def __init__(self, tyres: Sequence[Axle], run: Run, messages: list[tuple[str, str]]) -> None:
+        self._tyres, self._run, self._messages = tyres, run, messages
+        self._places = [axle.prefix.replace("_", " ") for axle in tyres]  # such as "front "
+        # an `Event` costs more than the rest, and many hosts read none: `all` makes them
+        self._switches: deque[tuple[float, str, str, int, int]] = deque(maxlen=_MOST)
+        self.contacts = Contacts(*run.contacts.seen())
+
+    def attach(self, system: System) -> None:
+        """Take the names of a system's elements from now on."""
+        self._names = [element.name for element in system.elements]
+        self._of_tyres = {system.element(axle.tyre) for axle in self._tyres}
+        self._stops = {e for e, name in enumerate(self._names) if name.endswith("stop")}
+
+    def all(self) -> list[Event]:
+        """Return the switches so far; at most the last 100 000 of them."""
+        return [*starmap(Event, self._switches)]
+
+    def note(self, log: Iterable[Switch], until: float) -> None:
+        """Take switches from the integrator's log; those of contact up to `until` are counted at once."""
+        for time, element, kind, before, after in log:
+            name = self._names[element]
+            self._switches.append((time, name, KINDS[kind], before, after))
+            if kind == CONTACT and element in self._of_tyres:
+                self._run.contacts.note(time, element, after != 0)
+                if time <= until:
+                    self.count_contacts(time)
+            elif element in self._stops:
+                met = (after < before) == name.endswith("bump_stop")
+                self._report(f"{name} {'met' if met else 'left'} at {time:.9g} s")
+
+    def count_contacts(self, until: float) -> None:
+        """Count the contact switches up to a time, and report them."""
+        while (c := self._run.contacts.next(until)) >= 0:
+            airborne = self.contacts.airborne[c]
+            instants = self.contacts.last_lift_off if airborne else self.contacts.last_touchdown
+            what = "lift-off" if airborne else "touchdown"
+            self._report(f"{self._places[c]}{what} at {instants[c]:.9g} s")
+
+    def report_start(self) -> None:
+        """Report the wheels that start in the air."""
+        for place, airborne in zip(self._places, self.contacts.airborne, strict=True):
+            if airborne:
+                self._report(f"{place}wheel in the air at the start")
+
+    def next_after(self, present: float) -> float:
+        """Return the time of the next switch that is known; inf if none."""
+        coming = inf
+        for time, *_ in reversed(self._switches):
+            if time <= present:
+                break
+            coming = time
+        return coming
+
+    def forget_after(self, present: float) -> None:
+        """Delete the switches after a time to which the integrator has returned."""
+        while self._switches and self._switches[-1][0] > present:
+            self._switches.pop()
+
+    def _report(self, text: str) -> None:
+        self._messages.append(("event", text))
