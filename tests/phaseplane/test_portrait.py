@@ -133,7 +133,11 @@ def test_an_equilibrium_on_a_corner_has_a_kind_on_each_side() -> None:
 
 
 @pytest.mark.parametrize(
-    ("mu", "amplitude", "period"), [(1.0, 2.00861986, 6.66328686), (3.0, 2.023304, 8.859096)]
+    ("mu", "amplitude", "period"),
+    [
+        (1.0, 2.00861986, 6.66328686),
+        pytest.param(3.0, 2.023304, 8.859096, marks=pytest.mark.slow),
+    ],
 )
 def test_van_der_pols_limit_cycle(mu: float, amplitude: float, period: float) -> None:
     """Amplitude and period as published, e.g. by Andersen and Geer (1982) for mu = 1."""

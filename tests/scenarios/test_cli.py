@@ -127,6 +127,7 @@ def test_json_is_the_summary_as_written(fmu: Path) -> None:
     assert summary["measures"]["lift_off_count"]["value"] == 0
 
 
+@pytest.mark.slow
 def test_figure_13_is_drawn(fmu: Path) -> None:
     drawn = settings(f"fmu={fmu}", "show.figures=['construction_sheet']")
     printed("run ap57_figure13", *drawn)

@@ -158,6 +158,7 @@ def test_a_failed_run_keeps_what_it_has():
     assert not run.holds
 
 
+@pytest.mark.slow
 def test_a_run_is_written_as_the_command_writes_it(bump, tmp_path):
     folder = bump.write(tmp_path / "out")
     read = phaseplane.scenarios.results.folder.read_results(folder)

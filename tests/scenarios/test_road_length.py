@@ -40,6 +40,7 @@ def car() -> str:
     return written(SCENE, "car.toml")
 
 
+@pytest.mark.slow
 def test_a_random_road_is_as_long_as_the_run(car: str) -> None:
     scene = load_scene(car)
     assert scene.start_values[LENGTH] == scene.all_parameters[LENGTH] == 465.0

@@ -53,6 +53,7 @@ def copy(tmp_path: Path) -> Path:
 
 
 @with_both
+@pytest.mark.sampled
 @pytest.mark.parametrize(
     "options",
     [

@@ -36,6 +36,7 @@ def case(request: pytest.FixtureRequest) -> tuple[dict[str, object], reference.S
     return dict(reference.CASES[request.param][0]), reference.solved(request.param)
 
 
+@pytest.mark.sampled
 def test_default_settings_are_within_a_millionth_of_the_peak(
     case: tuple[dict[str, object], reference.Solution],
 ) -> None:

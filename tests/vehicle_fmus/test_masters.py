@@ -99,6 +99,7 @@ def test_a_system_runs_as_its_parts_do(master: str, ssps: dict[str, Path], tmp_p
         assert difference(theirs, ours).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_fmpy_runs_a_system(
     ssps: dict[str, Path], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -363,6 +363,7 @@ def test_fmpy_runs_it_with_and_without_events(
             assert last[float(row["time"])][name] == row[name], (row["time"], name)
 
 
+@pytest.mark.slow
 def test_a_scene_drives_it_from_event_to_event(native_fmu: Packer) -> None:
     """Rows, measures and instants are those of the model itself; a run that fails says why."""
     settings = ["duration=0.5 s", "parameters.sprung_mass=350"]

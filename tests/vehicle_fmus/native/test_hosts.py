@@ -74,7 +74,7 @@ def in_fmpy(fmu: Path, names: list[str]) -> np.ndarray:
     return np.array([list(row)[1:] for row in result[1:]])
 
 
-@pytest.mark.parametrize("model", ["QuarterCar", "Road"])
+@pytest.mark.parametrize("model", ["QuarterCar", pytest.param("Road", marks=pytest.mark.slow)])
 def test_a_host_in_c_sees_what_fmpy_sees(
     model: str, c_host: Callable[[Path], CHost], native_fmu: Packer
 ) -> None:
