@@ -169,7 +169,7 @@ static double __pyx_f_1k_10integrator_6Wilson_attempt(struct s *);
 
 
 def test_every_module_of_the_kernel_is_compiled(installer: Any, kernel_source: Any) -> None:
-    there = {path.stem for path in installer.KERNEL.glob("*.py")}
+    there = {path.stem for path in installer.KERNEL.rglob("*.py")}
     order = [module.path.stem for module in kernel_source.modules(installer.KERNEL)]
     assert set(order) == there - {"__init__", "language"}
     assert order.index("method") < order.index("extrapolated") < order.index("increments")

@@ -1,4 +1,4 @@
-"""Where a system rests, sum b f(b' q - u, 0) = p (see `kernel.rest`), and from where a run starts."""
+"""Where a system rests, sum b f(b' q - u, 0) = p (see `kernel.network.rest`), and where a run starts."""
 
 from __future__ import annotations
 

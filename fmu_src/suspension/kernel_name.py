@@ -16,6 +16,7 @@ def kernel_name(folder: Path = KERNEL) -> str:
     They are read once in a process, which has loaded them, too.
     """
     digest = sha256()
-    for path in sorted(folder.glob("*.py")):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    for path in sorted(folder.rglob("*.py")):
+        name = path.relative_to(folder).as_posix()
+        digest.update(name.encode() + b"\0" + path.read_bytes())
     return f"suspension_kernel_{digest.hexdigest()[:12]}"

@@ -102,7 +102,7 @@ def declared(modules: Iterable[ast.Module]) -> list[Declared]:
 
 def modules_in(folder: Path) -> list[Path]:
     """Return the files of a kernel's modules, without that of the words that they use."""
-    return [path for path in sorted(folder.glob("[a-z]*.py")) if path.stem != "language"]
+    return [path for path in sorted(folder.rglob("[a-z]*.py")) if path.stem != "language"]
 
 
 def numbers_of(trees: Iterable[ast.Module]) -> dict[str, int | float]:

@@ -174,7 +174,7 @@ class Readers(dict[str, Read]):
         return read
 
     def line(self, name: str) -> tuple[int, tuple[Any, ...], list[tuple[int, float]], float] | None:
-        """Return the sum that an output is, as `kernel.lines` takes it, or None for other outputs."""
+        """Return the sum that an output is, for `kernel.runs.lines`, or None for other outputs."""
         reading = reading_of(self._declared[name], self._system) if name in self._declared else None
         if not isinstance(reading, Line):
             return None

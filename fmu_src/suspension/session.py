@@ -3,7 +3,7 @@
 This is the content of an FMU, without the FMI interface. With an internal road the integrator chooses
 its steps freely, ahead of the communication points, and outputs are interpolated. With inputs it stops
 at every communication point, because the inputs after it are unknown, and extrapolates them within each
-step (see `kernel.run`).
+step (see `kernel.runs.run`).
 """
 
 from __future__ import annotations
@@ -186,7 +186,7 @@ class Session:
     def set_input(self, name: str, value: float) -> None:
         """Set an input from the present time on.
 
-        A call counts as a sample even if the value is unchanged. See `kernel.run` for the course
+        A call counts as a sample even if the value is unchanged. See `kernel.runs.run` for the course
         between samples. An input of a road that is not `input` has no effect, which a message says once.
 
         Raises
@@ -382,7 +382,7 @@ class Session:
     # -- energies ------------------------------------------------------------------------------------
 
     def energies(self) -> Energies:
-        """Return the energies at the present time; see `kernel.run`."""
+        """Return the energies at the present time; see `kernel.runs.run`."""
         if self._energies is None:
             self._run.account.find(self._integrator, self.time)
             self._energies = Energies(*self._run.account.energies())

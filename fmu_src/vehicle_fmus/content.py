@@ -74,12 +74,12 @@ def suspension_sources() -> dict[str, bytes]:
 
 @cache
 def _sources(package: Path) -> dict[str, bytes]:
-    endings: dict[str, str | tuple[str, ...]] = {
-        "": ".py",
-        "models/": ".py",
-        "kernel/": ".py",
-        f"kernel/{kernel_name(package / 'kernel')}/": (".so", ".pyd"),
-    }
+    kernel = package / "kernel"
+    parts = [f"kernel/{path.parent.name}/" for path in kernel.glob("*/__init__.py")]
+    endings: dict[str, str | tuple[str, ...]] = dict.fromkeys(
+        ("", "models/", "kernel/", *parts), ".py"
+    )
+    endings[f"kernel/{kernel_name(kernel)}/"] = (".so", ".pyd")
     found = _read(package, endings)
     return {path: found[path] for path in sorted(found) if path not in NOT_CARRIED}
 

@@ -85,7 +85,7 @@ def test_a_compiled_file_of_other_sources_is_not_used(copy: Path) -> None:
     name = engine.kernel_name()
     shutil.copytree(PACKAGE / "kernel" / name, copy / "suspension" / "kernel" / name)
     assert run(copy, {})["compiled"]
-    source = copy / "suspension" / "kernel" / "network.py"
+    source = copy / "suspension" / "kernel" / "network" / "network.py"
     source.write_text(source.read_text() + "\n# edited\n")
     stale = run(copy, {})
     assert not stale["compiled"]

@@ -41,7 +41,7 @@ def road(**samples: Sequence[tuple[float, float]]) -> Any:
     signals = SimpleNamespace(count=1)
     net = SimpleNamespace(n=1, memory=plain_module("arrays").Memory(), signals=signals)
     integrator = SimpleNamespace(replace_signal=lambda *_: None, net=net)
-    run = plain_module("run").Run(integrator, -1.0, 2, [(0, 0, 1)], [], True)
+    run = plain_module("runs.run").Run(integrator, -1.0, 2, [(0, 0, 1)], [], True)
     for time, i, value in sorted(
         (t, ("elevation", "velocity").index(name), x) for name, s in samples.items() for t, x in s
     ):

@@ -33,7 +33,7 @@ def guid(fmu: Path) -> str:
 def changed_fmu(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The same FMU, packed from sources in which the kernel and a model differ."""
     sources = shutil.copytree(content.SUSPENSION, tmp_path / "sources")
-    errors, parts = sources / "kernel" / "errors.py", sources / "parts.py"
+    errors, parts = sources / "kernel" / "motion" / "errors.py", sources / "parts.py"
     shorter_steps = errors.read_text().replace("_SHARE = 0.1", "_SHARE = 0.001")
     heavier = parts.read_text().replace(
         'number(p, "sprung_mass")', '2.0 * number(p, "sprung_mass")'

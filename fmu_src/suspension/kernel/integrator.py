@@ -7,11 +7,7 @@ from typing import TYPE_CHECKING
 
 import cython
 
-from .account import Account
 from .arrays import Memory
-from .contacts import Contacts
-from .elements import KINDS
-from .filling import Filling
 from .language import (
     Doubles,
     Integers,
@@ -22,15 +18,19 @@ from .language import (
     uses_python,
 )
 from .layout import BRANCHES, CONTACT, SPRING, UNBOUNDED
-from .lines import Lines
-from .method import Method
-from .methods import METHODS
-from .network import Network, laws_of
+from .methods.method import Method
+from .methods.registry import METHODS
+from .network.elements import KINDS
+from .network.network import Network, laws_of
+from .network.rest import Rest
 from .outcomes import DIVERGED, FAILURES, INTERRUPTED, PAUSED, TOO_MANY
-from .rest import Rest
-from .run import Run
-from .run_queue import RunQueue
-from .time_loop import TimeLoop
+from .runs.account import Account
+from .runs.contacts import Contacts
+from .runs.filling import Filling
+from .runs.lines import Lines
+from .runs.run import Run
+from .runs.run_queue import RunQueue
+from .stepping.time_loop import TimeLoop
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -108,7 +108,7 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
     inputs = [v.name for v in declared if v.causality == "input"]
     sampled = parameters.get("road.shape") == "input"
     tyres = [axle for axle in system.axles if axle.tyre]
-    run = plain_module("run").Run(
+    run = plain_module("runs.run").Run(
         plain, 0.0, len(inputs), driven(system, inputs, sampled),
         [system.element(axle.tyre) for axle in tyres], sampled,
     )  # fmt: skip
@@ -131,7 +131,7 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
         at = machine.arrays[id(net.elements.row_direction)]
         fields |= {f"{at}[{k}]": b for k, b in enumerate(directions) if isinstance(b, Number)}
     row = plain.row(system, rest, rest)
-    laws = len(row) - len(plain_module("network").laws_of(packed))
+    laws = len(row) - len(plain_module("network.network").laws_of(packed))
     tunable = frozenset(v.name for v in declared if v.tunable)
     derived = [tape.node(x) for x in starts]
     parts = parts_of_parameters([*read.values(), *rates.values()])
@@ -185,7 +185,7 @@ def _system(model: str, p: Mapping[str, Any]) -> System:
 def _directions(plain: Any, system: System) -> list[Any]:
     """Return the directions of all rows, one after the other, and note which rows there are.
 
-    As in `kernel.elements`, elements share a row if they have one direction and one road.
+    As in `kernel.network.elements`, elements share a row if they have one direction and one road.
     """
     names = list(system.signals)
     rows: list[Any] = []

@@ -1,0 +1,1 @@
+"""What elements dissipate and store, and what roads and loads do."""

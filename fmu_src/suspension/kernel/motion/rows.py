@@ -1,0 +1,129 @@
+"""The rows at both ends of an attempt: their deflections and three derivatives, and those of roads.
+
+The search for switches reads them, and the works of a step follow from them.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..language import inline
+
+if TYPE_CHECKING:
+    from .balance import Balance
+    from .errors import Errors
+    from .motion import Motion
+
+
+class Rows:
+    """Four numbers at the start of an attempt and four at its end, for each row and each signal.
+
+    Parameters
+    ----------
+    motion, balance, errors : those of the stepper whose attempts are read
+    """
+
+    def __init__(self, motion: Motion, balance: Balance, errors: Errors) -> None:
+        self.motion, self.balance, self.errors = motion, balance, errors
+        self.elements, self.signals = self.motion.net.elements, self.motion.net.signals
+        memory = self.motion.net.memory
+        self.row = memory.zeros(8 * max(self.elements.rows, 1))
+        self.road = memory.zeros(8 * max(self.signals.count, 1))
+        self.roads_known = False
+        self.start_known = self.end_known = False  # whether all rows have been read there
+        self.continues = False  # whether the start is the end of the last step
+        self.own_jerks = False  # whether the attempt last read had jerks of its own
+
+    def forget(self) -> None:
+        """Read everything anew, after a change of branch."""
+        self.roads_known = self.start_known = self.end_known = self.continues = False
+
+    def read(self, t: float, h: float) -> None:
+        """Read signals and rows at both ends of the attempt just made."""
+        if not (self.roads_known and self.balance.loads_hold):
+            self._read_roads(t, h)
+        # an attempt with jerks of its own does not start with those at the end of the last one
+        known = self.start_known and not (self.own_jerks or self.errors.own_jerks)
+        self.own_jerks = self.errors.own_jerks
+        self.continues = self.continues and known
+        for r in range(self.elements.rows):
+            if not known:
+                self._read_row(r, 0)
+            self._read_row(r, 1)
+        self.start_known = self.end_known = True
+
+    def read_end(self, r: int, t: float) -> None:
+        """Read signals and row r at the end of the attempt, t, after it has been shortened."""
+        self.end_known = False
+        if not self.balance.loads_hold:
+            self._read_road_end(t)
+        self._read_row(r, 1)
+
+    def carry_on(self) -> None:
+        """After the attempt was accepted, take its end as the start of the next one."""
+        self.continues = self.start_known = self.end_known
+        self.end_known = False
+        if self.start_known:
+            for r in range(self.elements.rows):
+                for k in range(8 * r, 8 * r + 4):
+                    self.row[k] = self.row[k + 4]
+            if not self.balance.loads_hold:
+                for s in range(self.signals.count):
+                    for k in range(8 * s, 8 * s + 4):
+                        self.road[k] = self.road[k + 4]
+
+    def _read_roads(self, t: float, h: float) -> None:
+        """Read signals at both ends of the attempt just made, and leave them as they are at its end."""
+        self._read_road_end(t + h)
+        if not self.start_known:
+            self.signals.all_signals(t)
+            self._note_road(0)
+            self.signals.all_signals(t + h)
+        self.roads_known = True
+
+    def _read_road_end(self, t: float) -> None:
+        """Read signals at the end of the attempt just made or shortened."""
+        if self.balance.loads_hold:
+            self.signals.all_signals(t)
+        self._note_road(1)  # otherwise the attempt has left the signals evaluated there
+
+    def _note_road(self, end: int) -> None:
+        for s in range(self.signals.count):
+            for k in range(4):
+                self.road[8 * s + 4 * end + k] = self.signals.road[4 * s + k]
+
+    def _read_row(self, r: int, end: int) -> None:
+        """Find the deflection of row r and three derivatives at the start or end of the attempt."""
+        # with a constant in place of n the compiler unrolls the loop
+        if self.elements.n == 2:
+            self._sum_row(2, r, end)
+        else:
+            self._sum_row(self.elements.n, r, end)
+
+    @inline
+    def _sum_row(self, n: int, r: int, end: int) -> None:
+        if end:
+            q, v, a, j = self.motion.qb, self.motion.vb, self.motion.ab, self.motion.end_jerk
+        else:
+            q, v, a, j = self.motion.q, self.motion.v, self.motion.a, self.motion.jerk
+        d0 = 0.0
+        d1 = 0.0
+        d2 = 0.0
+        d3 = 0.0
+        for i in range(n):
+            b = self.elements.row_direction[r * n + i]
+            d0 += b * q[i]
+            d1 += b * v[i]
+            d2 += b * a[i]
+            d3 += b * j[i]
+        if self.elements.row_signal[r] >= 0:
+            at = 8 * self.elements.row_signal[r] + 4 * end
+            d0 -= self.road[at]
+            d1 -= self.road[at + 1]
+            d2 -= self.road[at + 2]
+            d3 -= self.road[at + 3]
+        at = 8 * r + 4 * end
+        self.row[at] = d0
+        self.row[at + 1] = d1
+        self.row[at + 2] = d2
+        self.row[at + 3] = d3

@@ -1,0 +1,1 @@
+"""Runs as hosts see them: inputs between samples, outputs, energies, and many runs in a row."""

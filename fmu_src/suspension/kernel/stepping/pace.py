@@ -1,0 +1,39 @@
+"""The pace of a run: when it pauses, and whether it will come to its end."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..state import KernelState
+
+PAUSE = 5000  # steps after which Python can handle signals, such as an interrupt
+_ENOUGH_STEPS = 200000  # steps between two estimates of the number of steps still to come
+_MOST_STEPS = 30000000  # still to come, in one call
+
+
+class Pace:
+    """The steps of one call, and since its last pause.
+
+    Parameters
+    ----------
+    state : contains the time and the number of steps
+    """
+
+    def __init__(self, state: KernelState) -> None:
+        self.state = state
+        self.since_pause = 0
+        self.look_at_pace()
+
+    def look_at_pace(self) -> None:
+        """Start measuring the pace of the run."""
+        self.begun, self.started = self.state.step_count, self.state.time
+
+    def keeps_pace(self, until: float) -> bool:
+        """Return whether the number of steps still to come, at the present pace, is acceptable."""
+        taken = self.state.step_count - self.begun
+        if taken >= _ENOUGH_STEPS:
+            if taken * (until - self.state.time) > _MOST_STEPS * (self.state.time - self.started):
+                return False
+            self.look_at_pace()
+        return True
