@@ -124,7 +124,7 @@ import sys
 from phaseplane.suspension import __name__ as package, __path__ as places
 
 places.append(f"{{sys.path[0]}}/{{package}}")
-from phaseplane.suspension.system_file import load
+from phaseplane.suspension.own_systems.file import load
 
 load({text!r}, {file!r}, {key!r}, checked=False)
 """

@@ -19,7 +19,7 @@ from .versions import installed
 SUSPENSION = KERNEL.parent
 SLAVES = Path(__file__).parent / "slaves"
 # need numpy, or are for those who do, and are not needed in an FMU
-NOT_CARRIED = ("batch.py", "kernel_types.py", "series.py", "slots.py")
+NOT_CARRIED = ("batch/", "kernel_types.py")
 _NOT_IN_KEY = ("native", "__pycache__")
 
 
@@ -75,13 +75,12 @@ def suspension_sources() -> dict[str, bytes]:
 @cache
 def _sources(package: Path) -> dict[str, bytes]:
     kernel = package / "kernel"
-    parts = [f"kernel/{path.parent.name}/" for path in kernel.glob("*/__init__.py")]
-    endings: dict[str, str | tuple[str, ...]] = dict.fromkeys(
-        ("", "models/", "kernel/", *parts), ".py"
-    )
+    packages = [path.parent.relative_to(package) for path in package.rglob("__init__.py")]
+    folders = [f"{folder.as_posix()}/" if folder.name else "" for folder in packages]
+    endings: dict[str, str | tuple[str, ...]] = dict.fromkeys(folders, ".py")
     endings[f"kernel/{kernel_name(kernel)}/"] = (".so", ".pyd")
     found = _read(package, endings)
-    return {path: found[path] for path in sorted(found) if path not in NOT_CARRIED}
+    return {path: found[path] for path in sorted(found) if not path.startswith(NOT_CARRIED)}
 
 
 def _read(package: Path, endings: Mapping[str, str | tuple[str, ...]]) -> dict[str, bytes]:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from math import pi
 from typing import TYPE_CHECKING, Any
 
-from phaseplane.suspension.extent import LENGTH
+from phaseplane.suspension.roads.extent import LENGTH
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.units import to_si
 from phaseplane.suspension.variables import Value, refuse_unknown

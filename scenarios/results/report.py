@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from phaseplane.suspension.profiles import fade_length
+from phaseplane.suspension.roads.profiles import fade_length
 from phaseplane.suspension.units import counted
 
 from .. import results

@@ -8,7 +8,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from phaseplane.suspension import extent
+from phaseplane.suspension.roads import extent
 from phaseplane.suspension.units import UNITS, nearest
 from phaseplane.suspension.variable import Checked
 from phaseplane.suspension.variables import MODELS, SOURCES, ParameterError, Value, Variable
@@ -168,7 +168,7 @@ def _of_system(path: Path) -> Fmu:
     ------
     SystemFileError : if the file cannot be read, or describes no valid system.
     """
-    from phaseplane.suspension.system_file import load  # noqa: PLC0415  (rarely needed)
+    from phaseplane.suspension.own_systems.file import load  # noqa: PLC0415  (rarely needed)
 
     try:
         name = load(path.read_text(encoding="utf-8-sig"), path.name)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from phaseplane.suspension.system_module import scene_in
+from phaseplane.suspension.own_systems.module import scene_in
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import MODELS, ParameterError
 

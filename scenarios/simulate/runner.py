@@ -8,8 +8,9 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from phaseplane.suspension import engine, extent
+from phaseplane.suspension import engine
 from phaseplane.suspension.parts import format_payload
+from phaseplane.suspension.roads import extent
 
 from .. import simulate
 from ..errors import InputError, RunError, one_line

@@ -11,8 +11,8 @@ from math import log2, prod
 from pathlib import Path
 from typing import Any
 
-from phaseplane.suspension import extent
 from phaseplane.suspension.acting import Idle, decided_by, idle
+from phaseplane.suspension.roads import extent
 from phaseplane.suspension.units import UnitError, nearest, to_si
 from phaseplane.suspension.variable import number
 from phaseplane.suspension.variables import Value, Variable

@@ -22,7 +22,7 @@ from phaseplane.scenarios.scene.fields import keys_of, schema_of
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.sections import RULES, Construction, Show
 from phaseplane.scenarios.sweeps.plan import Range, SweepFile
-from phaseplane.suspension.system_file import _SECTIONS
+from phaseplane.suspension.own_systems.file import _SECTIONS
 from phaseplane.suspension.variables import MODELS
 from pyarrow import parquet
 

@@ -113,7 +113,7 @@ def test_a_run_without_pictures_imports_nothing_that_draws_compares_or_solves_eq
 ) -> None:
     left_out = {
         "difflib", "fractions", "phaseplane.equations.formula", "phaseplane.constructions",
-        "phaseplane.suspension.checking", "phaseplane.suspension.system_file",
+        "phaseplane.suspension.checking", "phaseplane.suspension.own_systems.file",
         "phaseplane.scenarios.draw.live", "phaseplane.scenarios.draw.pictures",
         "phaseplane.scenarios.results.comparison",
     }  # fmt: skip

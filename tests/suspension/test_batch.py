@@ -7,9 +7,15 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from phaseplane.suspension import batch, series
-from phaseplane.suspension.batch import Outcome, outputs_at_end, outputs_over_time, run_many
-from phaseplane.suspension.series import Ended, Series
+from phaseplane.suspension.batch import (
+    Outcome,
+    outputs_at_end,
+    outputs_over_time,
+    run_many,
+    runs,
+    series,
+)
+from phaseplane.suspension.batch.series import Ended, Series
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.variables import MODELS, ROAD_SHAPES, ParameterError
 
@@ -215,7 +221,7 @@ def test_runs_are_made_when_their_systems_have_too_many_numbers(
     whole = run_many("QuarterCar", cars, TIMES, OUTPUTS, workers=1)
     assert len(goes) == 2  # a worker takes half of them at a time
     goes.clear()
-    monkeypatch.setattr(batch, "_MOST_NUMBERS", 150)
+    monkeypatch.setattr(runs, "_MOST_NUMBERS", 150)
     parts = run_many("QuarterCar", cars, TIMES, OUTPUTS, workers=1)
     assert len(goes) > 4
     assert list(map(told, whole)) == list(map(told, parts))

@@ -18,11 +18,12 @@ from phaseplane.scenarios.draw.planes import of_system
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.measures.linearised import linearised
 from phaseplane.scenarios.measures.modal_planes import modal_planes
-from phaseplane.suspension import characteristics, roads, system_file
+from phaseplane.suspension import characteristics, roads
 from phaseplane.suspension.checking import check_system
 from phaseplane.suspension.engine import Filling, Integrator, RunQueue
 from phaseplane.suspension.equilibrium import static_equilibrium
 from phaseplane.suspension.models import build
+from phaseplane.suspension.own_systems import file as system_file
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.systems import Element, System
 from phaseplane.suspension.variable import ParameterError

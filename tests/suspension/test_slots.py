@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from phaseplane.suspension import batch
-from phaseplane.suspension.batch import run_many
+from phaseplane.suspension.batch import outputs_over_time, run_many, runs
 from phaseplane.suspension.models import ALL
 
 TIMES = [0.01 * k for k in range(31)]
@@ -58,7 +57,7 @@ def drawn(which: str) -> tuple[str, list[dict[str, Any]]]:
 @pytest.mark.parametrize("which", BATCHES)
 def test_columns_have_the_bits_of_runs_by_themselves(which: str) -> None:
     model, sets = drawn(which)
-    names = batch.outputs_over_time(model)
+    names = outputs_over_time(model)
     together = run_many(model, sets, TIMES, names, workers=1)
     for given, one in zip(sets, together, strict=True):
         (alone,) = run_many(model, [given], TIMES, names, workers=1)
@@ -69,8 +68,8 @@ def test_columns_have_the_bits_of_runs_by_themselves(which: str) -> None:
 
 def test_systems_are_built_once_for_all(monkeypatch: pytest.MonkeyPatch) -> None:
     built: list[object] = []
-    build = batch.build
-    monkeypatch.setattr(batch, "build", lambda *of: built.append(of) or build(*of))
+    build = runs.build
+    monkeypatch.setattr(runs, "build", lambda *of: built.append(of) or build(*of))
     _, sets = drawn("blow-off on a bump")
     run_many("QuarterCar", sets, TIMES, ["body_displacement"], workers=1)
     # to know the outputs of the model, and once for each part of the batch

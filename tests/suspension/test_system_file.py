@@ -4,8 +4,8 @@ from math import cos, pi, sqrt
 
 import numpy as np
 import pytest
-from phaseplane.suspension import system_file
 from phaseplane.suspension.models import build
+from phaseplane.suspension.own_systems import file as system_file
 from phaseplane.suspension.session import Session, simulate
 from phaseplane.suspension.variable import ParameterError
 from phaseplane.suspension.variables import checked_parameters

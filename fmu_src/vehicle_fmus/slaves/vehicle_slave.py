@@ -19,8 +19,8 @@ from typing import Any, ClassVar
 
 from phaseplane.suspension import trace as _trace  # noqa: F401  (needed when parameters are tuned)
 from phaseplane.suspension.engine import why_uncompiled
-from phaseplane.suspension.extent import remarks
 from phaseplane.suspension.road_source import RoadSource, session_of
+from phaseplane.suspension.roads.extent import remarks
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.variables import (
     ParameterError,

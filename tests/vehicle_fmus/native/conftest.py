@@ -14,7 +14,7 @@ import pytest
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
-from phaseplane.suspension import system_file
+from phaseplane.suspension.own_systems import file as system_file
 from phaseplane.vehicle_fmus.build import build as build_in_python
 from phaseplane.vehicle_fmus.native import compilers
 from phaseplane.vehicle_fmus.native.pack import build

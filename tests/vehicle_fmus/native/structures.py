@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from importlib.resources import files
 from typing import Any
 
-from phaseplane.suspension import system_file
+from phaseplane.suspension.own_systems import file as system_file
 
 SANITIZED = "PHASEPLANE_TEST_SANITIZED"
 """Set in the environment where native FMUs under test are to be compiled with sanitizers."""

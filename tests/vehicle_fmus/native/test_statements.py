@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from hosting import library
-from phaseplane.suspension.profiles import spline, table
+from phaseplane.suspension.roads.profiles import spline, table
 from phaseplane.suspension.signals import Signal
 from phaseplane.suspension.trace import Node, Tape
 from phaseplane.vehicle_fmus.native.compilers import FLAGS

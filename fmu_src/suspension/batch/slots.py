@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from .equilibrium import start_state
-from .models import ALL
-from .trace import Node, Tape
-from .variable import Value
+from ..equilibrium import start_state
+from ..models import ALL
+from ..trace import Node, Tape
+from ..variable import Value
 
 if TYPE_CHECKING:
-    from .engine import Integrator
+    from ..engine import Integrator
 
 _Values = Any  # a column, or a number that all runs have in common
 _OPERATIONS: Mapping[str, Callable[..., _Values]] = {

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .engine import KINDS, Filling, Integrator, RunQueue
-from .outputs import (
+from ..engine import KINDS, Filling, Integrator, RunQueue
+from ..outputs import (
     ACCELERATION,
     DISPLACEMENT,
     FORCE,
@@ -32,9 +32,9 @@ from .outputs import (
     is_of_switches,
     reading_of,
 )
-from .signals import Signal
-from .systems import System
-from .variable import Variable
+from ..signals import Signal
+from ..systems import System
+from ..variable import Variable
 
 _OF_CONTACT = KINDS.index("contact")
 _MOST_RUNS = 64  # in one batch

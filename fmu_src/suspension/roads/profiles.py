@@ -10,7 +10,7 @@ from math import ceil, cos, inf, isfinite, pi, sqrt
 from random import Random
 from typing import Literal
 
-from .signals import Segment, Signal, passing_time, straight_lines
+from ..signals import Segment, Signal, passing_time, straight_lines
 
 Points = Sequence[tuple[float, float]]
 

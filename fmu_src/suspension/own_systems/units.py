@@ -8,11 +8,11 @@ from collections.abc import Iterator, Mapping
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
-from .units import UNITS
-from .variable import ParameterError, Variable
+from ..units import UNITS
+from ..variable import ParameterError, Variable
 
 if TYPE_CHECKING:
-    from .system_definition import Definition
+    from .definition import Definition
 
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_][\w.]*")
 _PLACE = "_"  # before the number of a name in an expression

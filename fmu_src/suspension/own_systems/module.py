@@ -18,14 +18,14 @@ from traceback import extract_tb
 from types import ModuleType
 from typing import Any
 
-from . import models
-from .declared import SOLVER_PARAMETERS
-from .model import Model
-from .outputs import SOLVER_OUTPUTS
-from .signals import Signal
-from .systems import Element, System
-from .units import UNITS, nearest
-from .variable import ParameterError, Value, Variable
+from .. import models
+from ..declared import SOLVER_PARAMETERS
+from ..model import Model
+from ..outputs import SOLVER_OUTPUTS
+from ..signals import Signal
+from ..systems import Element, System
+from ..units import UNITS, nearest
+from ..variable import ParameterError, Value, Variable
 
 _PACKAGE = __name__.rpartition(".")[0]
 # in an FMU the package has another name

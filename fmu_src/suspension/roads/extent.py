@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from math import ceil
 
+from ..variable import Value, number
 from .profiles import LONGEST, fade_length, share_of_variance
-from .variable import Value, number
 
 LENGTH = "road.profile_length"
 DEFAULT_LENGTH = 200.0  # m, of a random road

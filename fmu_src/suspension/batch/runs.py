@@ -18,16 +18,16 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .engine import Integrator
-from .equilibrium import start_state
-from .models import build, cached
-from .outputs import reading_of
-from .reasons import why_stopped
+from ..engine import Integrator
+from ..equilibrium import start_state
+from ..models import build, cached
+from ..outputs import reading_of
+from ..reasons import why_stopped
+from ..systems import System
+from ..variable import Variable
+from ..variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
+from ..variables import outputs as outputs_of
 from .series import RESIDUAL, Series, is_at_end, is_over_time, joints
-from .systems import System
-from .variable import Variable
-from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
-from .variables import outputs as outputs_of
 
 if TYPE_CHECKING:
     from .slots import Slots

@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping, Sequence
 from math import inf, isfinite
 from typing import Any
 
-from .system_units import numbered, place_of
-from .units import nearest
-from .variable import ParameterError, Value, number
+from ..units import nearest
+from ..variable import ParameterError, Value, number
+from .units import numbered, place_of
 
 _WORD = re.compile(r"[a-z][a-z0-9_]*\Z")
 _OPERATIONS: Mapping[type, Callable[..., float]] = {

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from math import inf, pi
 from typing import Any
 
-from . import characteristics, roads
-from .characteristics import Characteristic
-from .declared import (
+from .. import characteristics, roads
+from ..characteristics import Characteristic
+from ..declared import (
     CONTACT_RULE,
     GRAVITY,
     LIFT_OFF,
@@ -21,7 +21,7 @@ from .declared import (
     initial,
     road,
 )
-from .outputs import (
+from ..outputs import (
     CONTACT,
     ENERGIES,
     GROUND,
@@ -33,7 +33,7 @@ from .outputs import (
     rotation,
     suspension_deflection,
 )
-from .parts import (
+from ..parts import (
     force_course,
     points,
     road_from,
@@ -41,10 +41,10 @@ from .parts import (
     through_zero,
     tyre_element,
 )
-from .signals import Segment, Signal
-from .system_values import refuse_others, table_at, value_of
-from .systems import Axle, Element, Load, System
-from .variable import ParameterError, Value, Variable, number, parameter
+from ..signals import Segment, Signal
+from ..systems import Axle, Element, Load, System
+from ..variable import ParameterError, Value, Variable, number, parameter
+from .values import refuse_others, table_at, value_of
 
 # keys of a spring and a damper: rates, instead of which there may be a table, and others
 _LAWS = {

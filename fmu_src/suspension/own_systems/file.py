@@ -28,18 +28,18 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
-from .checking import check_numbers, check_system
-from .model import Model
-from .models import ALL, outputs, register
-from .outputs import reading_of
-from .system_definition import Definition
-from .system_module import model_in, model_name
-from .system_units import check_units
-from .system_values import check_word, refuse_others, table_at
-from .systems import System
-from .units import UNITS, UnitError, to_si
-from .variable import ParameterError, Variable, parameter
-from .variables import checked_parameters
+from ..checking import check_numbers, check_system
+from ..model import Model
+from ..models import ALL, outputs, register
+from ..outputs import reading_of
+from ..systems import System
+from ..units import UNITS, UnitError, to_si
+from ..variable import ParameterError, Variable, parameter
+from ..variables import checked_parameters
+from .definition import Definition
+from .module import model_in, model_name
+from .units import check_units
+from .values import check_word, refuse_others, table_at
 
 _SECTIONS = (
     "name", "about", "source", "parameters", "coordinates", "couplings", "wheels", "elements", "loads",
@@ -54,7 +54,7 @@ def load(text: str, file: str = "", key: str = "", *, checked: bool = True) -> s
     Parameters
     ----------
     text : the content of its file
-    file : its name; that of a Python module ends in .py, see `system_module`
+    file : its name; that of a Python module ends in .py, see `module`
     key : name of the model; that of the file if empty
     checked : whether to check the whole system with its defaults
 

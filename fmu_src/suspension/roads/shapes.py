@@ -1,46 +1,11 @@
-"""Roads under a wheel as functions of time: the named shapes, and sequences of them.
-
-Measured and random profiles are in `profiles`, the signals that they consist of in `signals`. All
-functions for roads and loads can be imported from here.
-"""
+"""Roads under a wheel as functions of time: the named shapes, and sequences of them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf, pi
 
-from .measurement_files import read_points
-from .profiles import (
-    REFERENCE_FREQUENCY,
-    class_roughness,
-    random_profile,
-    spline,
-    table,
-)
-from .signals import LEVEL, Segment, Signal, constant, passing_time, straight_lines
-
-__all__ = [
-    "LEVEL",
-    "REFERENCE_FREQUENCY",
-    "Segment",
-    "Signal",
-    "bump",
-    "class_roughness",
-    "constant",
-    "obstacle",
-    "plank",
-    "pothole",
-    "ramp",
-    "random_profile",
-    "read_points",
-    "sequence",
-    "sine",
-    "spline",
-    "step",
-    "sweep",
-    "table",
-    "wave_length_sweep",
-]
+from ..signals import Segment, Signal, passing_time, straight_lines
 
 
 def bump(height: float, length: float, speed: float, start: float = 0.0) -> Signal:
