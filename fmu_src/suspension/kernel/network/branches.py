@@ -200,9 +200,8 @@ class Branches:
             self.elements.branch[at + DAMPER] = self.laws.piece_at(LAWS * e + DAMPER, w)
             self.elements.branch[at + MODULATION] = self.laws.piece_at(LAWS * e + MODULATION, d)
             if self.elements.limit[e] < UNBOUNDED:
-                force = self.laws.law(
-                    self.elements.piece_now(e, SPRING), d
-                ) + self.elements.damper_force(e)
+                force = self.laws.law(self.elements.piece_now(e, SPRING), d)
+                force += self.elements.damper_force(e)
                 off = 1 if force > self.elements.limit[e] or d > self.opening[e] else 0
                 self.elements.branch[at + CONTACT] = off
             if self.elements.friction[e] > 0.0:

@@ -167,8 +167,8 @@ class Elements:
         if self.branch[BRANCHES * e + CONTACT]:
             force = self.limit[e]
         else:
-            d = self.row_d[self.row_of[e]]
-            force = self.laws.law(self.piece_now(e, SPRING), d) + self.damper_force(e)
+            spring = self.laws.law(self.piece_now(e, SPRING), self.row_d[self.row_of[e]])
+            force = spring + self.damper_force(e)
         return force + self.branch[BRANCHES * e + FRICTION] * self.friction[e]
 
     def row_forces(self) -> None:
@@ -201,22 +201,23 @@ class Elements:
         ps = self.piece_now(e, SPRING)
         pd = self.piece_now(e, DAMPER)
         d, v, a, j = row[at], row[at + 1], row[at + 2], row[at + 3]
-        k = self.laws.law_slope(ps, d)
-        c = self.laws.law_slope(pd, v)
-        damping0 = self.laws.law(pd, v)
+        self.laws.law_and_curvature(pd, v)
+        damping0, c = self.laws.value, self.laws.slope
         damping1 = c * a
-        damping2 = c * j + self.laws.law_curvature(pd, v) * a * a
+        damping2 = c * j + self.laws.curvature * a * a
         if self.modulated[e]:
-            pm = self.piece_now(e, MODULATION)
-            m0 = self.laws.law(pm, d)
-            m1 = self.laws.law_slope(pm, d) * v
-            m2 = self.laws.law_slope(pm, d) * a + self.laws.law_curvature(pm, d) * v * v
+            self.laws.law_and_curvature(self.piece_now(e, MODULATION), d)
+            m0 = self.laws.value
+            m1 = self.laws.slope * v
+            m2 = self.laws.slope * a + self.laws.curvature * v * v
             damping2 = damping2 * m0 + 2.0 * damping1 * m1 + damping0 * m2
             damping1 = damping1 * m0 + damping0 * m1
             damping0 *= m0
-        self.force0 = self.laws.law(ps, d) + damping0
+        self.laws.law_and_curvature(ps, d)
+        k = self.laws.slope
+        self.force0 = self.laws.value + damping0
         self.force1 = k * v + damping1
-        self.force2 = k * a + self.laws.law_curvature(ps, d) * v * v + damping2
+        self.force2 = k * a + self.laws.curvature * v * v + damping2
 
     # -- contact and yield ---------------------------------------------------------------------------
 

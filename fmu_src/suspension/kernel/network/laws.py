@@ -109,32 +109,28 @@ class Laws:
         for p in range(first, last + 1):
             self.run_first[p] = self.run_last[p] = p
         for p in range(first + 1, last + 1):
-            self.jump[p] = self._jump_at(p)
-            if self.joins and self._meets_smoothly(p):
+            if self._meets_smoothly(p) and self.joins:
                 self.run_first[p] = self.run_first[p - 1]
         for p in range(last - 1, first - 1, -1):
             if self.run_first[p + 1] != p + 1:
                 self.run_last[p] = self.run_last[p + 1]
 
-    def _jump_at(self, p: int) -> float:
-        """Return by how much the second derivative jumps where piece p begins, if it is known."""
+    def _meets_smoothly(self, p: int) -> bool:
+        """Return whether curved piece p begins with the slope of the curved piece before it.
+
+        Note by how much the second derivative jumps there, if it is known.
+        """
+        self.jump[p] = 0.0
         if self.piece[(p - 1) * PIECE + OWN] != 0.0 or self.piece[p * PIECE + OWN] != 0.0:
-            return 0.0
+            return False
         x = self.piece[p * PIECE + START]
         self.read_piece(p - 1, x)
-        before = self.curvature
+        slope, curvature = self.slope, self.curvature
         self.read_piece(p, x)
-        return fabs(self.curvature - before)
-
-    def _meets_smoothly(self, p: int) -> bool:
-        """Return whether curved piece p begins with the slope of the curved piece before it."""
+        self.jump[p] = fabs(self.curvature - curvature)
         if self.straight[p - 1] or self.straight[p]:
             return False
-        if self.piece[(p - 1) * PIECE + OWN] != 0.0 or self.piece[p * PIECE + OWN] != 0.0:
-            return False
-        x = self.piece[p * PIECE + START]
-        before, after = self.law_slope(p - 1, x), self.law_slope(p, x)
-        return fabs(after - before) <= _SMOOTH * (fabs(after) + fabs(before))
+        return fabs(self.slope - slope) <= _SMOOTH * (fabs(self.slope) + fabs(slope))
 
     def place(self, p: int, x: float) -> int:
         """Return which of the pieces joined with p contains x; it is found fastest from close to it."""
@@ -148,26 +144,17 @@ class Laws:
 
     def law(self, p: int, x: float) -> float:
         """Return the force of piece p, or of those it is joined with, at x."""
-        if self.run_last[p] > self.run_first[p]:
-            p = self.place(p, x)
-        at = p * PIECE
-        s = x - self.piece[at + ORIGIN]
         if self.straight[p]:
-            return self.piece[at + C0] + s * self.piece[at + C1]
-        if x < self.low[p]:
-            return self.law(p, self.low[p]) + self.law_slope(p, x) * (x - self.low[p])
-        if x > self.high[p]:
-            return self.law(p, self.high[p]) + self.law_slope(p, x) * (x - self.high[p])
-        force = self.piece[at + C0] + s * (
-            self.piece[at + C1] + s * (self.piece[at + C2] + s * self.piece[at + C3])
-        )
-        if self.piece[at + SATURATION] != 0.0:
-            force += self.piece[at + SATURATION] * tangent_h(s / self.piece[at + SCALE])
-        if self.piece[at + POWER] != 0.0:
-            force += power_of(self.piece[at + POWER], self.piece[at + EXPONENT], s)
-        if self.piece[at + OWN] != 0.0:
-            force += self.own(p, _FORCE, s)
-        return force
+            at = p * PIECE
+            return self.piece[at + C0] + (x - self.piece[at + ORIGIN]) * self.piece[at + C1]
+        self.law_and_slope(p, x)
+        return self.value
+
+    def law_slope(self, p: int, x: float) -> float:
+        if self.straight[p]:
+            return self.piece[p * PIECE + C1]
+        self.law_and_slope(p, x)
+        return self.slope
 
     @takes_gil
     def own(self, p: int, what: int, s: float) -> float:
@@ -188,6 +175,16 @@ class Laws:
     def law_and_slope(self, p: int, x: float) -> None:
         """Set `value`, `slope`, `curvature` to those of piece p, or of those it is joined with, at x."""
         self.read_piece(self.place(p, x), x)
+
+    def law_and_curvature(self, p: int, x: float) -> None:
+        """Do the same, with the curvature of a function in Python by a difference quotient."""
+        p = self.place(p, x)
+        self.read_piece(p, x)
+        if self.piece[p * PIECE + OWN] != 0.0:
+            s = x - self.piece[p * PIECE + ORIGIN]
+            near = _NEAR * (1.0 + fabs(s))
+            before = self.own(p, _SLOPE, s - near)
+            self.curvature += (self.own(p, _SLOPE, s + near) - before) / (2.0 * near)
 
     @inline
     def read_piece(self, p: int, x: float) -> None:
@@ -233,51 +230,6 @@ class Laws:
             self.value += self.own(p, _FORCE, s)
             self.slope += self.own(p, _SLOPE, s)
 
-    def law_slope(self, p: int, x: float) -> float:
-        if self.run_last[p] > self.run_first[p]:
-            p = self.place(p, x)
-        at = p * PIECE
-        if self.straight[p]:
-            return self.piece[at + C1]
-        s = min(max(x, self.low[p]), self.high[p]) - self.piece[at + ORIGIN]
-        slope = self.piece[at + C1] + s * (
-            2.0 * self.piece[at + C2] + 3.0 * s * self.piece[at + C3]
-        )
-        if self.piece[at + SATURATION] != 0.0:
-            slope += (
-                self.piece[at + SATURATION]
-                / self.piece[at + SCALE]
-                * sech_squared(s / self.piece[at + SCALE])
-            )
-        if self.piece[at + POWER] != 0.0:
-            slope += power_slope(self.piece[at + POWER], self.piece[at + EXPONENT], s)
-        if self.piece[at + OWN] != 0.0:
-            slope += self.own(p, _SLOPE, s)
-        return slope
-
-    def law_curvature(self, p: int, x: float) -> float:
-        if self.run_last[p] > self.run_first[p]:
-            p = self.place(p, x)
-        at = p * PIECE
-        if x < self.low[p] or x > self.high[p]:
-            return 0.0
-        s = x - self.piece[at + ORIGIN]
-        curvature = 2.0 * self.piece[at + C2] + 6.0 * s * self.piece[at + C3]
-        if self.piece[at + SATURATION] != 0.0:
-            scale = self.piece[at + SCALE]
-            u = s / scale
-            curvature -= (
-                2.0 * self.piece[at + SATURATION] / scale / scale * tangent_h(u) * sech_squared(u)
-            )
-        if self.piece[at + POWER] != 0.0 and s != 0.0:
-            exponent = self.piece[at + EXPONENT]
-            curvature += (exponent - 1.0) / s * power_slope(self.piece[at + POWER], exponent, s)
-        if self.piece[at + OWN] != 0.0:
-            near = _NEAR * (1.0 + fabs(s))
-            before = self.own(p, _SLOPE, s - near)
-            curvature += (self.own(p, _SLOPE, s + near) - before) / (2.0 * near)
-        return curvature
-
     def potential(self, p: int, x: float) -> float:
         if self.run_last[p] > self.run_first[p]:
             p = self.place(p, x)
@@ -285,9 +237,9 @@ class Laws:
         if x < self.low[p] or x > self.high[p]:
             end = min(max(x, self.low[p]), self.high[p])
             s = x - end
-            return self.potential(p, end) + s * (
-                self.law(p, end) + 0.5 * s * self.law_slope(p, end)
-            )
+            self.read_piece(p, end)
+            beyond = s * (self.value + 0.5 * s * self.slope)
+            return beyond + self.potential(p, end)
         s = x - self.piece[at + ORIGIN]
         energy = self.piece[at + STORED] + s * (
             self.piece[at + C0]
@@ -338,12 +290,6 @@ def tangent_h(u: float) -> float:
     w = exp(-2.0 * x)
     w = (1.0 - w) / (1.0 + w)
     return w if u > 0.0 else -w
-
-
-def sech_squared(u: float) -> float:
-    """Return 1 / cosh^2 u, the slope of tanh, without overflow or cancellation."""
-    w = exp(-2.0 * fabs(u))
-    return 4.0 * w / ((1.0 + w) * (1.0 + w))
 
 
 def log_cosh(u: float) -> float:

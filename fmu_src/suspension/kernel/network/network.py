@@ -403,21 +403,22 @@ class Network:
         if self._decays_within(h):
             self._slave_rates(h, q, v, a)
         for e in range(self.elements.count):
-            forces[e] = self.elements.element_force(e)
+            force = self.elements.element_force(e)
             r = self.elements.row_of[e]
             if self.series.of_element[e] >= 0:
-                forces[e] = self.series.force(e, self.elements.row_v[r])
-            if forces[e] > self.elements.limit[e] and self.elements.friction[e] == 0.0:
+                force = self.series.force(e, self.elements.row_v[r])
+            if force > self.elements.limit[e] and self.elements.friction[e] == 0.0:
                 # a tyre cannot pull, not even by the error of interpolation within a step
-                pull = forces[e] - self.elements.limit[e]
+                pull = force - self.elements.limit[e]
                 self.elements.row_f[r] = self.elements.row_f[r] - pull
-                forces[e] = self.elements.limit[e]
+                force = self.elements.limit[e]
+            forces[e] = force
         self.accelerate(a)
         for e in range(self.elements.count):
             if self.elements.yields[e]:
-                sets[e] = self.elements.permanent_set(
-                    e, self.elements.row_d[self.elements.row_of[e]]
-                )
+                d = self.elements.row_d[self.elements.row_of[e]]
+                permanent_set = self.elements.permanent_set(e, d)
+                sets[e] = permanent_set
         for p in range(self.branches.stuck):
             forces[self.branches.stuck_element[p]] += self.sticking.multiplier[
                 self.branches.stuck_element[p]

@@ -122,7 +122,8 @@ class Jumps:
             if way <= 0.0:
                 return 0.0
         if self.elements.modulated[e]:
-            return self._work_of_factor(e, near) - self._work_of_factor(e, d - jump)
+            work = self._work_of_factor(e, near)
+            return work - self._work_of_factor(e, d - jump)
         return way
 
     def _push(self, e: int, impulse: float) -> None:

@@ -193,7 +193,8 @@ class Knots:
             return 1.0
         other = self.elements.piece_now(e, MODULATION if kind == DAMPER else DAMPER)
         at += 1 if kind == MODULATION else 0
-        return max(fabs(self.laws.law(other, row[at])), fabs(self.laws.law(other, row[at + 4])))
+        start = self.laws.law(other, row[at])
+        return max(fabs(start), fabs(self.laws.law(other, row[at + 4])))
 
     def _ends(self, side: int, degree: int, least: float, row: int, size: float) -> bool:
         """Let the attempt end on the point in `bound`, or beyond it, if it passes it after `least`.
