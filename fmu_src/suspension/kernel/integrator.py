@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import fabs, sqrt
-from typing import TYPE_CHECKING
 
 import cython
 
@@ -11,8 +11,10 @@ from .arrays import Memory
 from .language import (
     Doubles,
     Integers,
+    Numbers,
     PyErr_CheckSignals,
     Size,
+    Switch,
     of_python,
     open_to_python,
     uses_python,
@@ -31,11 +33,6 @@ from .runs.lines import Lines
 from .runs.run import Run
 from .runs.run_queue import RunQueue
 from .stepping.time_loop import TimeLoop
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from .language import Numbers, Switch
 
 __all__ = [
     "FAILURES",

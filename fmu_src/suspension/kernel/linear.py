@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from .language import Doubles
+from .language import Doubles
 
 
 def decompose(m: Doubles, at: int, n: int) -> int:

@@ -10,19 +10,16 @@ While roads do not move, these two follow from the ends alone, as does the energ
 from __future__ import annotations
 
 from math import fabs
-from typing import TYPE_CHECKING
 
+from ..language import Doubles
 from ..layout import BRANCHES, CONTACT, FRICTION, SPRING
+from ..motion.balance import Balance
+from ..motion.dense import Dense
+from ..motion.rows import Rows
 from ..network.elements import ELASTIC
 from ..outcomes import ENERGY_GROWS, OUT_OF_BALANCE, REACHED
 from .potential import Potential
 from .step_readings import ENDS, POINTS, StepReadings
-
-if TYPE_CHECKING:
-    from ..language import Doubles
-    from ..motion.balance import Balance
-    from ..motion.dense import Dense
-    from ..motion.rows import Rows
 
 _TIMES = 2.0  # times the energy accounted for: more stored energy than that is wrong
 _LEAST = 1e-9  # J; rounding alone may cause as much
@@ -31,14 +28,7 @@ _SUMS, _AT_POINTS = 1, 2
 
 
 class Ledger:
-    """Works so far, J: dissipated by each element, done by each signal as a road or a load.
-
-    Parameters
-    ----------
-    balance : equation of motion of the present branches
-    rows : the rows at both ends of a step
-    dense : dense output of the last step
-    """
+    """Works so far, J: dissipated by each element, done by each signal as a road or a load."""
 
     def __init__(self, balance: Balance, rows: Rows, dense: Dense) -> None:
         self.balance, self.dense = balance, dense

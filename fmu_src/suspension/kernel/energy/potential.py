@@ -2,23 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from ..language import inline
+from ..language import Doubles, inline
 from ..layout import BRANCHES, CONTACT
-
-if TYPE_CHECKING:
-    from ..language import Doubles
-    from ..motion.straight import Straight
+from ..motion.straight import Straight
 
 
 class Potential:
-    """The energy of each row, e0 + e1 d + e2 d^2, and which rows have elements that are added one by one.
-
-    Parameters
-    ----------
-    straight : the straight forces of the present branches
-    """
+    """The energy of each row, e0 + e1 d + e2 d^2, and the rows whose elements are added one by one."""
 
     def __init__(self, straight: Straight) -> None:
         self.straight, self.net = straight, straight.net

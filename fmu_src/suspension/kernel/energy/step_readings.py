@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from ..language import Doubles
-    from ..motion.dense import Dense
-    from ..motion.rows import Rows
+from ..language import Doubles
+from ..motion.dense import Dense
+from ..motion.rows import Rows
 
 _THIRD, _TWO_THIRDS = 1.0 / 3.0, 2.0 / 3.0
 POINTS, ENDS = 4, 8  # of the quadrature; numbers at both ends of a step
@@ -20,13 +17,7 @@ _WEIGHT = (
 
 
 class StepReadings:
-    """Deflections, rates and signals within the last step.
-
-    Parameters
-    ----------
-    rows : the rows at both ends of the step
-    dense : dense output of the last step
-    """
+    """Deflections, rates and signals within the last step."""
 
     def __init__(self, rows: Rows, dense: Dense) -> None:
         self.rows, self.dense = rows, dense

@@ -25,21 +25,15 @@ columns, which suits vector instructions; with springs in series, B and W are no
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from math import isfinite
-from typing import TYPE_CHECKING
 
-from ..language import inline, of_python
-from ..motion.balance import multiply, resist
+from ..language import Doubles, inline, of_python
+from ..motion.balance import Balance, multiply, resist
 from ..outcomes import NOT_POSITIVE
 from .inverses import Inverses
 from .iteration import Iteration
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ..language import Doubles
-    from ..motion.balance import Balance
 
 _SUBSTEPS = 5  # in the longest column
 

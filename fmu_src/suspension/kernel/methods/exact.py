@@ -14,22 +14,19 @@ is damped within a microsecond.
 from __future__ import annotations
 
 from math import cos, fabs, isfinite, sin
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from ..language import of_python
+from ..language import Doubles, of_python
 from ..layout import AMPLITUDE, ANGLE, C1, C2, C3, ORIGIN, SEGMENT, SPEED
 from ..linear import solve
+from ..motion.balance import Balance
 from ..motion.errors import _SHARE
+from ..motion.motion import Motion
 from ..outcomes import DIVERGED
 from .method import Method
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ...systems import System
-    from ..language import Doubles
-    from ..motion.balance import Balance
-    from ..motion.motion import Motion
 
 _TERMS = 16
 _SHORT = 0.5  # largest change of any motion or road in one part, for which the terms suffice
@@ -39,13 +36,7 @@ _FINER = 128.0
 
 
 class Propagator:
-    """Exact steps of any length in the present linear branch.
-
-    Parameters
-    ----------
-    motion : the motion, whose attempts it makes
-    balance : the equation of motion
-    """
+    """Exact steps of any length in the present linear branch."""
 
     def __init__(self, motion: Motion, balance: Balance) -> None:
         self.net, self.n = motion.net, motion.n

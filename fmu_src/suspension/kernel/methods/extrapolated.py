@@ -10,7 +10,7 @@ substeps, but 6.2 if the last column had 4.
 from __future__ import annotations
 
 from math import fabs
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..language import inline, of_python
 from ..motion.errors import _SHARE, ROUNDING_OF_RATES
@@ -19,8 +19,6 @@ from .columns import SEQUENCES, Columns, instants_of
 from .method import Method
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ...systems import Element, System
 
 # Phase per macro step, of the fastest mode, its decay and the road together, below which the last column

@@ -7,31 +7,24 @@ those at both ends (15.7), which is iterated.
 from __future__ import annotations
 
 from math import fabs, isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from ..language import Doubles
 from ..layout import UNBOUNDED
 from ..linear import decompose, solve
+from ..network.network import Network
 from ..outcomes import DIVERGED, NOT_CONVERGED, NOT_POSITIVE
 from .extrapolated import Extrapolated
 from .iteration import LEAST_SHARE
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ...systems import System
-    from ..language import Doubles
-    from ..network.network import Network
 
 _MOST_MEANS = 200
 
 
 class Increments:
-    """Steps that overwrite displacements, velocities and accelerations.
-
-    Parameters
-    ----------
-    network : network of the system
-    """
+    """Steps that overwrite displacements, velocities and accelerations."""
 
     def __init__(self, network: Network) -> None:
         self.net, self.n = network, network.n

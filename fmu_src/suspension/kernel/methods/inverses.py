@@ -7,14 +7,10 @@ need W only along their own directions.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from ..language import inline
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ..motion.balance import Balance
+from ..motion.balance import Balance
 
 # share of a condition that is independent of those before it, below which it follows from them
 _DEPENDENT = 1e-12

@@ -11,16 +11,12 @@ order. As x is predicted from those before it, most substeps need one evaluation
 from __future__ import annotations
 
 from math import fabs
-from typing import TYPE_CHECKING
 
-from ..language import inline
+from ..language import Doubles, inline
 from ..layout import UNBOUNDED
 from ..motion.balance import MOST_ROWS
 from ..outcomes import DIVERGED, NOT_CONVERGED, NOT_POSITIVE
-
-if TYPE_CHECKING:
-    from ..language import Doubles
-    from .inverses import Inverses
+from .inverses import Inverses
 
 _ITERATIONS = 60
 _ENDLESS = 1e290  # m/s^2; a larger residual means that the iteration has diverged
@@ -32,12 +28,7 @@ _MOST_SECOND = 0.5  # largest part of second order of a correction, over that of
 
 
 class Iteration:
-    """The accelerations of curved rows, and those of earlier substeps, which predict them.
-
-    Parameters
-    ----------
-    inverses : W of all columns
-    """
+    """The accelerations of curved rows, and those of earlier substeps, which predict them."""
 
     def __init__(self, inverses: Inverses) -> None:
         self.inverses = inverses

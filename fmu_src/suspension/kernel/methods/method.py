@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..language import inline, of_python, takes_gil
+from ..language import Numbers, inline, of_python, takes_gil
+from ..motion.balance import Balance
+from ..motion.errors import Errors
+from ..motion.modes import Modes
+from ..motion.motion import Motion
 from ..outcomes import DIVERGED
 
 if TYPE_CHECKING:
     from ...systems import System
-    from ..language import Numbers
-    from ..motion.balance import Balance
-    from ..motion.errors import Errors
-    from ..motion.modes import Modes
-    from ..motion.motion import Motion
 
 
 class Method:

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ..language import inline
 from ..motion.balance import MOST_COORDINATES, MOST_ROWS, Balance
+from ..motion.dense import Dense
 from ..motion.errors import Errors
 from ..motion.modes import Modes
 from ..motion.motion import Motion
 from ..motion.rows import Rows
-
-if TYPE_CHECKING:
-    from ..motion.dense import Dense
-    from ..network.network import Network
-    from .method import Method
+from ..network.network import Network
+from .method import Method
 
 
 class Stepper:

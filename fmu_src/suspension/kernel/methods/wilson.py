@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ..outcomes import DIVERGED
 from .columns import Columns
 from .method import Method
-
-if TYPE_CHECKING:
-    from typing import Any
 
 
 class Wilson(Method):

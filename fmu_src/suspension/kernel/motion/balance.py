@@ -10,18 +10,13 @@ and K and B then are those of the straight pieces alone.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
-from ..language import inline
+from ..language import Doubles, inline
 from ..linear import solve
+from ..network.network import Network
 from .bends import Bends
 from .straight import Straight
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ..language import Doubles
-    from ..network.network import Network
 
 # sizes of the C arrays here, and in what steps with it
 MOST_COORDINATES, MOST_ROWS = 32, 64

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ..language import inline
 from ..layout import (
     BRANCHES,
@@ -17,18 +15,11 @@ from ..layout import (
     START,
     UNBOUNDED,
 )
-
-if TYPE_CHECKING:
-    from .straight import Straight
+from .straight import Straight
 
 
 class Bends:
-    """The rows on which curved springs or dampers act.
-
-    Parameters
-    ----------
-    straight : tells which laws are curved in the present branches
-    """
+    """The rows on which curved springs or dampers act."""
 
     def __init__(self, straight: Straight) -> None:
         self.straight, self.net = straight, straight.net

@@ -9,14 +9,9 @@ form with the nodes at the ends,
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from ..language import inline
-
-if TYPE_CHECKING:
-    from ..arrays import Memory
-    from ..language import Doubles, Size
-    from .motion import Motion
+from ..arrays import Memory
+from ..language import Doubles, Size, inline
+from .motion import Motion
 
 _SEPTIC = 8  # terms of each coordinate
 

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from math import fabs, isfinite, pow
-from typing import TYPE_CHECKING
 
 from ..language import inline
 from ..linear import decompose, solve
-
-if TYPE_CHECKING:
-    from .balance import Balance
-    from .modes import Modes
-    from .motion import Motion
+from .balance import Balance
+from .modes import Modes
+from .motion import Motion
 
 _SHARE = 0.1  # share of the tolerance for one step, as the errors of many steps accumulate
 _ROUNDING = 1e-13  # relative to displacements; smaller errors cannot be resolved

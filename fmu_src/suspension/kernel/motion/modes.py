@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from math import fabs, sqrt
-from typing import TYPE_CHECKING
 
-from ..language import inline
+from ..language import Long, inline
 from ..layout import UNBOUNDED
-
-if TYPE_CHECKING:
-    from ..language import Long
-    from .balance import Balance
+from .balance import Balance
 
 # Phase of a mode per macro step up to which an undamped mode grows by less than 1/500 at any order, and
 # phases up to which it does not grow with the least damping of the method, and with more: see `bound`.
@@ -21,12 +17,7 @@ _MORE_DAMPING = 1.8  # times the least damping
 
 
 class Modes:
-    """Frequencies and decays of the present tangents.
-
-    Parameters
-    ----------
-    balance : equation of motion of the branches, with its tangents
-    """
+    """Frequencies and decays of the present tangents."""
 
     def __init__(self, balance: Balance) -> None:
         self.balance = balance

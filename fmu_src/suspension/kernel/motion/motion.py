@@ -3,23 +3,14 @@
 from __future__ import annotations
 
 from math import fabs
-from typing import TYPE_CHECKING
 
-from ..language import inline
+from ..language import Doubles, inline
 from ..layout import UNBOUNDED
-
-if TYPE_CHECKING:
-    from ..language import Doubles
-    from ..network.network import Network
+from ..network.network import Network
 
 
 class Motion:
-    """Displacements, velocities, accelerations and their rates, now and at the end of an attempt.
-
-    Parameters
-    ----------
-    network : network of the system
-    """
+    """Displacements, velocities, accelerations and their rates, now and at the end of an attempt."""
 
     def __init__(self, network: Network) -> None:
         n, elements = network.n, network.elements.count

@@ -5,23 +5,14 @@ The search for switches reads them, and the works of a step follow from them.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ..language import inline
-
-if TYPE_CHECKING:
-    from .balance import Balance
-    from .errors import Errors
-    from .motion import Motion
+from .balance import Balance
+from .errors import Errors
+from .motion import Motion
 
 
 class Rows:
-    """Four numbers at the start of an attempt and four at its end, for each row and each signal.
-
-    Parameters
-    ----------
-    motion, balance, errors : those of the stepper whose attempts are read
-    """
+    """Four numbers at the start of an attempt and four at its end, for each row and each signal."""
 
     def __init__(self, motion: Motion, balance: Balance, errors: Errors) -> None:
         self.motion, self.balance, self.errors = motion, balance, errors

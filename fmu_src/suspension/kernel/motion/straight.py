@@ -2,21 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ..layout import BRANCHES, C1, CONTACT, DAMPER, FRICTION, MODULATION, PIECE, SPRING
-
-if TYPE_CHECKING:
-    from ..network.network import Network
+from ..network.network import Network
 
 
 class Straight:
-    """What the straight pieces of springs and dampers add to the equation of motion.
-
-    Parameters
-    ----------
-    network : network of the system
-    """
+    """What the straight pieces of springs and dampers add to the equation of motion."""
 
     def __init__(self, network: Network) -> None:
         self.net = network

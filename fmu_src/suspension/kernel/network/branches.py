@@ -9,6 +9,8 @@ from __future__ import annotations
 from math import fabs
 from typing import TYPE_CHECKING
 
+from ..arrays import Memory
+from ..language import Doubles
 from ..layout import (
     BRANCHES,
     C0,
@@ -24,27 +26,17 @@ from ..layout import (
     START,
     UNBOUNDED,
 )
-from .elements import ELASTIC, element_numbers
+from ..state import KernelState
+from .elements import ELASTIC, Elements, element_numbers
 
 if TYPE_CHECKING:
     from ...systems import System
-    from ..arrays import Memory
-    from ..language import Doubles
-    from ..state import KernelState
-    from .elements import Elements
 
 _CREEP = 1e-10  # 1/s; times the scale of the motion, the slip rate that counts as rest
 
 
 class Branches:
-    """The bounds of the elements' branches, and which branches have just changed.
-
-    Parameters
-    ----------
-    memory, state : the memory that contains the arrays, and the state
-    elements : the elements
-    system : `systems.System`
-    """
+    """The bounds of the elements' branches, and which branches have just changed."""
 
     laws_size: int
 

@@ -10,9 +10,11 @@ other, or sticks.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from ..language import inline, of_python
+from ..arrays import Memory
+from ..language import Doubles, inline, of_python
 from ..layout import (
     BRANCHES,
     C0,
@@ -26,18 +28,13 @@ from ..layout import (
     SPRING,
     UNBOUNDED,
 )
-from .laws import law_numbers
+from ..state import KernelState
+from .laws import Laws, law_numbers
 from .series_springs import SeriesSprings
+from .signals import Signals
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     from ...systems import Element, System
-    from ..arrays import Memory
-    from ..language import Doubles
-    from ..state import KernelState
-    from .laws import Laws
-    from .signals import Signals
 
 # The kinds of switches: of one of the element's laws, of its contact (1: off) or of its dry friction
 # (-1, 1, or 0 if it sticks).

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from itertools import accumulate
 from math import exp, fabs, log1p, pow, sinh
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from ..arrays import Memory
 from ..language import Doubles, inline, of_python, takes_gil
 from ..layout import (
     C0,
@@ -30,10 +31,7 @@ from ..layout import (
 )
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ...systems import Element, System
-    from ..arrays import Memory
 
 _FORCE, _SLOPE, _INTEGRAL = 0, 1, 2  # the three functions in Python of a piece
 _SMOOTH = 1e-9  # relative difference of slopes that are the same to rounding

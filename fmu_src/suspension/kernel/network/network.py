@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from array import array
 from math import fabs
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..arrays import Lent, Memory
-from ..language import of_python, open_to_python
+from ..language import Doubles, of_python, open_to_python
 from ..layout import SEGMENT, START, UNBOUNDED
 from ..linear import decompose, solve
 from ..state import KernelState
@@ -22,10 +22,7 @@ from .signals import Signals
 from .sticking import Sticking
 
 if TYPE_CHECKING:
-    from typing import Any
-
     from ...systems import Element, System
-    from ..language import Doubles
 
 _CORNER = 1e-9  # m and m/s, or N and N/s: a smaller jump is due to rounding
 _ASYMMETRY = 1e-9  # of the mass matrix, relative, which may be due to rounding

@@ -8,15 +8,11 @@ descent, so that the iteration cannot cycle between the branches of stops, table
 from __future__ import annotations
 
 from math import fabs, isfinite
-from typing import TYPE_CHECKING
 
-from ..language import of_python, open_to_python
+from ..language import Doubles, Numbers, of_python, open_to_python
 from ..layout import LAWS, PIECE, SPRING, START, UNBOUNDED
 from ..linear import decompose, solve
-
-if TYPE_CHECKING:
-    from ..language import Doubles, Numbers
-    from .network import Network
+from .network import Network
 
 _MOST_TRIALS = 400
 

@@ -9,20 +9,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..arrays import Memory
+from ..language import Doubles
+
 if TYPE_CHECKING:
     from ...systems import System
-    from ..arrays import Memory
-    from ..language import Doubles
 
 
 class SeriesSprings:
-    """The springs in series of a system; most systems have none.
-
-    Parameters
-    ----------
-    memory : the memory that contains the arrays
-    system : `systems.System` with its internal coordinates
-    """
+    """The springs in series of a system; most systems have none."""
 
     n: int
     internal: int

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import accumulate
 from math import cos, fabs, sin
 from typing import TYPE_CHECKING
 
-from ..language import inline
+from ..arrays import Memory
+from ..language import Doubles, inline
 from ..layout import (
     AMPLITUDE,
     ANGLE,
@@ -21,26 +23,16 @@ from ..layout import (
     START,
     UNBOUNDED,
 )
+from ..state import KernelState
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from ...signals import Signal
-    from ..arrays import Memory
-    from ..language import Doubles
-    from ..state import KernelState
 
 ROAD_PHASE = 1.5  # phase of a road's sinusoid per macro step
 
 
 class Signals:
-    """All signals of a system, each in its present segment.
-
-    Parameters
-    ----------
-    memory, state : the memory that contains the arrays, and the state
-    signals : `signals.Signal` by name
-    """
+    """All signals of a system, each in its present segment."""
 
     count: int
 

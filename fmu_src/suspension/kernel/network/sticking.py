@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from ..arrays import Memory
+from ..language import Doubles
 from ..linear import decompose, solve
-
-if TYPE_CHECKING:
-    from ..arrays import Memory
-    from ..language import Doubles
-    from .branches import Branches
+from .branches import Branches
 
 
 class Sticking:
-    """The constraint of all rows that stick in the present branches.
-
-    Parameters
-    ----------
-    memory : the memory that contains the arrays
-    branches : tells which elements stick
-    """
+    """The constraint of all rows that stick in the present branches."""
 
     def __init__(self, memory: Memory, branches: Branches) -> None:
         self.branches, self.elements = branches, branches.elements

@@ -5,12 +5,11 @@ from __future__ import annotations
 from math import fabs
 from typing import TYPE_CHECKING
 
-from ..language import of_python, open_to_python
+from ..arrays import Memory
+from ..language import Long, of_python, open_to_python
 
 if TYPE_CHECKING:
-    from ..arrays import Memory
     from ..integrator import Integrator
-    from ..language import Long
 
 # steps before the balance is first checked; then whenever their number has doubled
 _FIRST_LOOK = 1000
@@ -20,13 +19,7 @@ _LEAST_DRIFT = 1e-9
 
 
 class Account:
-    """The energies of a run at the time last requested, J; the run may change its integrator.
-
-    Parameters
-    ----------
-    memory : the memory that contains the arrays
-    signals : number of roads and loads, which supply energy
-    """
+    """The energies of a run at the time last requested, J; the run may change its integrator."""
 
     opening: float
     drifts: bool

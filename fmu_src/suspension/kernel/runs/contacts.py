@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from ..arrays import Memory
 from ..language import of_python, open_to_python
 from ..layout import UNBOUNDED
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ..arrays import Memory
     from ..integrator import Integrator
 
 _WAITING = 256  # switches later than the present time, up to the end of the last step

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING
 import cython
 
 from ..arrays import Lent
-from ..language import Size, open_to_python, uses_python
+from ..language import Lendable, Size, open_to_python, uses_python
 from ..outcomes import PAUSED
 
 if TYPE_CHECKING:
     from ..integrator import Integrator
-    from ..language import Lendable
 
 
 class Filling:

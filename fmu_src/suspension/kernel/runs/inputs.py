@@ -3,23 +3,15 @@
 from __future__ import annotations
 
 from math import fabs
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from ..arrays import Memory
+from ..arrays import Memory
 
 _SAMPLES = 3  # for two slopes
 _LONGEST = 2.0  # longest extrapolation, in intervals of the last slope
 
 
 class Inputs:
-    """Values of inputs, and the last samples of each.
-
-    Parameters
-    ----------
-    memory : the memory that contains the arrays
-    count : number of inputs
-    """
+    """Values of inputs, and the last samples of each."""
 
     def __init__(self, memory: Memory, count: int) -> None:
         self.memory, self.count = memory, count

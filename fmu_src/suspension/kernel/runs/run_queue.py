@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import cython
 
 from ..arrays import Lent, Memory
-from ..language import Size, of_python, open_to_python, uses_python
+from ..language import Lendable, Size, of_python, open_to_python, uses_python
 from ..outcomes import DIVERGED, NO_MASS, PAUSED
 from ..switching.switch_log import CAPACITY
-
-if TYPE_CHECKING:
-    from ..language import Lendable
-    from .filling import Filling
+from .filling import Filling
 
 
 class RunQueue:

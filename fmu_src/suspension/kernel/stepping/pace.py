@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from ..state import KernelState
+from ..state import KernelState
 
 PAUSE = 5000  # steps after which Python can handle signals, such as an interrupt
 _ENOUGH_STEPS = 200000  # steps between two estimates of the number of steps still to come
@@ -13,12 +10,7 @@ _MOST_STEPS = 30000000  # still to come, in one call
 
 
 class Pace:
-    """The steps of one call, and since its last pause.
-
-    Parameters
-    ----------
-    state : contains the time and the number of steps
-    """
+    """The steps of one call, and since its last pause."""
 
     def __init__(self, state: KernelState) -> None:
         self.state = state

@@ -2,20 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from ..motion.dense import Dense
-    from ..network.network import Network
+from ..motion.dense import Dense
+from ..network.network import Network
 
 
 class Reading:
-    """The numbers that Python reads as `sample_q` and so on.
-
-    Parameters
-    ----------
-    network : network of the system
-    """
+    """The numbers that Python reads as `sample_q` and so on."""
 
     def __init__(self, network: Network) -> None:
         self.net = network

@@ -10,14 +10,11 @@ present tangent.
 from __future__ import annotations
 
 from math import floor, sqrt
-from typing import TYPE_CHECKING
 
+from ..language import Long
 from ..layout import UNBOUNDED
 from ..linear import decompose
-
-if TYPE_CHECKING:
-    from ..language import Long
-    from ..motion.modes import Modes
+from ..motion.modes import Modes
 
 POLICIES = {"substep": 0, "refuse": 1, "allow": 2}
 _REFUSE, _ALLOW = 1, 2

@@ -6,11 +6,12 @@ is shortened to end on the switch, which is located to rounding.
 
 from __future__ import annotations
 
+from array import array
 from math import fabs, sqrt
 from typing import TYPE_CHECKING
 
 from ..energy.ledger import Ledger
-from ..language import inline, of_python
+from ..language import Doubles, Numbers, inline, of_python
 from ..layout import BRANCHES, FRICTION, UNBOUNDED
 from ..methods.registry import METHODS
 from ..methods.stepper import Stepper
@@ -40,10 +41,7 @@ from .stability import POLICIES, StabilityMonitor
 from .trial import Trial
 
 if TYPE_CHECKING:
-    from array import array
-
     from ...systems import System
-    from ..language import Doubles, Numbers
 
 _AGAIN, _STALLS = -2, -3  # of attempts, see `_try`
 _FLIPS = 24  # changes of branch at one instant, when several elements are at their corners

@@ -7,10 +7,8 @@ enough to compare six or eight numbers; the others need bisection and Newton's m
 from __future__ import annotations
 
 from math import fabs
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from ..language import Doubles
+from ..language import Doubles
 
 _CLOSE = 1e-8  # of a step; Newton's next correction would be of the order of its square
 

@@ -3,23 +3,15 @@
 from __future__ import annotations
 
 from math import fabs
-from typing import TYPE_CHECKING
 
+from ..language import Doubles
 from ..layout import BRANCHES, C1, CONTACT, DAMPER, LAWS, MODULATION, PIECE, SPRING, UNBOUNDED
 from ..linear import solve
-
-if TYPE_CHECKING:
-    from ..language import Doubles
-    from ..network.network import Network
+from ..network.network import Network
 
 
 class Jumps:
-    """The impulses of roads that jump.
-
-    Parameters
-    ----------
-    network : the system
-    """
+    """The impulses of roads that jump."""
 
     def __init__(self, network: Network) -> None:
         self.net, self.n = network, network.n

@@ -9,14 +9,10 @@ what comes after it would spoil the step; its septic is then continued to the po
 from __future__ import annotations
 
 from math import fabs, pow
-from typing import TYPE_CHECKING
 
-from ..language import inline
+from ..language import Doubles, inline
 from ..layout import CONTACT, DAMPER, LAWS, MODULATION, PIECE, SPRING, START
-
-if TYPE_CHECKING:
-    from ..language import Doubles
-    from .switches import Switches
+from .switches import Switches
 
 # largest sum of w B3(x n) / (6 n^3) over the columns of n substeps with weights w, where the jump is at x
 # in the step, and B3 is the periodic Bernoulli polynomial; the same at orders 6 and 8
@@ -32,12 +28,7 @@ _COARSE = 6  # order at tolerances for which it is enough to end just before a p
 
 
 class Knots:
-    """The next point of a smooth table.
-
-    Parameters
-    ----------
-    switches : knows the polynomials of their quantities over an attempt
-    """
+    """The next point of a smooth table."""
 
     def __init__(self, switches: Switches) -> None:
         self.switches = switches

@@ -7,14 +7,11 @@ enough; otherwise the step is repeated with the length found.
 from __future__ import annotations
 
 from math import fabs
-from typing import TYPE_CHECKING
 
+from ..arrays import Memory
 from ..layout import UNBOUNDED
 from ..motion.dense import Dense
-
-if TYPE_CHECKING:
-    from ..arrays import Memory
-    from .switches import Switches
+from .switches import Switches
 
 _SIMULTANEOUS = 1e-6  # of a step: switches that are closer may be exchanged
 _SHORT_PHASE = 1e-4  # phase of the fastest motion up to which its Taylor series replaces a step
@@ -25,13 +22,7 @@ _MOST_ITERATIONS = 8
 
 
 class Landing:
-    """Shortens or continues an attempt, so that it ends where it should.
-
-    Parameters
-    ----------
-    switches : has found the switch on which the attempt is to end
-    memory : for the attempt that is stored
-    """
+    """Shortens or continues an attempt, so that it ends where it should."""
 
     def __init__(self, switches: Switches, memory: Memory) -> None:
         self.switches = switches

@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 from ..layout import BRANCHES, CONTACT
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ..network.network import Network
+from ..network.network import Network
 
 
 class Limited:
-    """The elements with a limit, and the time that each has spent there.
-
-    Parameters
-    ----------
-    network : network of the system
-    elements : numbers of the elements that have a limit
-    """
+    """The elements with a limit, and the time that each has spent there."""
 
     def __init__(self, network: Network, elements: Sequence[int]) -> None:
         self.elements = network.elements

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from ..arrays import Memory
 from ..language import of_python
-
-if TYPE_CHECKING:
-    from ..arrays import Memory
 
 CAPACITY = 512  # switches that the arrays hold, and those of one step besides
 

@@ -8,30 +8,21 @@ the force of sticking. Each is a polynomial through its value and derivatives at
 from __future__ import annotations
 
 from math import fabs
-from typing import TYPE_CHECKING
 
-from ..language import inline
+from ..language import Doubles, inline
 from ..layout import BRANCHES, CONTACT, DAMPER, FRICTION, MODULATION, SPRING
+from ..methods.stepper import Stepper
 from ..motion.errors import ROUNDING_OF_RATES
 from ..network.elements import KINDS
 from ..network.network import SLAVED
 from .bernstein import Crossing
-
-if TYPE_CHECKING:
-    from ..language import Doubles
-    from ..methods.stepper import Stepper
 
 _NEVER = 1e299  # a larger bound stands for none
 _STRETCHES = 8  # of a step, in each of which the force of a tyre in flight is a quintic
 
 
 class Switches:
-    """The watched quantities in the present branches of a stepper's network.
-
-    Parameters
-    ----------
-    stepper : the stepper whose attempts are searched
-    """
+    """The watched quantities in the present branches of a stepper's network."""
 
     def __init__(self, stepper: Stepper) -> None:
         self.stepper = stepper

@@ -2,31 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from ..arrays import Memory
+from ..energy.ledger import Ledger
 from ..layout import BRANCHES, CONTACT, SPRING
+from ..motion.motion import Motion
+from ..network.network import Network
 from .jumps import Jumps
-
-if TYPE_CHECKING:
-    from ..arrays import Memory
-    from ..energy.ledger import Ledger
-    from ..motion.motion import Motion
-    from ..network.network import Network
-    from .limited import Limited
-    from .switch_log import SwitchLog
+from .limited import Limited
+from .switch_log import SwitchLog
 
 
 class Transitions:
-    """Moves elements from one branch to another at the present time.
-
-    Parameters
-    ----------
-    memory : for the branches before a change
-    network, motion : the system and its present motion
-    ledger : of the energies that changes bring in
-    limited : the elements with a limit, which a change may lift or reach
-    noted : the log of switches
-    """
+    """Moves elements from one branch to another at the present time."""
 
     def __init__(
         self,
