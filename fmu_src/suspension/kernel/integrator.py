@@ -22,7 +22,7 @@ from .language import (
 from .layout import BRANCHES, CONTACT, SPRING, UNBOUNDED
 from .methods.method import Method
 from .methods.registry import METHODS
-from .network.elements import KINDS
+from .network.elements import ELASTIC, KINDS
 from .network.network import Network, laws_of
 from .network.rest import Rest
 from .outcomes import DIVERGED, FAILURES, INTERRUPTED, PAUSED, TOO_MANY
@@ -205,9 +205,7 @@ class Integrator(TimeLoop):
         self.transitions.jumps.remember_rates()
         self.transitions.remember()
         jump = self.net.signals.replace_signal(signal, self.state.time, coefficients)
-        if self.net.signals.is_road[
-            signal
-        ]:  # a load moves no element, not even one that is on a corner
+        if self.net.signals.is_road[signal]:  # a load moves no element, not even one on a corner
             if jumps and jump != 0.0:
                 # a damper at rest is at its corner: the road's new velocity decides on which side it acts
                 self.net.branches.locate_branches(self.state.time, self.motion.q, self.motion.v)
@@ -424,11 +422,9 @@ class Integrator(TimeLoop):
     def yielding(self, e: int) -> bool:
         """Return whether element e, which can yield, did so in the last step."""
         at = BRANCHES * e + SPRING
-        return (
-            self.net.elements.branch[at]
-            if self.state.in_step
-            else self.net.branches.kept_branch[at]
-        ) != 1
+        if self.state.in_step:
+            return self.net.elements.branch[at] != ELASTIC
+        return self.net.branches.kept_branch[at] != ELASTIC
 
     @open_to_python
     def stable_step(self) -> float:

@@ -92,8 +92,5 @@ class KernelState:
     @uses_python
     def _size(self) -> Size:
         """Return the size of the numbers in bytes."""
-        return (
-            cython.cast("char *", cython.address(self.overruns))
-            + _SIZE_OF_INTEGER
-            - self._numbers()
-        )
+        last = cython.cast("char *", cython.address(self.overruns))
+        return last + _SIZE_OF_INTEGER - self._numbers()

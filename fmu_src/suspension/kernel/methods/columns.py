@@ -105,7 +105,7 @@ class Columns:
             return NOT_POSITIVE
         n = self.n
         if self.balance.bends.count:
-            self._begin_rows(n, a, j)
+            self._begin_rows(a, j)
         # with constants as arguments the compiler unrolls loops and drops branches
         if self.balance.bends.count or self.branches.stuck:
             if n == 2:
@@ -205,16 +205,12 @@ class Columns:
         self.iteration.keep(bends, c, k)
         return 0
 
-    def _begin_rows(self, n: int, a: Doubles, j: Doubles) -> None:
+    def _begin_rows(self, a: Doubles, j: Doubles) -> None:
         """Let the accelerations of curved rows begin as those of the step's start, with its jerk."""
         for p in range(self.balance.bends.count):
             r = self.balance.bends.row[p]
-            x = 0.0
-            rate = 0.0
-            for i in range(n):
-                x += self.elements.row_direction[n * r + i] * a[i]
-                rate += self.elements.row_direction[n * r + i] * j[i]
-            self.iteration.begin(p, x, rate)
+            x = self.elements.along(r, a)
+            self.iteration.begin(p, x, self.elements.along(r, j))
 
     # -- the end -----------------------------------------------------------------------------------
 

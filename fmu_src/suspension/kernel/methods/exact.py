@@ -186,11 +186,8 @@ class Propagator:
         """Return a derivative, of order 1 or more, of the cubic part of signal s."""
         g = self._segment(s)
         x = t - self.signals.segment[g + ORIGIN]
-        c1, c2, c3 = (
-            self.signals.segment[g + C1],
-            self.signals.segment[g + C2],
-            self.signals.segment[g + C3],
-        )
+        segment = self.signals.segment
+        c1, c2, c3 = segment[g + C1], segment[g + C2], segment[g + C3]
         if order == 1:
             return c1 + x * (2.0 * c2 + x * 3.0 * c3)
         if order == 2:
@@ -281,14 +278,10 @@ class Exact(Method):
             # errors do not accumulate here, so one step may use the whole tolerance; the rate of the
             # septic has the rounding of a difference of q over the step
             rounding = 1e-15 * (fabs(self.motion.q[i]) + fabs(self.motion.qb[i])) / h
-            self.errors.note(
-                _SHARE * _FINER * fabs(self.errors.septic_q[i] - self.propagator.q1[i])
-            )
-            self.errors.note(
-                _SHARE
-                * self.modes.velocity_scale[i]
-                * (fabs(self.errors.septic_v[i] - self.propagator.v1[i]) - rounding)
-            )
+            off_q = fabs(self.errors.septic_q[i] - self.propagator.q1[i])
+            off_v = fabs(self.errors.septic_v[i] - self.propagator.v1[i]) - rounding
+            self.errors.note(_SHARE * _FINER * off_q)
+            self.errors.note(_SHARE * self.modes.velocity_scale[i] * off_v)
         self.errors.error /= self.errors.allowed
         return 0
 

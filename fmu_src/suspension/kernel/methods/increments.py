@@ -45,9 +45,8 @@ class Increments:
         """Solve (M + h/2 B + h^2/6 K) x = rhs with the matrices `stiffness`, `damping`."""
         size = self.n * self.n
         for i in range(size):
-            self.factor[i] = (
-                self.net.mass[i] + h / 2.0 * self.damping[i] + h * h / 6.0 * self.stiffness[i]
-            )
+            resistance = h / 2.0 * self.damping[i]
+            self.factor[i] = self.net.mass[i] + resistance + h * h / 6.0 * self.stiffness[i]
         if decompose(self.factor, 0, self.n) != 0:
             return 1
         solve(self.factor, 0, self.n, self.rhs)
@@ -101,10 +100,9 @@ class Increments:
         n = self.n
         for i in range(n):
             for k in range(n):
+                way = h * self.pv[k] + h * h / 2.0 * self.sa[k]
                 self.rhs[i] -= h * self.damping[k * n + i] * self.sa[k]
-                self.rhs[i] -= self.stiffness[k * n + i] * (
-                    h * self.pv[k] + h * h / 2.0 * self.sa[k]
-                )
+                self.rhs[i] -= self.stiffness[k * n + i] * way
 
     def _find_change(self, iteration: int) -> None:
         """Find the change of `rhs` by the last iteration, and whether it reverses the one before."""

@@ -78,11 +78,8 @@ class Inverses:
             self.third[c] = s * s / 3.0
             self.sixth[c] = sixth = s * s / 6.0
             for i in range(n * n):
-                self.inverse[n * n * c + i] = (
-                    self.net.mass[i]
-                    + half * self.balance.damping[i]
-                    + sixth * self.balance.stiffness[i]
-                )
+                mass = self.net.mass[i] + half * self.balance.damping[i]
+                self.inverse[n * n * c + i] = mass + sixth * self.balance.stiffness[i]
         for k in range(n):
             for c in range(self.columns):
                 row = n * n * c + n * k

@@ -128,10 +128,8 @@ class Iteration:
     def _factorise(self, bends: int, c: int) -> int:
         """Eliminate in 1 + b' W b f', with the reciprocals of the pivots; return 1 if not possible."""
         for o in range(bends):
-            slope = (
-                self.inverses.sixth[c] * self.bends.force_k[o]
-                + self.inverses.half[c] * self.bends.force_c[o]
-            )
+            slope = self.inverses.sixth[c] * self.bends.force_k[o]
+            slope += self.inverses.half[c] * self.bends.force_c[o]
             self.slope[o] = slope
             for p in range(bends):
                 self.matrix[MOST_ROWS * p + o] = self._coupling(c, p, o) * slope

@@ -90,12 +90,11 @@ class Balance:
         """Copy the loads of instant k to another instant."""
         for i in range(self.n):
             self.loads[self.n * other + i] = self.loads[self.n * k + i]
+        rows = self.elements.rows
         for p in range(2 * self.bends.count):
-            self.under[2 * self.elements.rows * other + p] = self.under[
-                2 * self.elements.rows * k + p
-            ]
+            self.under[2 * rows * other + p] = self.under[2 * rows * k + p]
         for p in range(self.branches.stuck):
-            self.carrier[self.elements.rows * other + p] = self.carrier[self.elements.rows * k + p]
+            self.carrier[rows * other + p] = self.carrier[rows * k + p]
 
     def _find_loads(self, k: int, rates: bool) -> None:
         """Find the loads at instant k, and their rates if `rates`, with the signals in `road`."""

@@ -130,8 +130,7 @@ class Errors:
         self.own_jerks = True
         for i in range(n):
             way = 60.0 * (self.motion.qb[i] - self.motion.q[i]) / (h * h * h)
-            v, vb = self.motion.v[i], self.motion.vb[i]
-            a, ab = self.motion.a[i], self.motion.ab[i]
+            v, vb, a, ab = self.motion.v[i], self.motion.vb[i], self.motion.a[i], self.motion.ab[i]
             self.septic_v[i] = way - (36.0 * v + 24.0 * vb) / (h * h) - (9.0 * a - 3.0 * ab) / h
             self.septic_a[i] = way - (24.0 * v + 36.0 * vb) / (h * h) - (3.0 * a - 9.0 * ab) / h
         for i in range(n):
@@ -149,26 +148,16 @@ class Errors:
 
     def read_middle(self, h: float) -> None:
         """Evaluate the septic through the ends of the attempt and two derivatives, halfway."""
+        q, v, a, j = self.motion.q, self.motion.v, self.motion.a, self.motion.jerk
+        qb, vb, ab, jb = self.motion.qb, self.motion.vb, self.motion.ab, self.motion.end_jerk
         for i in range(self.n):
-            v, a, j = (
-                self.motion.vb[i] - self.motion.v[i],
-                self.motion.ab[i] - self.motion.a[i],
-                self.motion.end_jerk[i] - self.motion.jerk[i],
-            )
-            self.septic_q[i] = 0.5 * (self.motion.q[i] + self.motion.qb[i]) - h * (
-                11.0 / 64.0 * v
-                - h * (3.0 / 128.0 * (self.motion.a[i] + self.motion.ab[i]) - h / 768.0 * j)
-            )
-            self.septic_v[i] = (
-                35.0 / 16.0 * (self.motion.qb[i] - self.motion.q[i]) / h
-                - 19.0 / 32.0 * (self.motion.v[i] + self.motion.vb[i])
-                + h * (a / 16.0 - h / 384.0 * (self.motion.jerk[i] + self.motion.end_jerk[i]))
-            )
-            self.septic_a[i] = (
-                15.0 / 8.0 * v / h
-                - 7.0 / 16.0 * (self.motion.a[i] + self.motion.ab[i])
-                + h / 32.0 * j
-            )
+            dv, da, dj = vb[i] - v[i], ab[i] - a[i], jb[i] - j[i]
+            bow = 3.0 / 128.0 * (a[i] + ab[i]) - h / 768.0 * dj
+            self.septic_q[i] = 0.5 * (q[i] + qb[i]) - h * (11.0 / 64.0 * dv - h * bow)
+            turn = h * (da / 16.0 - h / 384.0 * (j[i] + jb[i]))
+            mean = 35.0 / 16.0 * (qb[i] - q[i]) / h - 19.0 / 32.0 * (v[i] + vb[i])
+            self.septic_v[i] = mean + turn
+            self.septic_a[i] = 15.0 / 8.0 * dv / h - 7.0 / 16.0 * (a[i] + ab[i]) + h / 32.0 * dj
 
     def find_lack(self, h: float, prepared: bool) -> None:
         """Find the residual of the septic in the equation of motion halfway, m/s^2.
@@ -179,9 +168,8 @@ class Errors:
         if prepared:
             self.balance.halfway(self.time, h, self.septic_q, self.septic_v, self.middle_a)
         else:
-            self.balance.accelerations(
-                self.time + 0.5 * h, self.septic_q, self.septic_v, self.middle_a
-            )
+            middle = self.time + 0.5 * h
+            self.balance.accelerations(middle, self.septic_q, self.septic_v, self.middle_a)
         for i in range(self.n):
             self.lack[i] = fabs(self.septic_a[i] - self.middle_a[i])
 

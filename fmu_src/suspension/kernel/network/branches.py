@@ -131,16 +131,11 @@ class Branches:
                     return 0.0
                 return side * UNBOUNDED
         law = LAWS * e + kind
+        p, end = self.laws.first[law] + now, self.laws.first[law] + self.laws.pieces[law]
         if side < 0:
-            return (
-                self.laws.piece[(self.laws.first[law] + now) * PIECE + START]
-                if now > 0
-                else -UNBOUNDED
-            )
-        above = self.laws.run_last[self.laws.first[law] + now] + 1
-        if above < self.laws.first[law] + self.laws.pieces[law]:
-            return self.laws.piece[above * PIECE + START]
-        return UNBOUNDED
+            return self.laws.piece[p * PIECE + START] if now > 0 else -UNBOUNDED
+        above = self.laws.run_last[p] + 1
+        return self.laws.piece[above * PIECE + START] if above < end else UNBOUNDED
 
     def enter(self, e: int, kind: int, side: int, t: float, q: Doubles, v: Doubles) -> int:
         """Move element e to its neighbouring branch; return the number of the new branch."""
@@ -181,21 +176,20 @@ class Branches:
         """Choose every branch by the present state; at a corner the upper piece, until the next step."""
         self.signals.all_signals(t)
         self.elements.row_states(q, v)
+        branch = self.elements.branch
         for e in range(self.elements.count):
             d = self.elements.row_d[self.elements.row_of[e]]
             w = self.elements.row_v[self.elements.row_of[e]]
             at = BRANCHES * e
-            if not self.elements.yields[
-                e
-            ]:  # the branch of a yielding element depends on its history
-                self.elements.branch[at + SPRING] = self.laws.piece_at(LAWS * e + SPRING, d)
-            self.elements.branch[at + DAMPER] = self.laws.piece_at(LAWS * e + DAMPER, w)
-            self.elements.branch[at + MODULATION] = self.laws.piece_at(LAWS * e + MODULATION, d)
+            if not self.elements.yields[e]:  # otherwise it depends on the history
+                branch[at + SPRING] = self.laws.piece_at(LAWS * e + SPRING, d)
+            branch[at + DAMPER] = self.laws.piece_at(LAWS * e + DAMPER, w)
+            branch[at + MODULATION] = self.laws.piece_at(LAWS * e + MODULATION, d)
             if self.elements.limit[e] < UNBOUNDED:
                 force = self.laws.law(self.elements.piece_now(e, SPRING), d)
                 force += self.elements.damper_force(e)
-                off = 1 if force > self.elements.limit[e] or d > self.opening[e] else 0
-                self.elements.branch[at + CONTACT] = off
+                off = force > self.elements.limit[e] or d > self.opening[e]
+                branch[at + CONTACT] = 1 if off else 0
             if self.elements.friction[e] > 0.0:
                 self._follow_slip(e, w)
         self.list_stuck()
@@ -208,13 +202,14 @@ class Branches:
             if self.elements.yields[e]:
                 d = self.elements.row_d[self.elements.row_of[e]]
                 w = self.elements.row_v[self.elements.row_of[e]]
-                if self.elements.branch[BRANCHES * e + SPRING] != ELASTIC:
-                    if w * (self.elements.branch[BRANCHES * e + SPRING] - ELASTIC) < 0.0:
+                at = BRANCHES * e + SPRING
+                if self.elements.branch[at] != ELASTIC:
+                    if w * (self.elements.branch[at] - ELASTIC) < 0.0:
                         self._unload(e, d)
                 elif d > self.bound(e, SPRING, 1):
-                    self.elements.branch[BRANCHES * e + SPRING] = ELASTIC + 1
+                    self.elements.branch[at] = ELASTIC + 1
                 elif d < self.bound(e, SPRING, -1):
-                    self.elements.branch[BRANCHES * e + SPRING] = ELASTIC - 1
+                    self.elements.branch[at] = ELASTIC - 1
 
     def mark_bounds(self) -> None:
         """Mark the variables that are exactly on a bound of their branch, as they often are at rest."""
@@ -250,9 +245,8 @@ class Branches:
         self.signals.all_signals(t)
         self.elements.row_states(q, v)
         d = self.elements.row_d[self.elements.row_of[e]]
-        change = self.elements.free_potential(e, d) - self.laws.potential(
-            self.elements.piece_now(e, SPRING), d
-        )
+        change = self.elements.free_potential(e, d)
+        change -= self.laws.potential(self.elements.piece_now(e, SPRING), d)
         self.state.exchange += change if self.elements.branch[BRANCHES * e + CONTACT] else -change
 
     # -- sticking -------------------------------------------------------------------------------------
@@ -263,10 +257,8 @@ class Branches:
         for r in range(self.elements.rows):
             self.row_stuck[r] = 0
         for e in range(self.elements.count):
-            if (
-                self.elements.friction[e] > 0.0
-                and self.elements.branch[BRANCHES * e + FRICTION] == 0
-            ):
+            slips = self.elements.branch[BRANCHES * e + FRICTION] != 0
+            if self.elements.friction[e] > 0.0 and not slips:
                 self.stuck_element[self.stuck] = e
                 self.stuck += 1
                 self.row_stuck[self.elements.row_of[e]] = 1
@@ -308,17 +300,12 @@ class Branches:
 
     def move_set(self, e: int, permanent_set: float) -> None:
         """Move the elastic piece: its zero and its ends on the two lines of flow."""
-        at = (self.laws.first[LAWS * e] + ELASTIC) * PIECE
+        piece, at = self.laws.piece, (self.laws.first[LAWS * e] + ELASTIC) * PIECE
         above = at + PIECE
-        rate = self.elements.elastic_rate(e)
-        flow = self.laws.piece[above + C1]
-        self.laws.piece[at + ORIGIN] = permanent_set
-        self.laws.piece[at + START] = (rate * permanent_set - self.laws.piece[above + C0]) / (
-            rate - flow
-        )
-        self.laws.piece[above + START] = (rate * permanent_set + self.laws.piece[above + C0]) / (
-            rate - flow
-        )
+        rate, flow, line = self.elements.elastic_rate(e), piece[above + C1], piece[above + C0]
+        piece[at + ORIGIN] = permanent_set
+        piece[at + START] = (rate * permanent_set - line) / (rate - flow)
+        piece[above + START] = (rate * permanent_set + line) / (rate - flow)
 
     def _unload(self, e: int, d: float) -> None:
         """End the flow at deflection d: the element is elastic again, with its new permanent set."""

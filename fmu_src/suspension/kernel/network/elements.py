@@ -122,15 +122,18 @@ class Elements:
 
     # -- rows ----------------------------------------------------------------------------------------
 
+    @inline
+    def along(self, r: int, x: Doubles) -> float:
+        """Return b' x of row r."""
+        total = 0.0
+        for i in range(self.n):
+            total += self.row_direction[r * self.n + i] * x[i]
+        return total
+
     def row_states(self, q: Doubles, v: Doubles) -> None:
         """Set deflection and rate of every row, with the signals in `road`."""
-        n = self.n
         for r in range(self.rows):
-            d = 0.0
-            w = 0.0
-            for i in range(n):
-                d += self.row_direction[r * n + i] * q[i]
-                w += self.row_direction[r * n + i] * v[i]
+            d, w = self.along(r, q), self.along(r, v)
             s = self.row_signal[r]
             if s >= 0:
                 d -= self.signals.road[4 * s]

@@ -81,16 +81,10 @@ class Laws:
             end = self.first[law] + self.pieces[law]
             for p in range(self.first[law], end):
                 k = p * PIECE
-                curved = (
-                    self.piece[k + C2] != 0.0
-                    or self.piece[k + C3] != 0.0
-                    or self.piece[k + POWER] != 0.0
-                )
-                self.cubic[p] = (
-                    self.piece[k + SATURATION] == 0.0
-                    and self.piece[k + POWER] == 0.0
-                    and self.piece[k + OWN] == 0.0
-                )
+                power = self.piece[k + POWER] != 0.0
+                others = self.piece[k + SATURATION] != 0.0 or self.piece[k + OWN] != 0.0
+                curved = self.piece[k + C2] != 0.0 or self.piece[k + C3] != 0.0 or power
+                self.cubic[p] = not (power or others)
                 self.straight[p] = self.cubic[p] and not curved
                 self.low[p], self.high[p] = -UNBOUNDED, UNBOUNDED
                 if curved and p > self.first[law]:
@@ -210,13 +204,13 @@ class Laws:
     def _add_functions(self, p: int, s: float) -> None:
         """Add what is not a cubic in piece p to `value`, `slope` and `curvature`."""
         at = p * PIECE
-        if self.piece[at + SATURATION] != 0.0:
-            u = tangent_h(s / self.piece[at + SCALE])
-            steep = self.piece[at + SATURATION] / self.piece[at + SCALE]
-            rest = steep * (1.0 - u * u)
-            self.value += self.piece[at + SATURATION] * u
+        saturation, scale = self.piece[at + SATURATION], self.piece[at + SCALE]
+        if saturation != 0.0:
+            u = tangent_h(s / scale)
+            rest = saturation / scale * (1.0 - u * u)
+            self.value += saturation * u
             self.slope += rest
-            self.curvature -= 2.0 / self.piece[at + SCALE] * u * rest
+            self.curvature -= 2.0 / scale * u * rest
         if self.piece[at + POWER] != 0.0:
             power, exponent = self.piece[at + POWER], self.piece[at + EXPONENT]
             steep = power_slope(power, exponent, s)
@@ -239,20 +233,13 @@ class Laws:
             beyond = s * (self.value + 0.5 * s * self.slope)
             return beyond + self.potential(p, end)
         s = x - self.piece[at + ORIGIN]
-        energy = self.piece[at + STORED] + s * (
-            self.piece[at + C0]
-            + s
-            * (
-                self.piece[at + C1] / 2.0
-                + s * (self.piece[at + C2] / 3.0 + s * self.piece[at + C3] / 4.0)
-            )
-        )
-        if self.piece[at + SATURATION] != 0.0:
-            energy += (
-                self.piece[at + SATURATION]
-                * self.piece[at + SCALE]
-                * log_cosh(s / self.piece[at + SCALE])
-            )
+        c0, c1, c2, c3 = (
+            self.piece[at + C0], self.piece[at + C1], self.piece[at + C2], self.piece[at + C3],
+        )  # fmt: skip
+        energy = self.piece[at + STORED] + s * (c0 + s * (c1 / 2.0 + s * (c2 / 3.0 + s * c3 / 4.0)))
+        saturation, scale = self.piece[at + SATURATION], self.piece[at + SCALE]
+        if saturation != 0.0:
+            energy += saturation * scale * log_cosh(s / scale)
         if self.piece[at + POWER] != 0.0:
             exponent = self.piece[at + EXPONENT] + 1.0
             energy += self.piece[at + POWER] / exponent * pow(min(fabs(s), _FARTHEST), exponent)

@@ -237,16 +237,15 @@ class Network:
 
         All matrices are stored by columns; only B, with springs in series, is not symmetric.
         """
-        n = self.n
+        n, b = self.n, self.elements.row_direction
         for i in range(n * n):
             stiffness[i] = 0.0
             damping[i] = self.series.skew[i]
         for r in range(self.elements.rows):
             for i in range(n):
-                bi = self.elements.row_direction[r * n + i]
-                if bi != 0.0:
+                if b[r * n + i] != 0.0:
                     for j in range(n):
-                        bb = bi * self.elements.row_direction[r * n + j]
+                        bb = b[r * n + i] * b[r * n + j]
                         if bb != 0.0:
                             stiffness[i * n + j] += bb * k[r]
                             damping[i * n + j] += bb * c[r]
@@ -267,22 +266,19 @@ class Network:
 
     def add_loads(self, k: Doubles, c: Doubles, out: Doubles, at: int, order: int) -> None:
         """Add the forces of loads and roads, or their rates, with `road` and k, c of each row."""
-        n = self.n
+        n, b, road = self.n, self.elements.row_direction, self.signals.road
         for m in range(self.loads):
-            p = self.signals.road[4 * self.load_signal[m] + order]
+            p = road[4 * self.load_signal[m] + order]
             if p != 0.0:
                 for i in range(n):
                     out[at + i] += self.load_direction[m * n + i] * p
         for r in range(self.elements.rows):
             s = self.elements.row_signal[r]
             if s >= 0:
-                f = (
-                    k[r] * self.signals.road[4 * s + order]
-                    + c[r] * self.signals.road[4 * s + order + 1]
-                )
+                f = k[r] * road[4 * s + order] + c[r] * road[4 * s + order + 1]
                 if f != 0.0:
                     for i in range(n):
-                        out[at + i] += self.elements.row_direction[r * n + i] * f
+                        out[at + i] += b[r * n + i] * f
 
     def accelerate(self, out: Doubles) -> None:
         """Find accelerations by the equation of motion, with `row_f` and the signals in `road`."""
@@ -295,26 +291,22 @@ class Network:
 
     def jerk(self, v: Doubles, a: Doubles, out: Doubles) -> None:
         """Find third derivatives by the derivative of the equation of motion."""
-        n = self.n
+        n, b, road = self.n, self.elements.row_direction, self.signals.road
         for i in range(n):
             out[i] = 0.0
         for m in range(self.loads):
-            p = self.signals.road[4 * self.load_signal[m] + 1]
+            p = road[4 * self.load_signal[m] + 1]
             for i in range(n):
                 out[i] += self.load_direction[m * n + i] * p
         for r in range(self.elements.rows):
-            dv = 0.0
-            da = 0.0
-            for i in range(n):
-                dv += self.elements.row_direction[r * n + i] * v[i]
-                da += self.elements.row_direction[r * n + i] * a[i]
+            dv, da = self.elements.along(r, v), self.elements.along(r, a)
             s = self.elements.row_signal[r]
             if s >= 0:
-                dv -= self.signals.road[4 * s + 1]
-                da -= self.signals.road[4 * s + 2]
+                dv -= road[4 * s + 1]
+                da -= road[4 * s + 2]
             rate = self.elements.row_k[r] * dv + self.elements.row_c[r] * da
             for i in range(n):
-                out[i] -= self.elements.row_direction[r * n + i] * rate
+                out[i] -= b[r * n + i] * rate
         self.series.take_rates(a)
         self.series.add_forces(out)
         solve(self.mass_factor, 0, n, out)
@@ -338,23 +330,18 @@ class Network:
     def _decays_within(self, h: float) -> bool:
         """Return whether a damper stops its masses within a small part of h, with `row_c`."""
         for r in range(self.elements.rows):
-            if (
-                self.elements.row_c[r] != 0.0
-                and self.elements.row_c[r] * self.mobility(r) * h > SLAVED
-            ):
+            c = self.elements.row_c[r]
+            if c != 0.0 and c * self.mobility(r) * h > SLAVED:
                 return True
         return False
 
     def mobility(self, r: int) -> float:
         """Return b' M^-1 b of row r, 1/kg."""
+        n, b = self.n, self.elements.row_direction
         mobility = 0.0
-        for i in range(self.n):
-            for k in range(self.n):
-                b = (
-                    self.elements.row_direction[r * self.n + i]
-                    * self.elements.row_direction[r * self.n + k]
-                )
-                mobility += b * self.flexibility[i * self.n + k]
+        for i in range(n):
+            for k in range(n):
+                mobility += b[r * n + i] * b[r * n + k] * self.flexibility[i * n + k]
         return mobility
 
     def _slave_rates(self, h: float, q: Doubles, v: Doubles, a: Doubles) -> None:
@@ -417,9 +404,8 @@ class Network:
                 permanent_set = self.elements.permanent_set(e, d)
                 sets[e] = permanent_set
         for p in range(self.branches.stuck):
-            forces[self.branches.stuck_element[p]] += self.sticking.multiplier[
-                self.branches.stuck_element[p]
-            ]
+            e = self.branches.stuck_element[p]
+            forces[e] += self.sticking.multiplier[e]
 
     # -- energy --------------------------------------------------------------------------------------
 

@@ -97,10 +97,8 @@ class Rest:
 
     def _deflection(self, e: int, q: Doubles) -> float:
         r = self.net.elements.row_of[e]
-        d = 0.0
-        for i in range(self.n):
-            d += self.net.elements.row_direction[r * self.n + i] * q[i]
         s = self.net.elements.row_signal[r]
+        d = self.net.elements.along(r, q)
         return d - self.level[s] if s >= 0 else d
 
     def _find_force(self, e: int, d: float) -> None:
@@ -116,9 +114,7 @@ class Rest:
     def _energy(self, e: int, d: float) -> float:
         """Return the potential of element e at rest, J."""
         if self.net.elements.limit[e] < UNBOUNDED and d >= self.net.elements.free_length[e]:
-            return self.net.elements.free_energy[e] + self.net.elements.limit[e] * (
-                d - self.net.elements.free_length[e]
-            )
+            return self.net.elements.free_potential(e, d)
         law = LAWS * e + SPRING
         k = self.net.laws.piece_at(law, d)
         p = self.net.laws.first[law] + k

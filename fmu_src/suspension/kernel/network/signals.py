@@ -98,11 +98,8 @@ class Signals:
     def _rounding(self, s: int, t: float) -> float:
         """Return how much two continuous segments may differ at t by the rounding of times and sums."""
         at = (self.signal_first[s] + self.signal_now[s]) * SEGMENT
-        size = (
-            fabs(self.road[4 * s])
-            + fabs(self.segment[at + C0])
-            + fabs(self.segment[at + AMPLITUDE])
-        )
+        size = fabs(self.road[4 * s]) + fabs(self.segment[at + C0])
+        size += fabs(self.segment[at + AMPLITUDE])
         return 1e-12 * size + 1e-15 * fabs(t) * fabs(self.road[4 * s + 1])
 
     def replace_signal(self, s: int, t: float, coefficients: Doubles) -> float:
@@ -135,28 +132,24 @@ class Signals:
             out[to] = c0
             out[to + 1] = out[to + 2] = out[to + 3] = 0.0
             return
-        at = k * SEGMENT
-        x = t - self.segment[at + ORIGIN]
-        value = c0 + x * (
-            self.segment[at + C1] + x * (self.segment[at + C2] + x * self.segment[at + C3])
-        )
-        rate = self.segment[at + C1] + x * (
-            2.0 * self.segment[at + C2] + x * 3.0 * self.segment[at + C3]
-        )
-        acceleration = 2.0 * self.segment[at + C2] + 6.0 * self.segment[at + C3] * x
-        jerk = 6.0 * self.segment[at + C3]
-        amplitude = self.segment[at + AMPLITUDE]
+        segment, at = self.segment, k * SEGMENT
+        x = t - segment[at + ORIGIN]
+        c1, c2, c3 = segment[at + C1], segment[at + C2], segment[at + C3]
+        value = c0 + x * (c1 + x * (c2 + x * c3))
+        rate = c1 + x * (2.0 * c2 + x * 3.0 * c3)
+        acceleration = 2.0 * c2 + 6.0 * c3 * x
+        jerk = 6.0 * c3
+        amplitude = segment[at + AMPLITUDE]
         if amplitude != 0.0:
-            angle = self.segment[at + ANGLE] + x * (
-                self.segment[at + SPEED] + x * self.segment[at + CHIRP]
-            )
-            speed = self.segment[at + SPEED] + 2.0 * self.segment[at + CHIRP] * x
+            chirp = segment[at + CHIRP]
+            angle = segment[at + ANGLE] + x * (segment[at + SPEED] + x * chirp)
+            speed = segment[at + SPEED] + 2.0 * chirp * x
             c = amplitude * cos(angle)
             d = amplitude * sin(angle)
             value += c
             rate -= d * speed
-            acceleration -= c * speed * speed + 2.0 * self.segment[at + CHIRP] * d
-            jerk += d * speed * speed * speed - 6.0 * self.segment[at + CHIRP] * speed * c
+            acceleration -= c * speed * speed + 2.0 * chirp * d
+            jerk += d * speed * speed * speed - 6.0 * chirp * speed * c
         out[to] = value
         out[to + 1] = rate
         out[to + 2] = acceleration
@@ -210,10 +203,8 @@ class Signals:
         for s in range(self.count):
             at = (self.signal_first[s] + self.signal_now[s]) * SEGMENT
             if self.segment[at + AMPLITUDE] != 0.0:
-                speed = fabs(
-                    self.segment[at + SPEED]
-                    + 2.0 * self.segment[at + CHIRP] * (t - self.segment[at + ORIGIN])
-                )
+                x = t - self.segment[at + ORIGIN]
+                speed = fabs(self.segment[at + SPEED] + 2.0 * self.segment[at + CHIRP] * x)
                 if speed * limit > ROAD_PHASE:
                     limit = ROAD_PHASE / speed
         return limit

@@ -428,9 +428,8 @@ class TimeLoop:
         status = _AGAIN
         while status == _AGAIN:
             self.trial.stop_at(latest, self.state.time)
-            if not (
-                self.trial.to_end or self.trial.length > 4e-16 * (fabs(self.state.time) + 1e-3)
-            ):
+            shortest = 4e-16 * (fabs(self.state.time) + 1e-3)
+            if not (self.trial.to_end or self.trial.length > shortest):
                 runs_away = self.state.reach > _RUNAWAY * self.state.scale
                 return DIVERGED if runs_away else STEP_TOO_SMALL
             status = self._try()
@@ -517,15 +516,13 @@ class TimeLoop:
         self.trial.length = self.landing.length
         if self.stepper.errors.controlled and self.stepper.balance.bends.count:
             excess = self.stepper.errors.of_reading(self.trial.length)
-            if (
-                excess > self.stepper.method.most_error
-            ):  # it is proportional to the square of the length
+            if excess > self.stepper.method.most_error:
+                # it is proportional to the square of the length
                 self.trial.length -= self.trial.length / sqrt(excess)
                 return _AGAIN
         self.trial.lands = not (self.switches.recedes or self.switches.only_opens)
-        self.trial.to_end = (
-            self.trial.to_end and self.state.time + self.trial.length >= self.trial.end
-        )
+        if self.state.time + self.trial.length < self.trial.end:
+            self.trial.to_end = False
         return REACHED
 
     @inline
@@ -533,10 +530,8 @@ class TimeLoop:
         """Make the attempt the last step, and enter the branches and segments that follow."""
         if self.trial.longer > 0.0:
             self.state.proposal = self.trial.longer
-        self._accept(
-            self.trial.length,
-            self.trial.end if self.trial.to_end else self.state.time + self.trial.length,
-        )
+        h = self.trial.length
+        self._accept(h, self.trial.end if self.trial.to_end else self.state.time + h)
         self.switches.carry_on()
         if self.trial.lands:
             self.transitions.switch(self.switches.element, self.switches.kind, self.switches.side)
@@ -551,9 +546,8 @@ class TimeLoop:
             self.stepper.modes.follow()
         if self._has_diverged() or self.net.laws.failed:
             return DIVERGED
-        if self.energy and (
-            self.state.step_count % _CHECKED == 0 or self.state.step_count < _CHECKED
-        ):
+        steps = self.state.step_count
+        if self.energy and (steps % _CHECKED == 0 or steps < _CHECKED):
             return self.ledger.check(self.motion.q, self.motion.v, self.stepper.method.exact)
         return REACHED
 

@@ -43,14 +43,9 @@ class Jumps:
             ):
                 continue
             law = LAWS * e + DAMPER
-            p = (
-                self.laws.first[law]
-                if jump > 0.0
-                else self.laws.first[law] + self.laws.pieces[law] - 1
-            )
-            self._push(
-                e, self.laws.piece[p * PIECE + C1] * self._way(e, self.elements.row_d[r], jump)
-            )
+            p = self.laws.first[law] + (0 if jump > 0.0 else self.laws.pieces[law] - 1)
+            way = self._way(e, self.elements.row_d[r], jump)
+            self._push(e, self.laws.piece[p * PIECE + C1] * way)
         self._give_way(v)
 
     def impulse(self, signal: int, jump: float, interval: float, v: Doubles) -> None:
@@ -76,12 +71,10 @@ class Jumps:
                 held = 0.0  # N h
                 if d + jump <= self.branches.opening[e]:
                     middle = d + 0.5 * jump
-                    held = self.laws.law(self.elements.piece_now(e, SPRING), middle)
-                    held = interval * (
-                        self.elements.limit[e]
-                        - held
-                        - self.elements.damper_force_at(e, middle, self.rate_before[r])
-                    )
+                    held = self.elements.limit[e]
+                    held -= self.laws.law(self.elements.piece_now(e, SPRING), middle)
+                    held -= self.elements.damper_force_at(e, middle, self.rate_before[r])
+                    held *= interval
                 push = max(0.0, held + push) - max(0.0, held)
             self.pushed[e] = push
             self._push(e, push)
@@ -95,9 +88,8 @@ class Jumps:
         """
         damping = 0.0
         if not self.elements.branch[BRANCHES * e + CONTACT]:
-            damping = self.elements.damper_force_at(
-                e, self.elements.row_d[self.elements.row_of[e]], w
-            )
+            d = self.elements.row_d[self.elements.row_of[e]]
+            damping = self.elements.damper_force_at(e, d, w)
         return max(-(damping * jump + self.pushed[e] * w), -fabs(damping * w) * interval)
 
     def _way(self, e: int, d: float, jump: float) -> float:

@@ -137,13 +137,12 @@ class Switches:
             self._contact_force(e, at)
             f0, f1, f2 = self.elements.force0, self.elements.force1, self.elements.force2
             self._contact_force(e, at + 4)
+            e0, e1, e2 = self.elements.force0, self.elements.force1, self.elements.force2
             if self._is_slaved(e, h):
                 f1 += self._rate_left(e, self.motion.j, self.motion.jerk)
-                self.crossing.hermite3(f0, f1, self.elements.force0, self._end_rate(e, h), h)
+                self.crossing.hermite3(f0, f1, e0, self._end_rate(e, h), h)
                 return 3
-            self.crossing.hermite5(
-                f0, f1, f2, self.elements.force0, self.elements.force1, self.elements.force2, h
-            )
+            self.crossing.hermite5(f0, f1, f2, e0, e1, e2, h)
             return 5
         if kind == FRICTION and self.elements.branch[BRANCHES * e + FRICTION] == 0:
             # the force of sticking
@@ -294,15 +293,8 @@ class Switches:
             self.elements.unlimited_force(e, self.point, 4 * m)
             f0, f1, f2 = self.elements.force0, self.elements.force1, self.elements.force2
             self.elements.unlimited_force(e, self.point, 4 * m + 4)
-            self.crossing.hermite5(
-                f0,
-                f1,
-                f2,
-                self.elements.force0,
-                self.elements.force1,
-                self.elements.force2,
-                h * share,
-            )
+            e0, e1, e2 = self.elements.force0, self.elements.force1, self.elements.force2
+            self.crossing.hermite5(f0, f1, f2, e0, e1, e2, h * share)
             at = self.crossing.exit(self.low[k], -1, 5, departing and m == 0)
             if at <= 1.0:
                 at = (m + at) * share
