@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from ..language import inline, of_python
 from ..motion.errors import _SHARE, ROUNDING_OF_RATES
 from ..outcomes import DIVERGED
-from .columns import SEQUENCES, Columns, instants_of
+from ..substep.columns import SEQUENCES, Columns, instants_of
 from .method import Method
 
 if TYPE_CHECKING:

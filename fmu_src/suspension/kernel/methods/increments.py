@@ -14,8 +14,8 @@ from ..layout import UNBOUNDED
 from ..linear import decompose, solve
 from ..network.network import Network
 from ..outcomes import DIVERGED, NOT_CONVERGED, NOT_POSITIVE
+from ..substep.iteration import LEAST_SHARE
 from .extrapolated import Extrapolated
-from .iteration import LEAST_SHARE
 
 if TYPE_CHECKING:
     from ...systems import System

@@ -19,7 +19,7 @@ class Method:
     """One way to step from the present state to the state h later, with all branches fixed.
 
     A method of the kernel is a class derived from this one. It sets the attributes in which it differs,
-    and overrides `attempt`; its name goes into `methods.METHODS`. It is given `motion` (the present
+    and overrides `attempt`; its name goes into `registry.METHODS`. It is given `motion` (the present
     state), `balance` (the equation of motion of the branches, with its loads at `instants`), `modes` and
     `errors`. `attempt` must write the end to `motion.qb` and `motion.vb`, then call `end`, which finds
     the acceleration and its rate there, and leave the signals as they are there. It returns 0, or the

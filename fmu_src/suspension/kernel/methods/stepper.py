@@ -19,7 +19,7 @@ class Stepper:
     Parameters
     ----------
     network : network of the system
-    method : a class of `methods.METHODS`
+    method : a class of `registry.METHODS`
     order : the order that its `order_of` has returned
     tolerance : relative to the largest motion so far
     theta : of `wilson`

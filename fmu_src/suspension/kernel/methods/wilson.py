@@ -6,7 +6,7 @@ from math import isfinite
 from typing import Any
 
 from ..outcomes import DIVERGED
-from .columns import Columns
+from ..substep.columns import Columns
 from .method import Method
 
 

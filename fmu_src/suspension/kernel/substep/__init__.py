@@ -1,0 +1,1 @@
+"""The one substep of all methods, and columns of it: matrices, curved rows, extrapolation."""
