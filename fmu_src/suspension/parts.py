@@ -11,6 +11,7 @@ from operator import add
 
 from . import characteristics, roads
 from .characteristics import Characteristic
+from .declared import FARTHEST
 from .signals import Signal, passing_time
 from .systems import ALWAYS, Element
 from .units import KGF, nearest
@@ -342,6 +343,18 @@ def road_from(p: Mapping[str, Value]) -> Signal:
         return _ROADS[shape](p)
 
 
+def _not_too_high(road: Signal) -> Signal:
+    """Return a road of points or parts, unless it is higher than `road.height` may be.
+
+    Raises
+    ------
+    ValueError : if it is.
+    """
+    if not road.scale <= FARTHEST:
+        raise ValueError(f"is {road.scale:g} m high; at most {FARTHEST:g} m are allowed")
+    return road
+
+
 _HUMP = ("road.height", "road.length", "speed", "road.start")
 _PLANK = (*_HUMP, "road.ramp_length", "road.ramp_length")  # with equal ramps at both ends
 _SWEEP = (
@@ -380,8 +393,10 @@ def _from_table(
                 "'0:0, 1:0.05, 2:0'"
             )
         with blaming("road.table"):
-            return make(
-                points("road.table", text), number(p, "speed"), number(p, "road.start"), **more
+            return _not_too_high(
+                make(
+                    points("road.table", text), number(p, "speed"), number(p, "road.start"), **more
+                )
             )
 
     return road
@@ -432,7 +447,7 @@ def _sequence(p: Mapping[str, Value]) -> Signal:
                 gaps.append(0.0)
     with blaming("road.sequence"):
         start = number(p, "road.start") + passing_time(gaps[0], speed, or_zero=True)
-        return roads.sequence(parts, gaps[1:-1], speed, start)
+        return _not_too_high(roads.sequence(parts, gaps[1:-1], speed, start))
 
 
 _ROADS: Mapping[str, Callable[[Mapping[str, Value]], Signal]] = {

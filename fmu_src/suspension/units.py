@@ -101,6 +101,14 @@ def to_si(quantity: str, unit: str) -> float:
     raise UnitError(f"unit {name!r} does not fit here; allowed: {', '.join((unit, *display))}")
 
 
+def unit_of(quantity: str) -> str:
+    """Return the SI unit of a string such as `5 cm`, the first that fits; "" without a known unit."""
+    match = _QUANTITY.match(quantity)
+    name = spelled(match[2]) if match and match[2] else ""
+    fits = (unit for unit, kind in UNITS.items() if name == unit or name in kind.display)
+    return next(fits, "")
+
+
 def counted(count: int, what: str) -> str:
     """Return a number of things, e.g. 1 step or 62 steps."""
     return f"{count} {what}" if count == 1 else f"{count} {what}s"

@@ -24,7 +24,6 @@ from ..progress import Progress, silent
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED, PIPE_CLOSED, TERMINATED = 0, 1, 2, 130, 141, 143
 _SHOW_BAR_AFTER = 1.0  # s
-_TELL_AFTER = 10.0  # s, where there is no terminal
 # new objects before cycles are looked for: imports make many, and all of them stay
 _GARBAGE = 200_000
 
@@ -260,29 +259,11 @@ def figure_option(what: str, more: str = "") -> Callable[[Any], Any]:
     )
 
 
-def _tenths(label: str) -> Progress:
-    """Return a function that prints a line on stderr for each tenth done, once a job has taken long."""
-    started, tenths = monotonic(), 0
-
-    def show(part: float) -> None:
-        nonlocal tenths
-        if int(10 * part) > tenths and monotonic() - started > _TELL_AFTER:
-            tenths = int(10 * part)
-            click.echo(f"{label}  {10 * tenths} %", err=True)
-
-    return show
-
-
 @contextmanager
-def progress_bar(label: str, *, lines: bool = False) -> Iterator[Progress]:
-    """Show a progress bar on a terminal after the first second; until it is called, the time taken.
-
-    Parameters
-    ----------
-    lines : whether to print a line for each tenth where there is no terminal, after ten seconds
-    """
+def progress_bar(label: str) -> Iterator[Progress]:
+    """Show a progress bar on a terminal after the first second; until it is called, the time taken."""
     if not sys.stderr.isatty():
-        yield _tenths(label) if lines else silent
+        yield silent
         return
     bar: Any = None
     started = monotonic()

@@ -25,7 +25,7 @@ def optimise(file: Path, output: Path | None, as_data: bool) -> int:
     other measures. Start an interrupted search again to continue it. Exit status 1 if no point keeps all
     bounds.
     """
-    with progress_bar(file.stem, lines=True) as progress:
+    with progress_bar(file.stem) as progress:
         study = find_optimum(file, output, progress)
     _print(study, as_data)
     if study.summary["feasible"]:
@@ -44,7 +44,7 @@ def fit(file: Path, output: Path | None, as_data: bool) -> int:
     FILE gives a scene, the ranges of the parameters, and the file of the signals with its columns and
     units. Start an interrupted fit again to continue it.
     """
-    with progress_bar(file.stem, lines=True) as progress:
+    with progress_bar(file.stem) as progress:
         study = fit_parameters(file, output, progress)
     _print(study, as_data)
     return DONE

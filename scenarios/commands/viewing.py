@@ -58,7 +58,17 @@ def look_options(command: Callable[..., Any]) -> Callable[..., Any]:
         look: dict[str, Any] = {"dark": dark, "headed": headed, "font": font, "mono": mono}
         if width is not None:
             look["width"] = width_from(width, "--width")
-        if more["figure"] is not None:
+        given = {
+            "--dark": dark,
+            "--no-title": not headed,
+            "--width": width,
+            "--font": font,
+            "--mono": mono,
+        }
+        if more["figure"] is None:
+            for option in filter(given.get, given):
+                raise InputError(f"{option} is for a figure; give --figure F.png, too")
+        else:
             try:
                 figures.Look(**look)
             except ValueError as error:

@@ -220,7 +220,8 @@ def format_road(parameters: Mapping[str, Any]) -> str:
     length, speed = parameters["road.length"], f"at {parameters['speed']:.4g} m/s"
     height = f"{1e3 * parameters['road.height']:.4g} mm"
     if shape in ("table", "spline"):
-        return f"{shape} of {len(parameters['road.table'].split(','))} points, {speed}"
+        points = counted(len(parameters["road.table"].split(",")), "point")
+        return f"{shape} of {points}, {speed}"
     if shape == "sequence":
         return (
             f"{', '.join(part.strip() for part in parameters['road.sequence'].split(','))}, {speed}"

@@ -9,6 +9,7 @@ constants = { skyhook = 1500 }                    # in SI
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from math import isfinite
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from .fmus import Fmu
 
 _PERIOD = 1e-3  # s
+_WORD = re.compile(r"\w+")
 _OF_ROAD = ("road_elevation", "road_velocity")  # inputs that act with road.shape = "input" alone
 KEYS: dict[str, dict[str, Any]] = {
     "period": {
@@ -63,6 +65,16 @@ class Controller:
     events: bool
     formulas: Mapping[str, tuple[str, tuple[str, ...]]]
     constants: Mapping[str, float]
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings about constants that no formula contains."""
+        words = {word for text, _ in self.formulas.values() for word in _WORD.findall(text)}
+        return [
+            f"controller.constants.{name} has no effect on the motion: no formula contains it"
+            for name in self.constants
+            if name not in words
+        ]
 
     def laws(self) -> dict[str, tuple[Callable[..., float], tuple[str, ...]]]:
         """Return the function of each input, of the time and the outputs named."""

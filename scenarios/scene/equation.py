@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from phaseplane.suspension.units import UNITS, UnitError, to_si
+from phaseplane.suspension.units import unit_of
 from phaseplane.suspension.variables import Value, Variable
 
 from phaseplane import equations
@@ -60,7 +60,13 @@ def equation_variables(given: object = None) -> tuple[Variable, ...]:
     text = given.get("equation", "")
     words = set(_WORD.findall(text)) if isinstance(text, str) else set()
     named = [
-        Variable(name, "a parameter of the equation", "parameter", 0.0, _unit_of(value))
+        Variable(
+            name,
+            "a parameter of the equation",
+            "parameter",
+            0.0,
+            (unit_of(value) if isinstance(value, str) else "") or "1",
+        )
         for name, value in given.items()
         if name in words and name not in _OWN and _may_name(name)
     ]
@@ -99,17 +105,6 @@ def _may_name(name: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _unit_of(value: object) -> str:
-    """Return the SI unit of a value such as '9.81 m/s2'; "1" for a number."""
-    for unit in UNITS if isinstance(value, str) else ():
-        try:
-            to_si(str(value), unit)
-        except UnitError:
-            continue
-        return unit
-    return "1"
 
 
 def formula_of(parameters: Mapping[str, Value]) -> equations.Formula:

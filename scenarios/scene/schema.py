@@ -111,7 +111,8 @@ class Scene:
     @property
     def warnings(self) -> list[str]:
         """Warnings about settings that are allowed but probably not intended."""
-        return [str(found) for found in self.idle]
+        of_controller = self.controller.warnings if self.controller else []
+        return [*map(str, self.idle), *of_controller]
 
     @cached_property
     def all_parameters(self) -> Mapping[str, Value]:

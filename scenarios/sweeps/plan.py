@@ -426,9 +426,13 @@ def _sampled(said: SweepFile, ends: list[tuple[Any, Any]]) -> list[tuple[Value, 
         if said.method == "latin_hypercube"
         else qmc.Sobol(len(ends), rng=said.seed)
     )
-    low, high = zip(*ends, strict=True)
-    unit = sampler.random(said.runs or 1)
     return [
-        tuple(float(a + (b - a) * x) for a, b, x in zip(low, high, row, strict=True))
-        for row in unit
+        tuple(_between(a, b, float(x)) for (a, b), x in zip(ends, row, strict=True))
+        for row in sampler.random(said.runs or 1)
     ]
+
+
+def _between(low: Any, high: Any, share: float) -> float:
+    """Return the value at a share of a range, 0 to 1; of whole numbers each has an equal share."""
+    whole = isinstance(low, int)
+    return low + int((high - low + 1) * share) if whole else float(low + (high - low) * share)

@@ -43,6 +43,14 @@ def test_the_reaction_presses_the_wheel():
     assert run["contact_force"][-1] == pytest.approx(run["contact_force"][0], rel=1e-4)
 
 
+def test_a_constant_that_no_formula_contains_is_reported():
+    constants = {"skyhook": 1500.0, "skyhok": 3000.0}
+    run = phaseplane.run("skyhook", controller={"constants": constants}, expect=False)
+    assert run.summary["warnings"] == [
+        "controller.constants.skyhok has no effect on the motion: no formula contains it"
+    ]
+
+
 def test_events_wake_a_controller():
     """A force in the air begins at the lift-off, not at the next period."""
     force = {"period": "50 ms", "actuator_force": "-2000 * airborne"}

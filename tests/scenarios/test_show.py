@@ -285,6 +285,16 @@ def test_every_figure_is_printed_as_asked(tmp_path, command):
     assert not [words for words in shown if len(words) > 9 and words in title[1]]
 
 
+@pytest.mark.parametrize(
+    "option", ["--dark", "--no-title", "--width=85mm", "--font=serif", "--mono"]
+)
+@pytest.mark.parametrize("command", ["show a", "compare a b", "modes ap57"])
+@pytest.mark.usefixtures("folders")
+def test_the_look_of_a_figure_that_is_not_drawn_is_refused(command, option):
+    name = option.partition("=")[0]
+    assert f"{name} is for a figure; give --figure F.png, too" in complaint(command, option)
+
+
 @pytest.mark.usefixtures("folders")
 def test_a_font_that_is_missing_is_refused_before_anything_is_drawn(tmp_path):
     assert "--font: font 'None Such' is not installed" in complaint(

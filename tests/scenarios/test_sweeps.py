@@ -58,6 +58,20 @@ def test_a_sample_fills_the_box_and_follows_its_seed(method: str) -> None:
     assert load_plan(sweep_file(text.replace("seed = 4", "seed = 5"))).points != plan.points
 
 
+@pytest.mark.parametrize("method", ["latin_hypercube", "sobol"])
+def test_a_sample_of_whole_numbers_takes_each_as_often(method: str) -> None:
+    plan = load_plan(sweep_file(f"""
+    scene = "scene.toml"
+    method = "{method}"
+    runs = 32
+    measures = ["lift_off_count"]
+    [vary]
+    "road.seed" = {{ from = 1, to = 4 }}
+    """))  # fmt: skip
+    assert sorted(point[0] for point in plan.points) == sorted(8 * [1, 2, 3, 4])
+    assert all(isinstance(point[0], int) for point in plan.points)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

@@ -65,6 +65,7 @@ def test_two_obstacles_far_apart_do_the_same_twice() -> None:
         ("bump 0.05 -1", "'bump 0.05 -1': a length of road must be positive"),
         ("plank 0.05 1 0.6", "do not fit on 1 m"),
         ("gap 1", "at least one road"),
+        ("step 6e8, step 6e8", r"road.sequence: is 1.2e\+09 m high; at most 1e\+09 m are allowed"),
         ("bump 0.05 1, gap -1, bump 0.05 1", "must not be negative"),
         ("sine 0.05 1, bump 0.05 1", "road 1 of the sequence has no beginning or end"),
     ],

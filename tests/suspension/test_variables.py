@@ -109,6 +109,10 @@ def test_every_unit_is_what_its_name_says(x: float, unit: str) -> None:
         ({"damper.table": "0:0, 1:9, 2:-1, 3:9"}, r"damper.table: gives -1 N at 2 m/s"),
         ({"damper.deflection_table": "0:1, 1:nan"}, "must be pairs of finite numbers"),
         ({"spring.table": "0:0, 0:1"}, r"spring.table: table abscissae must ascend"),
+        (
+            {"road.shape": "table", "road.table": "0:0, 1:-1e200"},
+            r"road.table: is 1e\+200 m high; at most 1e\+09 m are allowed",
+        ),
         ({"spring.table": "-1:5, 1:20"}, r"must pass through 0:0"),
         ({"road.shape": "table", "road.table": "1:0, 0:0"}, r"road.table: .*ascend"),
         ({"road.shape": "table", "road.table": "x"}, r"road.table = 'x': must be pairs"),

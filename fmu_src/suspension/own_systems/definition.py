@@ -53,6 +53,8 @@ _LAWS = {
 }
 # added to a spring or damper; see `characteristics.power`
 _POWER = ("power", "exponent", "linear_below")
+# keys that have no effect without another
+_NEEDED = {"exponent": "power", "linear_below": "power", "hardening": "yield_force"}
 _SMALL = 1e-3  # m, scale of errors if the road gives none
 
 
@@ -232,10 +234,12 @@ def _element(
         both = [key for key in rates if "table" in given and key in given]
         if both:
             raise ParameterError(f"{where}.{part}: give {both[0]} or table, not both")
-    if said.get("damper", {}).keys() >= {"rate", "rebound_rate", "bump_rate"}:
-        raise ParameterError(
-            f"{where}.damper: give rate, or rebound_rate and bump_rate, not all three"
-        )
+        for key, needed in _NEEDED.items():
+            if key in given and needed not in given:
+                raise ParameterError(f"{where}.{part}: {key} needs {needed}; give it, too")
+    one_sided = said.get("damper", {}).keys() & {"rebound_rate", "bump_rate"}
+    if "rate" in said.get("damper", {}) and one_sided:
+        raise ParameterError(f"{where}.damper: give rate, or rebound_rate and bump_rate, not both")
 
     def at(key: str, default: float = 0.0) -> float:
         """Return the value of a key such as `spring.rate`."""
@@ -256,7 +260,7 @@ def _element(
             at(f"{part}.power"), at(f"{part}.exponent", 1.0), at(f"{part}.linear_below")
         )
 
-    rate = at("damper.rate")
+    rate = at("damper.rate")  # on both sides
     try:
         return Element(
             name,

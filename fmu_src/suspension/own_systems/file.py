@@ -21,7 +21,6 @@ spring = { rate = 20e3 }
 
 from __future__ import annotations
 
-import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -33,7 +32,7 @@ from ..model import Model
 from ..models import ALL, outputs, register
 from ..outputs import reading_of
 from ..systems import System
-from ..units import UNITS, UnitError, to_si
+from ..units import UnitError, to_si, unit_of
 from ..variable import ParameterError, Variable, parameter
 from ..variables import checked_parameters
 from .definition import Definition
@@ -207,13 +206,14 @@ def _declared_parameters(table: Mapping[str, Any]) -> Iterator[Variable]:
         value = whole["value"]
         unit = "1"
         if isinstance(value, str):
-            unit = next((unit for unit in UNITS if _fits(value, unit)), "")
-            if not unit:
+            unit = unit_of(value) or "1"
+            try:
+                value = to_si(value, unit)
+            except UnitError:
                 raise ParameterError(
                     f"system.parameters.{name} = {value!r}: must be a number with a unit, such as "
                     "'1200 kg' or '20 N/mm'"
-                )
-            value = to_si(value, unit)
+                ) from None
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise ParameterError(f"system.parameters.{name} = {value!r}: must be a number")
         plain = parameter(f"system.parameters.{name}", 0.0, "", unit)
@@ -225,12 +225,3 @@ def _declared_parameters(table: Mapping[str, Any]) -> Iterator[Variable]:
         replace(plain, **limits).checked(value)  # type: ignore[arg-type]
         about = str(whole.get("about", name.replace("_", " ")))
         yield parameter(name, float(value), about, unit, **limits)
-
-
-def _fits(text: str, unit: str) -> bool:
-    """Whether a text is a quantity of this unit, with its unit written."""
-    try:
-        to_si(text, unit)
-    except UnitError:
-        return False
-    return unit == "1" or not re.fullmatch(r"\s*[-+.\deE]+\s*", text)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from math import inf, isfinite
 from typing import Any
 
-from ..units import nearest
+from ..units import nearest, unit_of
 from ..variable import ParameterError, Value, number
 from .units import numbered, place_of
 
@@ -37,7 +37,10 @@ def value_of(said: object, p: Mapping[str, Value], where: str) -> float:
     text, names = numbered(said)
     for name in names:
         if name not in p or isinstance(p[name], str | bool):
-            raise ParameterError(f"{where} = {said!r}: no parameter {name!r}{nearest(name, p)}")
+            hint = nearest(name, p)
+            if unit_of(said):
+                hint = "; write it as a number in SI, or as the value of one in [system.parameters]"
+            raise ParameterError(f"{where} = {said!r}: no parameter {name!r}{hint}")
     try:
         found = _worked_out(ast.parse(text, mode="eval").body, [number(p, name) for name in names])
     except (SyntaxError, ValueError, ArithmeticError, TypeError, RecursionError, KeyError) as error:
