@@ -81,7 +81,9 @@ class OptimumFile:
     against: str = entry(_MEASURE, "a second measure, traded off against the first", "")
     vary: Mapping[str, Any] = entry(_TABLE, _VARY)
     constrain: Mapping[str, Any] | None = entry(
-        _TABLE, "bounds on measures: { min = ..., max = ... }, in SI or with a unit", None
+        _TABLE,
+        "bounds on measures, of a peak on its magnitude: { min = ..., max = ... }, in SI or with a unit",
+        None,
     )
     search: SearchOfOptimum | None = entry(_OF_OPTIMUM, _SETTINGS, None)  # noqa: RUF009
 

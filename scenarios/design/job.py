@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 from phaseplane.suspension import engine
+from phaseplane.suspension.units import counted
 from phaseplane.suspension.variables import Value
 
 from phaseplane import figures
@@ -209,7 +210,9 @@ def _format_optimum(found: Optimum) -> list[str]:
         role = ("least" if problem.sign > 0 else "largest") if name == problem.objective else ""
         values = (quantity(float(x[k]), unit) for x in (found.numbers_before, found.numbers))
         measured.append((name, *values, ", ".join([*([role] if role else []), *limits])))
-    lines = [*aligned(rows), "", *aligned(measured), "", f"{len(found.points)} runs"]
+    failed = int(np.isnan(found.measured).any(axis=1).sum())
+    made = f"{counted(len(found.points), 'run')}{f', of which {failed} failed' * bool(failed)}"
+    lines = [*aligned(rows), "", *aligned(measured), "", made]
     lines += [
         f"{name} has no effect on the measures at both ends and in the middle of its range"
         for name in found.without_effect

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import compress
 from pathlib import Path
 
@@ -51,18 +51,21 @@ class Problem:
         """The measures that every run needs."""
         return self.space.plan.measures
 
+    def sizes(self, numbers: Points, measure: str) -> Points:
+        """Return a measure of each run; of a peak its magnitude."""
+        column: Points = numbers[:, self.measures.index(measure)]
+        return abs(column) if has_sign(measure) else column
+
     def cost(self, numbers: Points, measure: str = "") -> Points:
         """Return the value to minimise, for each run; large where a run failed."""
-        name = measure or self.objective
-        column = numbers[:, self.measures.index(name)]
-        size = abs(column) if has_sign(name) else column
+        size = self.sizes(numbers, measure or self.objective)
         return np.nan_to_num(size if measure else self.sign * size, nan=_WORST)
 
     def violations(self, numbers: Points, bounds: Mapping[str, Bounds] | None = None) -> Points:
         """Return the relative violation of each bound, (runs, bounds); below 0 if it holds."""
         rows = []
         for name, bound in (self.bounds if bounds is None else bounds).items():
-            column = numbers[:, self.measures.index(name)]
+            column = self.sizes(numbers, name)
             for limit, side in ((bound.min, -1.0), (bound.max, 1.0)):
                 if limit is not None:
                     broken = side * (column - limit) / (abs(limit) or 1.0)
@@ -134,6 +137,11 @@ def read_problem(path: Path) -> Problem:
             bounds[name] = bounds_from(raw, known[name].unit)
         except ValueError as error:
             raise InputError(f"{path}: constrain.{name}: {error}") from None
+        if has_sign(name) and min(bounds[name].min or 0.0, bounds[name].max or 0.0) < 0.0:
+            raise InputError(
+                f"{path}: constrain.{name}: the magnitude of a peak counts; give a bound that is not "
+                "negative"
+            )
     sign = 1.0 if said.minimise else -1.0
     search = said.search or SearchOfOptimum()
     return Problem(space, objective, sign, against, bounds, search)
@@ -294,7 +302,7 @@ def _trade_off(problem: Problem, runs: Runs, best: Points) -> tuple[Points, Poin
     first, last = (float(problem.cost(runs.at(x), against)[0]) for x in (best, end))
     found, start = [best], best
     for limit in np.linspace(first, last, max(problem.search.trade_offs, 2))[1:-1]:
-        bounds = {**problem.bounds, against: _within(problem.bounds.get(against), against, limit)}
+        bounds = {**problem.bounds, against: _within(problem.bounds.get(against, Bounds()), limit)}
         start = _best(problem, runs, [start], bounds=bounds)
         start = _best(problem, runs, [_refined(problem, runs, start, bounds=bounds)], bounds=bounds)
         found.append(start)
@@ -304,14 +312,9 @@ def _trade_off(problem: Problem, runs: Runs, best: Points) -> tuple[Points, Poin
     return points[kept], numbers[kept]
 
 
-def _within(bounds: Bounds | None, measure: str, limit: float) -> Bounds:
+def _within(bounds: Bounds, limit: float) -> Bounds:
     """Return the bounds on a measure whose size is limited, too."""
-    bounds = bounds or Bounds()
-    least = [
-        bound for bound in (bounds.min, -limit if has_sign(measure) else None) if bound is not None
-    ]
-    most = limit if bounds.max is None else min(bounds.max, limit)
-    return Bounds(max(least, default=None), most)
+    return replace(bounds, max=limit if bounds.max is None else min(bounds.max, limit))
 
 
 def undominated(costs: Points) -> Points:

@@ -72,6 +72,11 @@ class Space:
             measures,
         )
         for key, low, high in zip(plan.keys, *plan.points, strict=True):
+            if isinstance(low, int) and not isinstance(low, bool):
+                raise InputError(
+                    f"{path}: vary.{key}: is a whole number, and a study varies what may have any value; "
+                    "a sweep can vary it"
+                )
             if isinstance(low, bool | str) or isinstance(high, bool | str) or not low < high:
                 raise InputError(
                     f"{path}: vary.{key}: from = {shown(low)} must be below to = {shown(high)}"

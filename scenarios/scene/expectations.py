@@ -12,7 +12,7 @@ from phaseplane.suspension.variables import Variable
 
 from .. import results
 from ..errors import shown
-from ..measures import COUNT, Reading
+from ..measures import COUNT, Reading, has_sign
 from .fields import (
     FACTOR,
     FLAG,
@@ -217,6 +217,24 @@ def judged_measures(
             else:
                 why = f"{len(values)} values, but bounds for {len(bounds)}"
                 yield {**_judged(entry, Bounds(), None, time), "reason": why}
+
+
+def remarks(
+    expected: Mapping[str, Bounds | tuple[Bounds, ...]], readings: Mapping[str, Reading]
+) -> Iterator[str]:
+    """Yield a remark on each peak that is within its only bound, but beyond it on the other side."""
+    for name, bounds in expected.items():
+        if not has_sign(name) or not isinstance(bounds, Bounds):
+            continue
+        value = readings[name].value
+        limit, *other = (x for x in (bounds.min, bounds.max) if x is not None)
+        if other or not bounds.hold(value) or not isinstance(value, float):
+            continue
+        if value * limit < 0.0 and abs(value) > abs(limit):
+            yield (
+                f"{name} = {value:.4g} is within its bound, but a peak has a sign; for its magnitude "
+                f"write {{ min = {-abs(limit):g}, max = {abs(limit):g} }}"
+            )
 
 
 def _judged(name: str, bounds: Bounds, value: object, time: float | None) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from ..measures.solution import GoingOn, Solution, instants, refinement, solved,
 from ..progress import Progress, silent
 from ..results.folder import Results
 from ..scene.equation import EQUATION
-from ..scene.expectations import judged_measures
+from ..scene.expectations import judged_measures, remarks
 from .controlling import controlled
 from .drive import INTERRUPTED, Drive, Passed, Watch
 from .evaluation import evaluate
@@ -261,7 +261,16 @@ def _summary(
         "parameters": scene.all_parameters,
         "construction": asdict(scene.construction),
         "stopped": stopped,
-        "remarks": [*dict.fromkeys([*_remarks(scene), *drive.warnings, *found.remarks])],
+        "remarks": [
+            *dict.fromkeys(
+                [
+                    *_remarks(scene),
+                    *drive.warnings,
+                    *found.remarks,
+                    *remarks(scene.expect, found.readings),
+                ]
+            )
+        ],
         "measured": {"interval": found.interval, "agreement": found.agreement},
         "measures": {
             name: {"value": reading.value, "unit": known[name].unit, "time": reading.time}

@@ -11,7 +11,7 @@ from phaseplane.scenarios.errors import SceneError
 from phaseplane.scenarios.measures.reading import Reading
 from phaseplane.scenarios.results.folder import read_results
 from phaseplane.scenarios.results.tables import read_table, write_table
-from phaseplane.scenarios.scene.expectations import Bounds, During, judged_measures
+from phaseplane.scenarios.scene.expectations import Bounds, During, judged_measures, remarks
 from phaseplane.scenarios.scene.fields import read_table as table
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.schema import Scene
@@ -188,6 +188,21 @@ def test_what_cannot_be_expected_is_refused(fmu: Path, expect: str, words: str) 
     with pytest.raises(SceneError) as caught:
         scene(fmu, expect)
     assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("bounds", "reported"),
+    [({"max": 4.0}, True), ({"max": 6.0}, False), ({"max": -4.0}, False), ({"min": -6.0}, False),
+     ({"min": -6.0, "max": 4.0}, False)],
+)  # fmt: skip
+def test_a_peak_beyond_its_only_bound_on_the_other_side_is_reported(
+    bounds: dict[str, float], reported: bool
+) -> None:
+    expected = {"peak.x": Bounds(**bounds), "mean.x": Bounds(max=4.0)}
+    readings = {name: Reading(-5.0) for name in expected}
+    wanted = ["peak.x = -5 is within its bound, but a peak has a sign; for its magnitude write "
+              "{ min = -4, max = 4 }"] * reported  # fmt: skip
+    assert list(remarks(expected, readings)) == wanted
 
 
 def test_bounds_hold_for_each_of_several_values() -> None:
