@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import click
+
+from phaseplane import figures
 
 from ..draw.modes import format_modes
 from ..draw.modes import modes as make_modes
@@ -93,7 +94,7 @@ def portrait(
     window: tuple[float, float, float, float] | None,
     period: float | None,
     frozen: float | None,
-    look: dict[str, Any],
+    look: figures.Look | None,
     as_data: bool,
 ) -> None:
     """Draw the phase portrait of SCENE.
@@ -117,7 +118,7 @@ def modes(
     scene: str,
     overrides: tuple[str, ...],
     figure: Path | None,
-    look: dict[str, Any],
+    look: figures.Look | None,
     as_data: bool,
 ) -> None:
     """List the modes of SCENE about rest: frequencies, damping, shapes.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -12,7 +12,7 @@ from typing import Any
 import click
 from phaseplane.suspension.units import counted
 
-from phaseplane import recording
+from phaseplane import figures, recording
 
 from ..draw.constructions import draw_scene, drawing_summary, overlay_run
 from ..draw.live import show_in
@@ -80,7 +80,7 @@ def replay(
     figure: Path | None,
     kind: str,
     at_step: int | None,
-    look: dict[str, Any],
+    look: figures.Look | None,
     viewer: str,
     served: bool,
     address: str,
@@ -124,7 +124,7 @@ def replay_construction(
     over: Path | None = None,
     *,
     kind: str = "phase_planes",
-    look: Mapping[str, Any] | None = None,
+    look: figures.Look | None = None,
     at_step: int | None = None,
 ) -> dict[str, Any]:
     """Construct a scene, or lay the construction over the results of a run, and write files.
@@ -137,7 +137,7 @@ def replay_construction(
     save, figure : files to write
     viewer : address of a running viewer to show it in
     kind : name of the figure; its rule is used unless overrides give one
-    look : how the figure is printed: dark, width (m), font, mono, headed
+    look : how the figure is printed
     at_step : step that a figure of one step shows; default: one whose letters have room
 
     Raises

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import click
 
-from phaseplane import recording
+from phaseplane import figures, recording
 
 from .. import draw
 from ..errors import InputError, check_recording
@@ -50,7 +49,7 @@ def show(
     paths: tuple[Path, ...],
     columns: tuple[str, ...],
     figure: Path | None,
-    look: dict[str, Any],
+    look: figures.Look | None,
     plane: str,
     save: Path | None,
     as_data: bool,
@@ -117,7 +116,7 @@ def compare(
     columns: tuple[str, ...],
     common: bool,
     figure: Path | None,
-    look: dict[str, Any],
+    look: figures.Look | None,
     as_data: bool,
 ) -> int:
     """Compare the results A and B column by column.

@@ -11,9 +11,9 @@ from typing import Any
 
 import click
 
-from phaseplane import figures, recording
+from phaseplane import recording
 
-from ..draw.width import width_from
+from ..draw.look import look_of
 from ..errors import InputError, RunError
 from .console import warn
 
@@ -49,30 +49,18 @@ _LOOK = (
 
 
 def look_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options of a printed figure, given to the command as `look`, a mapping."""
+    """Add the options of a printed figure, given to the command as `look`, None without one."""
 
     @wraps(command)
     def looking(
         *args: Any, dark: bool, headed: bool, width: str | None, font: str, mono: bool, **more: Any
     ) -> Any:
-        look: dict[str, Any] = {"dark": dark, "headed": headed, "font": font, "mono": mono}
-        if width is not None:
-            look["width"] = width_from(width, "--width")
-        given = {
-            "--dark": dark,
-            "--no-title": not headed,
-            "--width": width,
-            "--font": font,
-            "--mono": mono,
-        }
-        if more["figure"] is None:
-            for option in filter(given.get, given):
-                raise InputError(f"{option} is for a figure; give --figure F.png, too")
-        else:
-            try:
-                figures.Look(**look)
-            except ValueError as error:
-                raise InputError(f"--font: {error}") from None
+        look = None
+        if more["figure"] is not None:
+            look = look_of("--", dark=dark, headed=headed, width=width, font=font, mono=mono)
+        elif option := ("--dark" * dark or "--no-title" * (not headed) or "--width" * bool(width)
+                        or "--font" * bool(font) or "--mono" * mono):  # fmt: skip
+            raise InputError(f"{option} is for a figure; give --figure F.png, too")
         return command(*args, look=look, **more)
 
     for option in reversed(_LOOK):

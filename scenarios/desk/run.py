@@ -14,6 +14,7 @@ from phaseplane.suspension.events import Event
 from phaseplane.suspension.session import Session, SimulationError
 
 from ..draw.constructions import draw_scene
+from ..draw.look import look_of
 from ..draw.pictures import figure_of, pictures_of
 from ..errors import InputError, shown
 from ..results.folder import Place, Results, check_replaceable, replace_folder, write_results
@@ -94,7 +95,7 @@ class Run(Table):
 
         Parameters
         ----------
-        look : dark, width (m), font, mono, headed; see `figures.Look`
+        look : dark, width (m, or a string such as "85mm"), font, mono, headed; see `figures.Look`
 
         Raises
         ------
@@ -102,7 +103,9 @@ class Run(Table):
         ValueError : if the run lacks what the picture shows.
         """
         drawing = None if name == "time_histories" else draw_scene(self.scene)
-        return Picture(figure_of(name, drawing, self.results, title=self.title, look=look))
+        return Picture(
+            figure_of(name, drawing, self.results, title=self.title, look=look_of(**look))
+        )
 
     def write(self, folder: str | os.PathLike[str]) -> Path:
         """Write the table, the summary and the scene's pictures to a folder, replaced as a whole.

@@ -16,9 +16,9 @@ from typing import Any
 from phaseplane import recording
 
 from ..draw.constructions import draw_scene
+from ..draw.look import look_of
 from ..draw.pictures import RULES_SHOWN, draw, figure_of
 from ..draw.recording_content import of_scene
-from ..draw.width import width_from
 from ..scene.layers import Setting
 from ..scene.loading import load_scene
 from .picture import Picture
@@ -74,8 +74,7 @@ def show(
     InputError : if the scene has no construction, or there is no figure of that name.
     ValueError : if the construction lacks what the figure shows.
     """
-    if look.get("width") is not None:
-        look["width"] = width_from(look["width"], "width")
+    printed = look_of(**look)
     settings: list[str | Setting] = list(changes)
     if kind in RULES_SHOWN:
         settings.insert(0, Setting("construction.rule", RULES_SHOWN[kind], "kind"))
@@ -85,11 +84,11 @@ def show(
     title = found.title or found.name
     if kind == "animation":
         path = Path(_open.enter_context(TemporaryDirectory())) / f"{found.name}.gif"
-        draw("phase_planes", path, drawing, title=title, look=look)
+        draw("phase_planes", path, drawing, title=title, look=printed)
         encoded = base64.b64encode(path.read_bytes()).decode()
         return Page(f'<img alt="{escape(title)}" src="data:image/gif;base64,{encoded}">', path)
     if kind != "recording":
-        return Picture(figure_of(kind, drawing, title=title, look=look, step=at_step))
+        return Picture(figure_of(kind, drawing, title=title, look=printed, step=at_step))
     path = Path(_open.enter_context(TemporaryDirectory())) / f"{found.name}.rrd"
     recording.record(of_scene(found, drawing), path)
     server = _open.enter_context(recording.serving([path]))

@@ -11,6 +11,7 @@ from phaseplane.suspension.units import nearest
 
 from phaseplane import figures
 
+from ..draw.look import look_of
 from ..errors import InputError, shown
 from .picture import Picture
 
@@ -121,7 +122,7 @@ class Table(Mapping[str, "npt.NDArray[Any]"]):
 
         Parameters
         ----------
-        look : dark, width (m), font, mono, headed; see `figures.Look`
+        look : dark, width (m, or a string such as "85mm"), font, mono, headed; see `figures.Look`
 
         Raises
         ------
@@ -131,7 +132,7 @@ class Table(Mapping[str, "npt.NDArray[Any]"]):
         self._need_time()
         names = names or tuple(name for name in self if name != self.index)
         drawn = {name: {"": (self[self.index], self[name])} for name in names}
-        return Picture(figures.runs(drawn, self.units, title=self.title, look=figures.Look(**look)))
+        return Picture(figures.runs(drawn, self.units, title=self.title, look=look_of(**look)))
 
     def plane(self, x: str, y: str, **look: Any) -> Picture:
         """Draw a column over another, such as a rate over its displacement: a phase plane.
@@ -150,7 +151,7 @@ class Table(Mapping[str, "npt.NDArray[Any]"]):
                 (x, y),
                 self.units,
                 title=self.title,
-                look=figures.Look(**look),
+                look=look_of(**look),
             )
         )
 

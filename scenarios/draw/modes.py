@@ -26,7 +26,7 @@ def modes(
     reference: str,
     overrides: Sequence[str],
     figure: Path | None,
-    look: Mapping[str, Any] | None = None,
+    look: figures.Look | None = None,
 ) -> dict[str, Any]:
     """Return the modes of a scene's model about rest, and draw their planes if `figure` is given.
 
@@ -68,7 +68,7 @@ def modes(
             for i, one in enumerate(modes, 1)
         ]
         motions = [found.free(i) for i in range(len(modes))]
-        printed = figures.Look(**look or {})
+        printed = look or figures.Look()
         figures.save(figures.modal_planes(motions, names, title=title, look=printed), figure)
     return {
         "title": title,

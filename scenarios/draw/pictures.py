@@ -5,7 +5,7 @@ Drawing libraries are imported only when they are needed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
 from inspect import signature
@@ -51,14 +51,14 @@ def pictures_of(
     drawing : the construction; if None, the pictures that need it are left out
     """
     title = scene.title or scene.name
-    look: dict[str, Any] = {"dark": scene.show.dark}
+    look = figures.Look(dark=scene.show.dark)
     pictures: dict[str, Callable[[Path], None]] = {
         f"{name}.png": partial(draw, name, drawing=drawing, results=results, title=title, look=look)
         for name in scene.show.figures
         if name == "time_histories" or drawing is not None
     }
     for k, names in enumerate(scene.show.planes, 1):
-        plane = partial(_draw_plane, names, results, title, figures.Look(**look))
+        plane = partial(_draw_plane, names, results, title, look)
         pictures["plane.png" if k == 1 else f"plane_{k}.png"] = plane
     if scene.show.recording:
         shown = asdict(scene.shown)
@@ -84,7 +84,7 @@ def draw(
     results: Results | None = None,
     *,
     title: str = "",
-    look: Mapping[str, Any] | None = None,
+    look: figures.Look | None = None,
     step: int | None = None,
 ) -> None:
     """Draw one picture: `time_histories` from results, the others from a construction.
@@ -93,7 +93,7 @@ def draw(
 
     Parameters
     ----------
-    look : how it is printed: dark, width (m), font, mono, headed; all optional
+    look : how it is printed
     step : index of the step that is shown, in figures of one step
 
     Raises
@@ -106,7 +106,7 @@ def draw(
         if step is not None:
             raise ValueError("an animation chooses its steps; leave --at-step out")
         assert drawing is not None
-        figures.animation(drawing, path, title=title, look=figures.Look(**look or {}))
+        figures.animation(drawing, path, title=title, look=look or figures.Look())
         return
     figure = figure_of(name, drawing, results, title=title, look=look, step=step)
     figures.save(figure, path)
@@ -118,7 +118,7 @@ def figure_of(
     results: Results | None = None,
     *,
     title: str = "",
-    look: Mapping[str, Any] | None = None,
+    look: figures.Look | None = None,
     step: int | None = None,
 ) -> Figure:
     """Return one picture as `draw` writes it.
@@ -130,7 +130,7 @@ def figure_of(
     """
     if name not in FIGURES:
         raise InputError(f"no picture {shown(name)}{nearest(name, FIGURES)}")
-    printed = figures.Look(**look or {})
+    printed = look or figures.Look()
     if name == "time_histories":
         assert results is not None
         if "front_suspension_deflection" in results.columns:

@@ -58,7 +58,7 @@ def portrait(
     reference: str,
     overrides: Sequence[str],
     figure: Path | None,
-    look: Mapping[str, Any] | None = None,
+    look: figures.Look | None = None,
     *,
     coordinate: str = "",
     window: Sequence[float] = (),
@@ -116,7 +116,7 @@ def portrait(
         title = f"{title}: Poincaré section, once per forcing period"
     if figure is not None:
         picture = figures.portrait(
-            made, labels=subject.labels, title=title, look=figures.Look(**look or {})
+            made, labels=subject.labels, title=title, look=look or figures.Look()
         )
         figures.save(picture, figure)
     return {

@@ -32,7 +32,7 @@ def contents(
     figure: Path | None = None,
     plane: tuple[str, str] | None = None,
     others: Sequence[Path] = (),
-    look: Mapping[str, Any] | None = None,
+    look: figures.Look | None = None,
 ) -> dict[str, Any]:
     """Return the summary of results and the range of each column; draw them if asked.
 
@@ -43,7 +43,7 @@ def contents(
     figure : picture to write, of the columns over time
     plane : two columns that the picture shows one over the other instead, the abscissa first
     others : further results that the picture shows too, or TOML files with a table [measured]
-    look : how it is printed: dark, width (m), font, mono, headed
+    look : how it is printed
 
     Raises
     ------
@@ -72,7 +72,7 @@ def contents(
     }
     if figure is not None:
         drawn = {what: results, **{path: results_in(path, results) for path in others}}
-        printed = figures.Look(**look or {})
+        printed = look or figures.Look()
         picture = _picture(drawn, names, plane, units, title=_title(drawn), look=printed)
         figures.save(picture, figure)
         data["files"] = [str(figure)]
@@ -163,7 +163,7 @@ def difference(
     tolerance: float,
     names: Sequence[str] = (),
     figure: Path | None = None,
-    look: Mapping[str, Any] | None = None,
+    look: figures.Look | None = None,
     *,
     common: bool = False,
 ) -> dict[str, Any]:
@@ -175,7 +175,7 @@ def difference(
     tolerance : largest difference over the peak that counts as equal
     names : columns to compare; all if empty
     figure : picture of the columns that differ most
-    look : how it is printed: dark, width (m), font, mono, headed
+    look : how it is printed
     common : whether to ignore rows, times and columns that only one of them has
 
     Raises
@@ -214,7 +214,7 @@ def difference(
             }
             for name in worst
         }
-        title, printed = _title({ours: first, other: second}), figures.Look(**look or {})
+        title, printed = _title({ours: first, other: second}), look or figures.Look()
         units = first.summary.get("units", {})
         figures.save(figures.runs(each, units, title=title, look=printed), figure)
         data["files"] = [str(figure)]

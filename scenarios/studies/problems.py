@@ -100,40 +100,6 @@ def _blow_off() -> str:
     return ", ".join(f"{rate!r}:{force!r}" for rate, force in points)
 
 
-def full_car() -> Problem:
-    """Return a car of seven degrees of freedom over a bump that is higher under the left wheels."""
-    mass, pitch_inertia, roll_inertia, wheel_mass = 1200.0, 1800.0, 450.0, 30.0
-    ahead = {"front": 1.25, "rear": -1.25}
-    weight = (mass / 4.0 + wheel_mass) * 9.80665
-    spring, tyre = characteristics.linear(15e3), characteristics.linear(150e3)
-    damper, tyre_damper = characteristics.damper(2000.0, 500.0), characteristics.linear(300.0)
-    elements: list[Element] = []
-    signals = {}
-    corners = [(end, side) for end in ahead for side in (0.7, -0.7)]
-    for k, (end, side) in enumerate(corners):
-        name = f"{end}_{'left' if side > 0.0 else 'right'}"
-        on_wheel = tuple(float(i == k) for i in range(4))
-        late = (1.25 - ahead[end]) / 20.0
-        height = 0.06 if side > 0.0 else 0.02
-        signals[name] = roads.bump(height, 1.0, 20.0, start=late)
-        strut = (1.0, ahead[end], side, *(-w for w in on_wheel))
-        elements += [
-            Element(f"{name}_strut", strut, spring, damper),
-            Element(f"{name}_tyre", (0.0, 0.0, 0.0, *on_wheel), tyre, tyre_damper, name, weight),
-        ]
-    inertia = (mass, pitch_inertia, roll_inertia, *4 * (wheel_mass,))
-    system = System(
-        coordinates=("heave", "pitch", "roll", *(f"wheel_{k}" for k in range(4))),
-        mass=tuple(tuple(m * (i == j) for j in range(7)) for i, m in enumerate(inertia)),
-        elements=tuple(elements),
-        signals=signals,
-        scales=7 * (0.05,),
-    )
-    return Problem(
-        "full_car", "full car of seven degrees of freedom, lift-off", "non-smooth", system, 2.0, 400
-    )
-
-
 def car_axis() -> Problem:
     """Return an axle on two stiff springs, one over a bumpy road, after `caraxis` of the Bari test set.
 
@@ -198,6 +164,49 @@ def _measured() -> dict[str, Value]:
     return found
 
 
+def _of_scene(name: str) -> Problem:
+    """Return the problem that a scene runs."""
+    scene = load_scene(name)
+    if not scene.fmu.is_ours:
+        raise InputError(
+            f"{name}: fmu = {str(scene.fmu.path or scene.fmu.model)!r}: only models of this "
+            f"package can be compared: {', '.join(SYSTEMS)}"
+        )
+    if scene.controller is not None:
+        raise InputError(
+            f"{name} has a controller, but problems are models without one; give a scene without "
+            "[controller]"
+        )
+    intervals = min(max(1, round(scene.duration / scene.show.output_interval)), _MOST_INTERVALS)
+    problem = of_model(
+        scene.name,
+        scene.title or scene.name,
+        "non-smooth",
+        scene.fmu.model,
+        scene.all_parameters if scene.fmu.path else scene.parameters,
+        scene.duration,
+        intervals,
+    )
+    problem = replace(problem, file=scene.fmu.path)
+    for element in problem.system.elements:
+        pieces = (*element.spring.pieces, *element.damper.pieces)
+        if element.series < inf or any(piece.power for piece in pieces):
+            raise InputError(
+                f"{name}: errors cannot be measured, as there is no independent solution for power "
+                "laws and springs in series with dampers"
+            )
+    smooth = not any(
+        element.limit < inf
+        or element.friction
+        or element.yield_force < inf
+        or element.spring.corners
+        or element.damper.corners
+        or element.modulation.corners
+        for element in problem.system.elements
+    )
+    return replace(problem, kind="smooth") if smooth else problem
+
+
 def _of_models(
     **declared: tuple[str, Kind, str, Mapping[str, Value]],
 ) -> dict[str, Callable[[], Problem]]:
@@ -258,7 +267,7 @@ PROBLEMS: dict[str, Callable[[], Problem]] = {
             },
         ),
     ),
-    "full_car": full_car,
+    "full_car": partial(_of_scene, "full_car"),
     **_of_models(
         linear=(
             "linear quarter car on a sine road", "smooth", "QuarterCar",
@@ -301,42 +310,4 @@ def find_problem(name: str) -> Problem:
             f"no problem or scene {shown(name)}; problems are {', '.join(PROBLEMS)}; 'phaseplane "
             f"list' shows the scenes{nearest(name, (*PROBLEMS, *case_names()))}"
         )
-    scene = load_scene(name)
-    if not scene.fmu.is_ours:
-        raise InputError(
-            f"{name}: fmu = {str(scene.fmu.path or scene.fmu.model)!r}: only models of this "
-            f"package can be compared: {', '.join(SYSTEMS)}"
-        )
-    if scene.controller is not None:
-        raise InputError(
-            f"{name} has a controller, but problems are models without one; give a scene without "
-            "[controller]"
-        )
-    intervals = min(max(1, round(scene.duration / scene.show.output_interval)), _MOST_INTERVALS)
-    problem = of_model(
-        scene.name,
-        scene.title or scene.name,
-        "non-smooth",
-        scene.fmu.model,
-        scene.all_parameters if scene.fmu.path else scene.parameters,
-        scene.duration,
-        intervals,
-    )
-    problem = replace(problem, file=scene.fmu.path)
-    for element in problem.system.elements:
-        pieces = (*element.spring.pieces, *element.damper.pieces)
-        if element.series < inf or any(piece.power for piece in pieces):
-            raise InputError(
-                f"{name}: errors cannot be measured, as there is no independent solution for power "
-                "laws and springs in series with dampers"
-            )
-    smooth = not any(
-        element.limit < inf
-        or element.friction
-        or element.yield_force < inf
-        or element.spring.corners
-        or element.damper.corners
-        or element.modulation.corners
-        for element in problem.system.elements
-    )
-    return replace(problem, kind="smooth") if smooth else problem
+    return _of_scene(name)

@@ -103,14 +103,11 @@ def sweep(
 
     Raises
     ------
-    InputError : if `through` does not fit the plan.
+    InputError : if `through` does not fit the plan, or there is no worker.
     RunError : if there is no such Dask scheduler, or a process was killed.
     KeyboardInterrupt : on Ctrl-C; the same sweep continues from the journal.
     """
-    if through == "process" and plan.scene.fmu.path is not None:
-        raise InputError("a sweep over an .fmu file runs through the FMU: add --through fmu")
-    if through == "fmu" and (what := _without_fmu(plan.scene)):
-        raise InputError(f"{what} runs in-process: leave out --through fmu")
+    _check(plan, through, workers)
     started = perf_counter()
     key, count = journal_key(plan, through), workers or os.cpu_count() or 1
     with _executor(count, dask) as (executor, stop), open_journal(journal, key) as (before, keep):
@@ -164,6 +161,15 @@ def sweep(
     if through == "fmu" and plan.scene.fmu.path is None:
         facts["disagreement"] = _disagreement(plan, ordered)
     return ordered, facts
+
+
+def _check(plan: Plan, through: str, workers: int | None) -> None:
+    if through == "process" and plan.scene.fmu.path is not None:
+        raise InputError("a sweep over an .fmu file runs through the FMU: add --through fmu")
+    if through == "fmu" and (what := _without_fmu(plan.scene)):
+        raise InputError(f"{what} runs in-process: leave out --through fmu")
+    if workers is not None and workers < 1:
+        raise InputError(f"workers = {workers}: must be at least 1")
 
 
 # -- one chunk, in any process --------------------------------------------------------------------

@@ -139,6 +139,8 @@ def test_a_scene_can_be_a_mapping_that_extends_another(bump):
         (lambda: phaseplane.run("ap57", **QUICK).figure("histories"), "no picture 'histories'"),
         (lambda: phaseplane.run("ap57", through="dll"), "through = 'dll': allowed: process, fmu"),
         (lambda: phaseplane.run(3), "scene = 3: give a name, a path or a mapping"),
+        (lambda: phaseplane.run("ap57", **QUICK).plot(width=-1), "width -1: must be from 40 mm"),
+        (lambda: phaseplane.sweep("speed_bump", workers=-3), "workers = -3: must be at least 1"),
     ],
 )
 def test_bad_input_is_refused_in_words(call, words):
@@ -203,6 +205,12 @@ def test_pictures_are_shown_and_saved(bump, tmp_path):
     )):  # fmt: skip
         assert picture._repr_png_().startswith(b"\x89PNG")
         assert picture.save(tmp_path / f"{k}.svg").stat().st_size > 1000
+
+
+def test_a_picture_is_as_wide_as_asked(bump):
+    plane = bump.plane("suspension_deflection", "suspension_deflection_rate", width="85 mm")
+    for picture in (bump.plot("contact_force", width="85mm"), plane):
+        assert picture.figure.get_figwidth() == pytest.approx(8.5 / 2.54)
 
 
 def test_the_report_names_what_ran(bump):

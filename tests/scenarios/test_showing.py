@@ -44,6 +44,8 @@ def test_a_recording_is_served_to_this_machine() -> None:
 
 
 def test_what_cannot_be_shown_is_refused() -> None:
+    with pytest.raises(InputError, match="font: font 'None Such' is not installed"):
+        show("ap57", SHORT, font="None Such")
     with pytest.raises(InputError, match="width 85: must be from 40 mm to 1 m"):
         show("ap57", SHORT, width=85)
     with pytest.raises(InputError, match="no picture 'figure77'"):

@@ -182,6 +182,11 @@ def test_bad_input_is_refused(
         run_many(model, [{}], times, outputs)
 
 
+def test_a_batch_without_workers_is_refused() -> None:
+    with pytest.raises(ParameterError, match="workers = -3: must be at least 1"):
+        run_many("OneDof", [{}], TIMES, ["body_displacement"], workers=-3)
+
+
 @pytest.mark.parametrize(
     ("name", "values"),
     [

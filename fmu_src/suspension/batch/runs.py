@@ -106,8 +106,8 @@ def run_many(
 
     Raises
     ------
-    ParameterError : unknown model or output, or times that do not ascend. Bad parameters are a failure
-        of their run only.
+    ParameterError : unknown model or output, times that do not ascend, or no worker. Bad parameters are
+        a failure of their run only.
 
     Examples
     --------
@@ -124,6 +124,8 @@ def run_many(
         raise ParameterError("times must be finite, and at least one must be given")
     if np.any(np.diff(instants) < 0.0):
         raise ParameterError("times must ascend")
+    if workers is not None and workers < 1:
+        raise ParameterError(f"workers = {workers}: must be at least 1")
     for names, known in ((outputs, outputs_over_time), (at_end, outputs_at_end)):
         refuse_unknown(names, known(model), f"a batch of {model} has no output")
     declared = outputs_of(model)

@@ -1,0 +1,45 @@
+"""How a figure is printed: its width, typeface and colours, as options and keywords give them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from phaseplane.suspension.units import UnitError, to_si
+
+from phaseplane import figures
+
+from ..errors import InputError
+
+_NARROWEST, _WIDEST = 0.04, 1.0  # m
+
+
+def look_of(dashes: str = "", **given: Any) -> figures.Look:
+    """Return how a figure is printed.
+
+    Parameters
+    ----------
+    dashes : before the name of an option in messages
+    given : dark, width (m, or a string such as "85mm"), font, mono, headed; all optional
+
+    Raises
+    ------
+    InputError : a width that is none, or too small or too large for a picture; or a font that is not
+        installed.
+    """
+    if given.get("width") is not None:
+        given["width"] = _width(given["width"], f"{dashes}width")
+    try:
+        return figures.Look(**given)
+    except ValueError as error:
+        raise InputError(f"{dashes}font: {error}") from None
+
+
+def _width(given: object, where: str) -> float:
+    """Return a width in m."""
+    try:
+        width = to_si(given, "m") if isinstance(given, str) else float(given)  # type: ignore[arg-type]
+    except (UnitError, TypeError, ValueError):
+        width = 0.0
+    if not _NARROWEST <= width <= _WIDEST:
+        raise InputError(f"{where} {given}: must be from 40 mm to 1 m, such as 85mm or '6 in'")
+    return width
