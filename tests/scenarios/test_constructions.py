@@ -24,6 +24,7 @@ from phaseplane.scenarios.errors import DrawingError, InputError
 from phaseplane.scenarios.scene.equation import check_equation
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate.solving import solve
+from phaseplane.scenarios.studies import rules
 from phaseplane.suspension.characteristics import linear, table
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
@@ -345,6 +346,18 @@ def test_the_rules_held_against_the_exact_motion():
     table = printed("rules van_der_pol --set 'construction.step=50 ms'")
     assert "largest error with steps of 50 ms over 20 s" in table
     assert "integrator" not in table
+
+
+def test_rules_that_take_long_are_timed_once(monkeypatch):
+    """Of a long construction fifteen runs of each rule would take minutes."""
+    runs = []
+    drawn = rules.draw_construction
+    monkeypatch.setattr(rules, "_LONG_ENOUGH", 0.0)
+    monkeypatch.setattr(
+        rules, "draw_construction", lambda *given: runs.append(given) or drawn(*given)
+    )
+    rules.measure_rules(load_scene("ap57_figure13", ["duration=10 ms"], expect=False))
+    assert len(runs) == 3 * len(RULES)  # with the step, half of it and a quarter
 
 
 @pytest.mark.slow
