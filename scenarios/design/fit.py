@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
 from pathlib import Path
 
 import numpy as np
-from phaseplane.suspension.batch import run_many
+from phaseplane.suspension.batch import Outcome, run_many
+from phaseplane.suspension.variables import Value
 
 from ..errors import InputError, RunError
+from ..measures.solution import Solution
 from ..progress import Progress, silent
 from ..results.signals import signals_in
+from ..scene.schema import Scene
+from ..simulate.controlling import controlled
 from ..sweeps.plan import Plan
 from ..toml_files import read_content
 from .files import FitFile, SearchOfFit, read_study
@@ -207,11 +212,23 @@ def _signals_of(plan: Plan, task: Task) -> Iterator[Sequence[float | None]]:
     ]
     if plan.road_length is not None:
         sets = [{**one, "road.profile_length": plan.road_length} for one in sets]
-    for run in run_many(scene.fmu.model, sets, times.tolist(), names):
+    for run in _runs(scene, sets, times, names):
         if run.failure:
             yield [None] * (len(task.time) * len(names))
         else:
             yield np.concatenate([run.columns[n][int(early) :] for n in names]).tolist()
+
+
+def _runs(
+    scene: Scene, sets: Sequence[Mapping[str, Value]], times: Points, names: Sequence[str]
+) -> Iterable[Outcome | Solution]:
+    """Return a run for each set of parameters, under the controller of the scene if it has one."""
+    if scene.controller is None:
+        return run_many(scene.fmu.model, sets, times.tolist(), names)
+    under = partial(
+        controlled, controller=scene.controller, time=times, outputs=names, going_on=lambda _: True
+    )
+    return (under(scene.fmu.model, given) for given in sets)
 
 
 def _apart(numbers: Points, task: Task) -> dict[str, Points]:

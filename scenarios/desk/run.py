@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 from phaseplane.suspension.events import Event
-from phaseplane.suspension.session import Session, SimulationError
 
 from ..draw.constructions import draw_scene
 from ..draw.look import look_of
@@ -85,10 +83,7 @@ class Run(Table):
         """
         if not self.scene.fmu.is_ours:
             raise InputError(f"{self.scene.fmu.model} reports no events")
-        session = Session(self.scene.fmu.model, self.scene.start_values)
-        with suppress(SimulationError):  # the events until then
-            session.advance(self.scene.duration)
-        return tuple(session.events)
+        return tuple(runner.events_of(self.scene))
 
     def figure(self, name: str = "time_histories", **look: Any) -> Picture:
         """Draw one of the pictures of a scene: `time_histories`, `phase_planes`, ...

@@ -53,6 +53,7 @@ def content(
     duration: float,
     shown: Mapping[str, Any],
     live: bool = False,
+    alone: bool = True,
 ) -> Content:
     """Return the content of a recording.
 
@@ -64,8 +65,10 @@ def content(
     units : SI units of the outputs
     duration : of the run, s
     shown : `recording` (its detail), `views`, `planes` (pairs of outputs), `staged` (steps)
+    alone : whether the model moved without a controller, so that its energies can be found again
     """
-    views = tuple(shown.get("views") or recording.VIEWS)
+    wanted = shown.get("views") or recording.VIEWS
+    views = tuple(view for view in wanted if alone or view != "energies")
     rows = recording.thinned(columns, _MOST_ROWS)
     if "energies" in views and model in MODELS and not live:
         rows = {**rows, **draw.energies.energies(model, parameters, rows["time"])}
@@ -216,6 +219,7 @@ def of_results(results: Results, drawing: Drawing | None, shown: Mapping[str, An
         units=summary["units"],
         duration=summary["duration"],
         shown=shown,
+        alone=not summary.get("controller"),
     )
 
 

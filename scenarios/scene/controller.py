@@ -66,6 +66,13 @@ class Controller:
     formulas: Mapping[str, tuple[str, tuple[str, ...]]]
     constants: Mapping[str, float]
 
+    def as_data(self) -> dict[str, Any]:
+        """Return the controller as plain data, by the keys of a scene."""
+        formulas = {name: text for name, (text, _) in self.formulas.items()}
+        return {
+            "period": self.period, "events": self.events, **formulas, "constants": dict(self.constants),
+        }  # fmt: skip
+
     @property
     def warnings(self) -> list[str]:
         """Warnings about constants that no formula contains."""

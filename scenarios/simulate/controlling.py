@@ -41,9 +41,29 @@ def controlled(
     outputs : names of the outputs
     going_on : called after each instant with its time, s; whether to go on
     """
-    laws = controller.laws()
-    rows, failure = [], ""
     session = Session(model, given)
+    rows, failure = [], ""
+    try:
+        for instant, is_row in driven(session, controller, time):
+            if is_row:
+                rows.append([session.value(name) for name in outputs])
+            if not going_on(instant):
+                failure = f"the run was interrupted at {instant:.6g} s"
+                break
+    except SimulationError as error:
+        failure = str(error)
+    switches = sorted(event.time for event in session.events)
+    return by_rows(time, outputs, rows, failure, switches)
+
+
+def driven(session: Session, controller: Controller, time: Column) -> Iterator[tuple[float, bool]]:
+    """Step a session under a controller; yield each instant reached, and whether it is one of `time`.
+
+    Raises
+    ------
+    SimulationError : a step failed, or a formula has no finite value.
+    """
+    laws = controller.laws()
 
     def evaluate() -> None:
         for name, (law, read) in laws.items():
@@ -55,22 +75,13 @@ def controlled(
                 raise SimulationError(f"controller.{name} is {value} at {session.time:.6g} s")
             session.set_input(name, value)
 
-    try:
-        evaluate()
-        session.advance(0.0)
-        for instant, acts in _instants(time, controller.period):
-            _advance(session, instant, evaluate if controller.events else None)
-            if acts is not None:
-                evaluate()
-            if acts is not True:
-                rows.append([session.value(name) for name in outputs])
-            if not going_on(instant):
-                failure = f"the run was interrupted at {instant:.6g} s"
-                break
-    except SimulationError as error:
-        failure = str(error)
-    switches = sorted(event.time for event in session.events)
-    return by_rows(time, outputs, rows, failure, switches)
+    evaluate()
+    session.advance(0.0)
+    for instant, acts in _instants(time, controller.period):
+        _advance(session, instant, evaluate if controller.events else None)
+        if acts is not None:
+            evaluate()
+        yield instant, acts is not True
 
 
 def _instants(time: Column, period: float) -> Iterator[tuple[float, bool | None]]:

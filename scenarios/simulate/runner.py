@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import asdict, replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from phaseplane.suspension import engine
+from phaseplane.suspension.events import Event
 from phaseplane.suspension.parts import format_payload
 from phaseplane.suspension.roads import extent
+from phaseplane.suspension.session import Session, SimulationError
 
 from .. import simulate
 from ..errors import InputError, RunError, one_line
 from ..measures import catalogue, outputs_needed
-from ..measures.solution import GoingOn, Solution, instants, refinement, solved, solved_by
+from ..measures.solution import Column, GoingOn, Solution, instants, refinement, solved, solved_by
 from ..progress import Progress, silent
 from ..results.folder import Results
 from ..scene.equation import EQUATION
 from ..scene.expectations import judged_measures, remarks
-from .controlling import controlled
+from .controlling import controlled, driven
 from .drive import INTERRUPTED, Drive, Passed, Watch
 from .evaluation import evaluate
 from .interrupts import deferred_interrupt, wait_until
@@ -146,9 +150,8 @@ def _driven(scene: Scene, going_on: GoingOn) -> tuple[Drive, Solution]:
     """Return the rows of a scene that is run in this process, and the solution between them."""
     started, known = perf_counter(), catalogue(scene.fmu.outputs())
     measures = [known[name] for name in scene.measures]
-    interval, model, given = scene.communication_step, scene.fmu.model, scene.start_values
-    parts = refinement(scene.duration, interval)
-    time = instants(scene.duration, interval, parts)
+    model, given = scene.fmu.model, scene.start_values
+    time, parts = _times(scene)
     expected = {one.output for one in scene.during}
     wanted = {*scene.columns, *(scene.outputs_expected - expected)}
     if scene.controller is not None:
@@ -169,6 +172,23 @@ def _driven(scene: Scene, going_on: GoingOn) -> tuple[Drive, Solution]:
     }
     seconds = perf_counter() - started
     return Drive(rows, seconds, own.failure, uncompiled=not engine.compiled), own
+
+
+def _times(scene: Scene) -> tuple[Column, int]:
+    """Return the times at which a run in this process is read, s, and their number per row."""
+    parts = refinement(scene.duration, scene.communication_step)
+    return instants(scene.duration, scene.communication_step, parts), parts
+
+
+def events_of(scene: Scene) -> list[Event]:
+    """Return the switches in a run of a model of this package, up to its end or its failure."""
+    session = Session(scene.fmu.model, scene.start_values)
+    with suppress(SimulationError):
+        if scene.controller is None:
+            session.advance(scene.duration)
+        else:
+            deque(driven(session, scene.controller, _times(scene)[0]), maxlen=0)
+    return session.events
 
 
 def _finished(
@@ -259,6 +279,7 @@ def _summary(
         "duration": scene.duration,
         "output_interval": scene.communication_step,
         "parameters": scene.all_parameters,
+        "controller": scene.controller.as_data() if scene.controller else None,
         "construction": asdict(scene.construction),
         "stopped": stopped,
         "remarks": [
@@ -295,6 +316,9 @@ def _remarks(scene: Scene) -> Iterator[str]:
     """Yield remarks on a run in which nothing failed."""
     if scene.fmu.is_ours:
         yield from extent.remarks(scene.all_parameters, scene.duration)
+        alone = [n for n in scene.measures if not catalogue(scene.fmu.outputs())[n].needs]
+        if scene.controller is not None and alone:
+            yield f"without the controller: {', '.join(alone)}"
         texts = (format_payload(scene.all_parameters, axle) for axle in ("", "front", "rear"))
         yield from filter(None, texts)
 

@@ -249,7 +249,7 @@ def test_solvers_have_their_packages_colour_and_legends_room() -> None:
              *((rule, "incremental") for rule in ("equilibrium", "mean", "tangent", "wilson", "exact")),
              ("extrapolated", "FMU"), *((f"rule {k}", "construction") for k in range(8)),
              *((f"{package} {k}", "peer")
-               for package in ("scipy", "numbalsoda", "heyoka") for k in range(4))]  # fmt: skip
+               for package in ("scipy", "numbalsoda", "cvode", "heyoka") for k in range(4))]  # fmt: skip
     curves = [Curve(name, family, ((1e-3, 1e-4), (1e-6, 2e-4))) for name, family in names]
     for panels in (1, 2, 3):
         figure = work_precision([("problem", curves)] * panels)

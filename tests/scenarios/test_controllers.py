@@ -5,6 +5,7 @@ import pytest
 from command_line import complaint, reported, written
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw import exercises
+from phaseplane.scenarios.draw.recording_content import of_results
 from phaseplane.scenarios.errors import InputError, RunError
 from phaseplane.scenarios.scene.loading import load_scene
 
@@ -187,6 +188,42 @@ def test_a_construction_does_not_pass_for_a_run_under_a_controller(tmp_path):
 @pytest.mark.parametrize("command", ["portrait", "modes"])
 def test_what_is_of_the_model_alone_says_so(command):
     assert reported(command, "skyhook")["title"].endswith("; without the controller")
+
+
+def test_events_are_those_of_the_run_under_the_controller():
+    run = phaseplane.run(
+        "skyhook", duration=0.2, expect=False, measures=["lift_offs", "touchdowns"]
+    )
+    assert run.measures["lift_offs"] != phaseplane.run("speed_bump").measures["lift_offs"]
+    of_tyre = [event.time for event in run.events if event.element == "tyre"]
+    assert of_tyre == sorted([*run.measures["lift_offs"], *run.measures["touchdowns"]])
+
+
+def test_what_is_measured_on_the_model_alone_is_said_so():
+    measures = ["peak.body_acceleration", "natural_frequencies", "magnification"]
+    run = phaseplane.run("skyhook", duration=0.1, expect=False, measures=measures)
+    assert "without the controller: natural_frequencies, magnification" in run.summary["remarks"]
+
+
+def test_a_recording_shows_no_energies_of_another_motion(tmp_path):
+    run = phaseplane.run("skyhook", duration=0.1, expect=False)
+    assert run.summary["controller"] == {
+        "period": 0.001, "events": False, "actuator_force": "-skyhook * body_velocity",
+        "constants": {"skyhook": 1500},
+    }  # fmt: skip
+    shown = of_results(run.results, None, {})
+    assert "energies" not in shown.views
+    assert not any(name.endswith("_energy") for name in shown.histories)
+
+
+def test_a_fit_runs_under_the_controller(tmp_path):
+    run = phaseplane.run("skyhook", duration=0.3, expect=False, outputs=["body_acceleration"])
+    run.write("measured")
+    written('extends = "skyhook"\nduration = 0.3\n[parameters]\nspring.rate = 25e3\n', "car.toml")
+    written('scene = "car.toml"\n[vary]\nspring.rate = { from = 1e4, to = 4e4 }\n[measured]\n'
+            'file = "measured/results.csv"\n[search]\nstarts = 2\n', "fit.toml")  # fmt: skip
+    found = phaseplane.fit_parameters("fit.toml").values["spring.rate"]
+    assert found == pytest.approx(run.scene.all_parameters["spring.rate"], rel=1e-4)
 
 
 def test_an_exercise_says_that_it_is_without_the_controller():
