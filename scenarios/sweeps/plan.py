@@ -201,7 +201,11 @@ class Plan:
         names = dict.fromkeys(
             (*(k for k in self.keys if k in base), *(i.name for i in self.scene.idle))
         )
-        return [str(found) for name in names if (found := self.idle(name)) is not None]
+        found = [str(idle) for name in names if (idle := self.idle(name)) is not None]
+        if self.scene.controller is not None:
+            controller = self.scene_of(self.points[0]).controller  # its constants may vary
+            found += controller.warnings if controller else []
+        return found
 
     def idle(self, name: str) -> Idle | None:
         """Return why a parameter has no effect in any run, or None if it may have one."""

@@ -8,6 +8,7 @@ from phaseplane.scenarios.draw import exercises
 from phaseplane.scenarios.draw.recording_content import of_results
 from phaseplane.scenarios.errors import InputError, RunError
 from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.sweeps.plan import load_plan
 
 import phaseplane
 
@@ -48,6 +49,14 @@ def test_a_constant_that_no_formula_contains_is_reported():
     constants = {"skyhook": 1500.0, "skyhok": 3000.0}
     run = phaseplane.run("skyhook", controller={"constants": constants}, expect=False)
     assert run.summary["warnings"] == [
+        "controller.constants.skyhok has no effect on the motion: no formula contains it"
+    ]
+
+
+def test_a_sweep_of_a_constant_that_no_formula_contains_is_reported():
+    name = written('scene = "skyhook"\nmeasures = ["peak.body_acceleration"]\n[vary]\n'
+                   "controller.constants.skyhok = [1, 2]\n", "sweep.toml")  # fmt: skip
+    assert load_plan(name).warnings == [
         "controller.constants.skyhok has no effect on the motion: no formula contains it"
     ]
 
