@@ -171,7 +171,7 @@ def _packed(
         for scene, own in zip(scenes, own_systems, strict=True):
             warn(_left_out(scene))
             model = scene.fmu.model
-            given = {**scene.parameters, **starts.get(model, {})}
+            given = {**scene.start_values, **starts.get(model, {})}
             with TemporaryDirectory() as work:
                 made = pack(
                     [model], Path(work), parameters={model: given}, own=own, references=True

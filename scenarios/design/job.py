@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from phaseplane.suspension import engine
+from phaseplane.suspension import engine, extent
 from phaseplane.suspension.units import counted
 from phaseplane.suspension.variables import Value
 
@@ -149,8 +149,13 @@ def _written(
 
 
 def _scene(space: Space, values: Mapping[str, float], folder: Path) -> str:
-    """Return a scene file with the parameters found."""
-    base = space.plan.reference
+    """Return a scene file with the parameters found, on the road of the study's runs."""
+    base, plan = space.plan.reference, space.plan
+    if plan.road_length is not None:
+        given = {k: v for k, v in plan.scene.parameters.items() if k != extent.LENGTH}
+        own = plan.scene.fmu.road_length({**given, **values}, plan.scene.duration)
+        if own.get(extent.LENGTH) != plan.road_length:
+            values = {**values, extent.LENGTH: plan.road_length}
     if base.endswith(SCENE_FILES) and Path(base).is_file():
         base = Path(os.path.relpath(Path(base).resolve(), folder.resolve())).as_posix()
     lines = [f'extends = "{base}"', "", "[parameters]"]

@@ -183,7 +183,7 @@ def _of_scene(name: str) -> Problem:
         scene.title or scene.name,
         "non-smooth",
         scene.fmu.model,
-        scene.all_parameters if scene.fmu.path else scene.parameters,
+        scene.all_parameters if scene.fmu.path else scene.start_values,
         scene.duration,
         intervals,
     )

@@ -8,11 +8,13 @@ from command_line import complaint, written
 from command_line import phaseplane as phaseplane_command
 from hypothesis import given
 from hypothesis import strategies as st
+from phaseplane.scenarios.design.job import _scene
 from phaseplane.scenarios.design.optimum import read_problem, undominated
 from phaseplane.scenarios.design.space import Space, journaled
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.results.folder import read_summary
 from phaseplane.scenarios.results.signals import read_signals
+from phaseplane.scenarios.scene.loading import load_scene
 
 import phaseplane
 from phaseplane import figures
@@ -88,6 +90,21 @@ def test_a_bound_on_a_peak_is_one_on_its_magnitude():
     assert problem.measures == ("suspension_travel", "peak.body_acceleration")
     broken = problem.violations(np.array([[0.1, -5.0], [0.1, 3.0]]))
     np.testing.assert_allclose(broken, [[0.25], [-0.25]])
+
+
+@pytest.mark.parametrize(("most", "kept"), [(15, False), (40, True)])
+def test_the_scene_found_has_the_road_of_the_study(most, kept):
+    """A random road depends on its length, which all runs of a study share."""
+    written(
+        'fmu = "QuarterCar"\nduration = "12 s"\n[parameters]\nroad.shape = "random"\n', "car.toml"
+    )
+    space = read_problem(Path(study(
+        f'minimise = "suspension_travel"\n[vary]\nspeed = {{ from = 10, to = {most} }}\n'
+    ))).space  # fmt: skip
+    written(_scene(space, {"speed": 12.0}, Path()), "found.toml")
+    found = load_scene("found.toml")
+    assert ("road.profile_length" in found.parameters) is kept
+    assert found.all_parameters["road.profile_length"] == space.plan.road_length
 
 
 @pytest.mark.slow

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from command_line import written
+from phaseplane.scenarios.commands.build import build_models
 from phaseplane.scenarios.results.report import report
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate.runner import run
@@ -102,3 +103,10 @@ def test_a_sweep_says_how_many_roads_end(car: str, tmp_path: Path) -> None:
     summary = {**summary_of(plan, rows, told), "files": [], "problems": []}
     assert summary["remarks"] == [said]
     assert said in format_sweep(plan, summary, tmp_path)
+
+
+@pytest.mark.slow
+def test_the_fmu_of_a_scene_has_the_road_of_its_run(car: str) -> None:
+    (path, *_) = build_models([car], Path("fmus"))
+    packed, scene = load_scene(str(path)), load_scene(car)
+    assert packed.all_parameters[LENGTH] == scene.all_parameters[LENGTH] > 200.0
