@@ -167,7 +167,8 @@ def _packed(
         chosen = [name for name in names if name in FILES]
         own_systems = [_own_system(scene) for scene in scenes]
         starts = _start_values([*chosen, *(scene.fmu.model for scene in scenes)], settings)
-        files = pack(chosen, folder, parameters=starts, references=True)
+        own_starts = {name: starts[name] for name in chosen if name in starts}
+        files = pack(chosen, folder, parameters=own_starts, references=True)
         for scene, own in zip(scenes, own_systems, strict=True):
             warn(_left_out(scene))
             model = scene.fmu.model

@@ -8,12 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import complaint, phaseplane, printed, settings, written
+from phaseplane.scenarios.commands.build import _packed
 from phaseplane.scenarios.scene.fmus import find_fmu
 from phaseplane.scenarios.studies.problems import find_problem
 from phaseplane.scenarios.studies.project_solvers import through_fmu
 from phaseplane.scenarios.studies.reference import truth
 from phaseplane.scenarios.studies.workbench import Workbench
 from phaseplane.vehicle_fmus.native import compilers, pack
+from phaseplane.vehicle_fmus.reference import accepted_parameters
 
 
 @pytest.fixture(scope="module")
@@ -92,3 +94,19 @@ def test_build_says_that_an_fmu_of_the_other_kind_is_replaced(car: Path, tmp_pat
         assert told.exit_code == 0
         assert wanted in told.stderr
         assert bool(wanted) == bool(told.stderr)
+
+
+def test_a_scene_is_packed_with_other_start_values(tmp_path: Path) -> None:
+    """What is set for the scene's model is no start value of a model beside it."""
+    name = written('fmu = "QuarterCar"\nduration = 1\n[parameters]\nspeed = 12\n', "car.toml")
+    packed = []
+
+    def recorded(
+        models: list[str], _folder: Path, *, parameters: dict[str, dict[str, object]], **_: object
+    ) -> list[Path]:
+        packed.extend(accepted_parameters(models, parameters, {}))
+        return []
+
+    _packed([name, "OneDof"], tmp_path, recorded, ["speed=50 km/h"])
+    speeds = {model: start["speed"] for model, start, _ in packed}
+    assert speeds == pytest.approx({"QuarterCar": 50 / 3.6, "OneDof": 50 / 3.6})
