@@ -199,7 +199,8 @@ def solve(problem: Problem, journal: Path, progress: Progress = silent) -> Optim
 
 
 def _measures_of(plan: Plan) -> list[tuple[float | None, ...]]:
-    rows = run_chunk(plan, range(len(plan.points)), "process")
+    through = "process" if plan.scene.fmu.path is None else "fmu"
+    rows = run_chunk(plan, range(len(plan.points)), through)
     return [
         tuple(None if row.reason or x is None else float(x) for x in row.values) for row in rows
     ]

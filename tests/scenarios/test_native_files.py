@@ -17,6 +17,8 @@ from phaseplane.scenarios.studies.workbench import Workbench
 from phaseplane.vehicle_fmus.native import compilers, pack
 from phaseplane.vehicle_fmus.reference import accepted_parameters
 
+import phaseplane as phaseplane_package
+
 
 @pytest.fixture(scope="module")
 def car(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -110,3 +112,17 @@ def test_a_scene_is_packed_with_other_start_values(tmp_path: Path) -> None:
     _packed([name, "OneDof"], tmp_path, recorded, ["speed=50 km/h"])
     speeds = {model: start["speed"] for model, start, _ in packed}
     assert speeds == pytest.approx({"QuarterCar": 50 / 3.6, "OneDof": 50 / 3.6})
+
+
+@pytest.mark.slow
+def test_an_optimum_runs_the_file_with_its_own_start_values(car: Path) -> None:
+    """Its friction of 30 N is no default of the model, which would run in this process."""
+    written(f'fmu = "{car}"\nduration = 0.3\n', "car.toml")
+    name = written('scene = "car.toml"\nminimise = "suspension_travel"\n[vary]\n'
+                   "spring.rate = { from = 1e4, to = 2e4 }\n[search]\npopulation = 1\n"
+                   "generations = 0\n", "study.toml")  # fmt: skip
+    found = phaseplane_package.optimise(name).summary["measures"]["suspension_travel"]
+    run = phaseplane_package.run("car.toml", measures=["suspension_travel"])
+    assert found["before"] == pytest.approx(run.measures["suspension_travel"], rel=1e-9)
+    plain = phaseplane_package.run("QuarterCar", duration=0.3, measures=["suspension_travel"])
+    assert found["before"] != pytest.approx(plain.measures["suspension_travel"], rel=1e-6)
