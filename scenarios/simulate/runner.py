@@ -182,7 +182,7 @@ def _times(scene: Scene) -> tuple[Column, int]:
 
 def events_of(scene: Scene) -> list[Event]:
     """Return the switches in a run of a model of this package, up to its end or its failure."""
-    session = Session(scene.fmu.model, scene.start_values)
+    session = Session(scene.fmu.model, scene.all_parameters)  # a file may have other defaults
     with suppress(SimulationError):
         if scene.controller is None:
             session.advance(scene.duration)

@@ -115,6 +115,16 @@ def test_a_scene_is_packed_with_other_start_values(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_events_are_those_of_the_file_with_its_start_values(car: Path) -> None:
+    measures = ["lift_offs", "touchdowns"]
+    run = phaseplane_package.run(car, duration=0.3, measures=measures)
+    of_tyre = [event.time for event in run.events if event.element == "tyre"]
+    assert of_tyre == sorted([*run.measures["lift_offs"], *run.measures["touchdowns"]])
+    plain = phaseplane_package.run("QuarterCar", duration=0.3, measures=measures)
+    assert run.measures != plain.measures
+
+
+@pytest.mark.slow
 def test_an_optimum_runs_the_file_with_its_own_start_values(car: Path) -> None:
     """Its friction of 30 N is no default of the model, which would run in this process."""
     written(f'fmu = "{car}"\nduration = 0.3\n', "car.toml")
