@@ -256,7 +256,9 @@ def _of_model(name: str) -> Iterator[str]:
 
 def _key(name: str, unit: str, words: str) -> str:
     head = f"  {name} [{unit}]" if unit not in ("", "1") else f"  {name}"
-    return fill(f"{head:<28} {words}", 100, subsequent_indent=" " * 29, break_on_hyphens=False)
+    gap = " " * 29
+    about = fill(words, 100, initial_indent=gap, subsequent_indent=gap, break_on_hyphens=False)
+    return f"{head}\n{about}" if len(head) >= len(gap) else head + about[len(head) :]
 
 
 def _default(value: object) -> str:

@@ -137,8 +137,9 @@ class Scene:
     @property
     def hash(self) -> str:
         """A hash of everything that decides the motion and the columns; equal for equal runs."""
+        of_file = self.fmu.path or self.fmu.system
         said = (
-            self.fmu.model, self.fmu.path and self.fmu.content, self.duration, self.show.output_interval,
+            self.fmu.model, of_file and self.fmu.content, self.duration, self.show.output_interval,
             sorted(self.all_parameters.items()), self.columns, self.controller, self.construction.starts,
         )  # fmt: skip
         return sha256(repr(said).encode()).hexdigest()[:16]

@@ -9,6 +9,7 @@ from command_line import printed, written
 from phaseplane.scenarios.commands.build import build_models
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.scene.fmus import find_fmu
+from phaseplane.scenarios.scene.loading import load_scene
 
 import phaseplane
 
@@ -39,6 +40,14 @@ def test_the_file_of_a_system_is_a_scene():
     written('extends = "mass.toml"\n[parameters]\nstiffness = 200\n', "other.toml")
     other = phaseplane.run("other.toml", solver={"tolerance": 1e-10})
     np.testing.assert_allclose(other["x_displacement"], 0.01 * np.cos(10.0 * other.time), atol=1e-9)
+
+
+def test_another_law_in_the_file_gives_another_hash():
+    before = load_scene("mass.toml").hash
+    assert load_scene("mass.toml").hash == before
+    damped = 'damper = { rate = 3 }\nspring = { rate = "stiffness" }'
+    written(SYSTEM.replace('spring = { rate = "stiffness" }', damped), "mass.toml")
+    assert load_scene("mass.toml").hash != before
 
 
 @pytest.mark.slow
