@@ -38,6 +38,8 @@ from ..scene.sections import CONSTRUCTION_FIGURES
 from .console import figure_option, json_option, set_option
 from .viewing import look_options, page, save_option, until_interrupted, viewer_options
 
+_KIND = "phase_planes"  # of a figure
+
 
 @click.command()
 @click.argument("what", metavar="SCENE|RESULTS")
@@ -59,7 +61,7 @@ from .viewing import look_options, page, save_option, until_interrupted, viewer_
 @figure_option("the phase planes, or of another --kind", "; animated: .gif or .mp4")
 @click.option(
     "--kind",
-    default="phase_planes",
+    default=_KIND,
     show_default=True,
     metavar="NAME",
     help="Figure to draw: phase_planes, construction_sheet, storyboard, or a figure of AP57: "
@@ -123,7 +125,7 @@ def replay_construction(
     viewer: str = "",
     over: Path | None = None,
     *,
-    kind: str = "phase_planes",
+    kind: str = _KIND,
     look: figures.Look | None = None,
     at_step: int | None = None,
 ) -> dict[str, Any]:
@@ -147,6 +149,9 @@ def replay_construction(
     """
     check_recording(save)
     check_picture(figure, PICTURES + MOVING)
+    for option, given in (("--kind", kind != _KIND), ("--at-step", at_step is not None)):
+        if given and figure is None:
+            raise InputError(f"{option} is for a figure; give --figure F.png, too")
     try:
         one_of(CONSTRUCTION_FIGURES).read(kind)
     except ValueError as error:

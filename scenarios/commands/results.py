@@ -61,6 +61,11 @@ def show(
     may also be TOML files with a table [measured], as for `compare`.
     """
     _check_there(*paths)
+    if len(paths) > 1 and figure is None:
+        raise InputError(
+            "several results are drawn over one another: give --figure F.png, too; 'phaseplane compare' "
+            "lists two of them side by side"
+        )
     check_recording(save)
     pair = _plane(plane, figure or save)
     data = contents(paths[0], columns, figure, pair, paths[1:], look)

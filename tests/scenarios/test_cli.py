@@ -243,6 +243,11 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         ("replay ap57 --figure x.jpg", "must end in .png"),
         ("replay ap57 --figure x.gif --kind figure7", "only phase_planes can be animated"),
         ("replay ap57 --figure x.gif --at-step 3", "leave --at-step out"),
+        ("replay ap57 --save x.rrd --at-step 3", "--at-step is for a figure; give --figure F.png"),
+        (
+            "replay ap57 --save x.rrd --kind storyboard",
+            "--kind is for a figure; give --figure F.png",
+        ),
         ("run ap57 --serve --connect rerun+http://127.0.0.1:1/proxy", "give one of them"),
         ("run ap57 --address 0.0.0.0", "give --serve, too"),
         ("replay ap57 --figure x.png --kind figure77", "did you mean 'figure7'?"),

@@ -296,6 +296,11 @@ def test_the_look_of_a_figure_that_is_not_drawn_is_refused(command, option):
 
 
 @pytest.mark.usefixtures("folders")
+def test_several_results_without_a_picture_are_refused():
+    assert "several results are drawn over one another: give --figure" in complaint("show a b")
+
+
+@pytest.mark.usefixtures("folders")
 def test_a_font_that_is_missing_is_refused_before_anything_is_drawn(tmp_path):
     assert "--font: font 'None Such' is not installed" in complaint(
         "compare a b --figure", str(tmp_path / "a.png"), "--font", "None Such"
