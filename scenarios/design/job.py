@@ -215,9 +215,18 @@ def _format_optimum(found: Optimum) -> list[str]:
         role = ("least" if problem.sign > 0 else "largest") if name == problem.objective else ""
         values = (quantity(float(x[k]), unit) for x in (found.numbers_before, found.numbers))
         measured.append((name, *values, ", ".join([*([role] if role else []), *limits])))
-    failed = int(np.isnan(found.measured).any(axis=1).sum())
-    made = f"{counted(len(found.points), 'run')}{f', of which {failed} failed' * bool(failed)}"
+    lacking = int(np.isnan(found.measured).any(axis=1).sum())
+    made = counted(len(found.points), "run")
+    if lacking:
+        made = f"{made}, of which {lacking} failed or lack a measure"
     lines = [*aligned(rows), "", *aligned(measured), "", made]
+    scene = space.plan.scene.all_parameters
+    lines += [
+        f"{key} of the scene, {_value(space, k, float(scene[key]))}, is outside its range; before is at "
+        "the nearest end"
+        for k, key in enumerate(space.plan.keys)
+        if abs((float(scene[key]) - space.lows[k]) / space.widths[k] - 0.5) > 0.5 + 1e-9
+    ]
     lines += [
         f"{name} has no effect on the measures at both ends and in the middle of its range"
         for name in found.without_effect

@@ -428,6 +428,28 @@ def test_an_optimum_that_depends_on_no_parameter_is_refused():
 
 
 @pytest.mark.slow
+def test_runs_that_lack_a_measure_are_counted():
+    """A wheel that stays on the low bump has no first lift-off."""
+    found = phaseplane.optimise(study(
+        'minimise = "first_lift_off"\n[vary]\nroad.height = { from = "5 mm", to = "8 cm" }\n'
+        "[search]\npopulation = 4\ngenerations = 0\n"
+    ))  # fmt: skip
+    runs = phaseplane.read(found.folder / "runs.csv")["first_lift_off"]
+    lacking = int(np.isnan(runs).sum())
+    assert 0 < lacking < len(runs)
+    assert f"{len(runs)} runs, of which {lacking} failed or lack a measure" in found.report
+
+
+@pytest.mark.slow
+def test_a_scene_outside_the_range_is_not_taken_for_what_was_before():
+    found = phaseplane.optimise(study(
+        'minimise = "suspension_travel"\n[vary]\nspring.rate = { from = "20 N/mm", to = "30 N/mm" }\n'
+        "[search]\npopulation = 1\ngenerations = 0\n"
+    ))  # fmt: skip
+    assert "spring.rate of the scene, 14.71 N/mm, is outside its range" in found.report
+
+
+@pytest.mark.slow
 def test_a_parameter_without_effect_on_the_optimum_is_named():
     written(CAR + "bump_stop.stiffness = 1e6\n", "car.toml")
     found = phaseplane.optimise(study(
