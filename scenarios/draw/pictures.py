@@ -51,7 +51,8 @@ def pictures_of(
     drawing : the construction; if None, the pictures that need it are left out
     """
     title = scene.title or scene.name
-    look = figures.Look(dark=scene.show.dark)
+    drawn = scene.show.figures or scene.show.planes
+    look = figures.Look(dark=scene.show.dark) if drawn else None  # it needs matplotlib
     pictures: dict[str, Callable[[Path], None]] = {
         f"{name}.png": partial(draw, name, drawing=drawing, results=results, title=title, look=look)
         for name in scene.show.figures
@@ -69,11 +70,13 @@ def pictures_of(
 
 
 def _draw_plane(
-    names: tuple[str, str], results: Results, title: str, look: figures.Look, path: Path
+    names: tuple[str, str], results: Results, title: str, look: figures.Look | None, path: Path
 ) -> None:
     x, y = (results.columns[name] for name in names)
     units = results.summary.get("units", {})
-    drawn = figures.plane_of_columns({"": (x, y)}, names, units, title=title, look=look)
+    drawn = figures.plane_of_columns(
+        {"": (x, y)}, names, units, title=title, look=look or figures.Look()
+    )
     figures.save(drawn, path)
 
 
