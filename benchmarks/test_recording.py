@@ -29,7 +29,7 @@ from phaseplane.picture.layers import layers_at
 from phaseplane.picture.subject import read_off
 from phaseplane.picture.text import step_text
 from phaseplane.recording import DETAILS, Content, new_recording, record, serving
-from phaseplane.recording.columns import xy
+from phaseplane.recording.canvas import xy
 from phaseplane.recording.server import free_port, viewer_program
 
 pytestmark = pytest.mark.slow

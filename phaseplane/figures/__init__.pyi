@@ -1,14 +1,14 @@
 from .animation import animation as animation
 from .animation import storyboard as storyboard
 from .characteristics import characteristics_sheet as characteristics_sheet
-from .columns import plane_of_columns as plane_of_columns
-from .columns import runs as runs
 from .exercise import Filled as Filled
 from .exercise import exercise_sheet as exercise_sheet
 from .exercise import sheet_room as sheet_room
 from .exercise import sheet_view as sheet_view
 from .histories import axle_histories as axle_histories
 from .histories import has_histories as has_histories
+from .histories import plane_of_columns as plane_of_columns
+from .histories import runs as runs
 from .histories import time_histories as time_histories
 from .modes import modal_planes as modal_planes
 from .planes import construction_sheet as construction_sheet

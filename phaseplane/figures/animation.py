@@ -20,11 +20,10 @@ from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import draw_curves
 from phaseplane.picture.files import replace_file
-from phaseplane.picture.items import TYPE
-from phaseplane.picture.page import Page
+from phaseplane.picture.frames import motions_of
+from phaseplane.picture.page import TYPE, Page
 from phaseplane.picture.story import Tick, arms_page, staged, story_of
 from phaseplane.picture.styles import MOVING_POINT
-from phaseplane.picture.subject import motions_of
 from phaseplane.picture.text import format_time
 from phaseplane.picture.views import frame_at, view_of, views_of
 

@@ -15,8 +15,7 @@ from matplotlib.lines import Line2D
 
 from phaseplane.constructions.letters import is_letter
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.picture.items import TYPE, Arrow, Dots, Item, Lines, Text
-from phaseplane.picture.page import Page
+from phaseplane.picture.page import TYPE, Arrow, Dots, Item, Lines, Page, Text
 from phaseplane.picture.paper import Box, vertices
 from phaseplane.picture.styles import style_of
 from phaseplane.picture.subject import Subject

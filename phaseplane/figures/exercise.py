@@ -19,12 +19,12 @@ from phaseplane.constructions.letters import MINUS, typeset
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import CURVES, draw_curves, draw_trails
-from phaseplane.picture.items import TYPE
-from phaseplane.picture.page import Page
-from phaseplane.picture.paper import Box, around, columns
+from phaseplane.picture.frames import columns, motions_of
+from phaseplane.picture.page import TYPE, Page
+from phaseplane.picture.paper import Box, around
 from phaseplane.picture.step import write_numbers
 from phaseplane.picture.styles import GREEN, RED
-from phaseplane.picture.subject import Subject, motions_of
+from phaseplane.picture.subject import Subject
 
 from .canvas import Sheet
 from .style import PLAIN, Printed

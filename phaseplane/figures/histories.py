@@ -1,8 +1,10 @@
-"""Motions over time: displacements with the road, velocities, accelerations, energies."""
+"""Motions over time: displacements with the road, velocities, accelerations, energies; or any columns."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from math import ceil
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -10,11 +12,13 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from phaseplane.picture.quantities import QUANTITIES, Quantity
+from phaseplane.picture.quantities import QUANTITIES, Quantity, display_unit
 from phaseplane.picture.styles import hue_of
+from phaseplane.picture.text import bracketed, in_words
 
-from .style import PLAIN, Look, Palette, Printed, name_up, styled
+from .style import DASHES, PLAIN, Look, Palette, Printed, name_up, styled
 
+# the columns of each quantity, and their labels
 _COLUMNS = {
     "displacement": {
         "road_elevation": "road ξ",
@@ -37,24 +41,27 @@ _COLUMNS = {
     },
     "energy": {f"{name}_energy": name for name in ("kinetic", "stored", "dissipated", "supplied")},
 }
-"""The columns of each quantity, and their labels."""
 _KNOWN = {name for columns in _COLUMNS.values() for name in columns}
 _BODY = "body_acceleration"
 _OF_BODY = (_BODY, "body_centre_acceleration")
 _FLAT = 0.1  # of the largest acceleration: below it, that of the body has a panel of its own
 _DASHES = {"road": "--", "centre": ":"}
-_MONO = {  # the dashes of black lines, besides
+# of black lines, besides: their dashes, and their markers, and whether these are filled
+_MONO = {
     "wheel": "-.", "suspension": (0, (6, 1.5)), "stored": "--", "dissipated": "-.", "supplied": ":",
 }  # fmt: skip
-# the markers of black lines, and whether they are filled
 _MARKERS = {"body": ("o", True), "wheel": ("s", False), "suspension": ("^", False)}
 _MONO_MARKED = 20  # times that are marked on black lines, whose dashes are seen between them
 _MOST_MARKED = 300  # times that are marked; more would be a blot
-_NARROW = 5.0  # in: a picture with one legend for all panels
+_NARROW = 5.0  # inches of a picture with one column of panels, or one legend for all panels
+_IN_COLUMN = 7  # panels one below the other, more if they would be too many side by side
+_ACROSS = 3  # panels side by side
+_LINE = 18  # letters of a label
 
 Table = dict[str, npt.NDArray[np.float64]]
 Row = tuple[str, Quantity, dict[str, str]]
 """The name of a panel, its quantity, and its columns with their labels."""
+Curve = tuple[npt.ArrayLike, npt.ArrayLike]
 
 
 @styled
@@ -93,16 +100,20 @@ def axle_histories(
     return _histories(axles, title, look, points=False)
 
 
+def has_histories(columns: Mapping[str, object]) -> bool:
+    """Whether some of the columns are drawn by `time_histories`."""
+    return not _KNOWN.isdisjoint(columns)
+
+
 def _histories(
     axles: Mapping[str, Mapping[str, npt.ArrayLike]], title: str, look: Look, points: bool
 ) -> Figure:
     """Draw a column of panels for each axle, with equal scales across."""
-    checked = {name: _checked(columns) for name, columns in axles.items()}
-    shown = max((shown for _, shown in checked.values()), key=len)
+    tables = {name: _checked(columns) for name, columns in axles.items()}
     # points of a construction stay in one panel, where a reader adds them up
-    rows = _rows(shown, [] if points else [table for table, _ in checked.values()])
-    palette, across = look.palette, len(checked)
-    long = max(float(table["time"][-1]) for table, _ in checked.values()) > 1.0
+    rows = _rows(list(tables.values()), split=not points)
+    palette, across = look.palette, len(tables)
+    long = max(float(table["time"][-1]) for table in tables.values()) > 1.0
     unit, factor = ("s", 1.0) if long else ("ms", 1e3)
     width = look.inches or (9.0 if across == 1 else 1.5 + 5.2 * across)
     narrow = width < _NARROW
@@ -110,22 +121,20 @@ def _histories(
     height = 2.2 * min(1.0, 0.5 + width / across / 15.0)
     figure = Printed(look, width, 0.5 + len(rows) * height)
     grid = figure.subplots(len(rows), across, sharex=True, sharey="row", squeeze=False)
-    for k, (axle, (table, _)) in enumerate(checked.items()):
-        panels = grid[:, k]
-        spans = airborne_spans(table["time"], table["airborne"]) if "airborne" in table else []
+    for k, (axle, table) in enumerate(tables.items()):
+        panels, times = grid[:, k], factor * table["time"]
+        spans = airborne_spans(times, table["airborne"]) if "airborne" in table else []
         for axes, row in zip(panels, rows, strict=True):
-            _panel(axes, row, table, factor * table["time"], palette, points=points)
+            _panel(axes, row, table, times, palette, points=points)
             for start, end in spans:
-                axes.axvspan(
-                    factor * start, factor * end, color=palette.tint, zorder=0.0, gid="airborne"
-                )
+                axes.axvspan(start, end, color=palette.tint, zorder=0.0, gid="airborne")
             if k + 1 == across and not narrow:
                 axes.legend(reverse=True, loc="center left", bbox_to_anchor=(1.01, 0.5))
             if not k:
                 name_up(axes, f"{row[0]}{between}[{row[1].unit}]")
         for start, end in spans[:1]:
             panels[0].annotate(
-                "airborne", (0.5 * factor * (start + end), 1.0), (0.0, -2.0 if narrow else 2.0),
+                "airborne", (0.5 * (start + end), 1.0), (0.0, -2.0 if narrow else 2.0),
                 xycoords=("data", "axes fraction"), textcoords="offset points", ha="center",
                 va="top" if narrow else "bottom", fontsize=8.0, color=palette.faint,
                 bbox=palette.plate(),
@@ -135,44 +144,36 @@ def _histories(
             panels[0].set_title(axle, loc="right")
     if narrow:
         lines = [line for axes in grid[:, 0] for line in axes.lines if line.get_gid()]
-        named = {_without_symbol(str(line.get_label())): line for line in reversed(lines)}
+        # by a label that goes with a part in all panels: body for body x₁
+        named = {
+            " ".join(word for word in str(line.get_label()).split() if len(word) > 2): line
+            for line in reversed(lines)
+        }
         figure.key(list(named.values()), labels=list(named))
     return figure.finished(*title.split("\n"))
 
 
-def _without_symbol(label: str) -> str:
-    """Return a label that goes with a part in all panels: body for body x₁."""
-    return " ".join(word for word in label.split() if len(word) > 2)
-
-
-def has_histories(columns: Mapping[str, object]) -> bool:
-    """Whether some of the columns are drawn by `time_histories`."""
-    return not _KNOWN.isdisjoint(columns)
-
-
 def airborne_spans(times: npt.ArrayLike, airborne: npt.ArrayLike) -> list[tuple[float, float]]:
-    """Return the intervals in which the wheel is off the road, s.
+    """Return the intervals in which the wheel is off the road.
 
     An interval begins at the first airborne time and ends at the next that is not airborne.
     """
     instants = np.asarray(times, float)
     flies = np.concatenate([[False], np.asarray(airborne, float) > 0.5, [False]])
-    changes = np.flatnonzero(flies[1:] != flies[:-1])
-    last = len(instants) - 1
-    return [
-        (float(instants[start]), float(instants[min(end, last)]))
-        for start, end in zip(changes[::2], changes[1::2], strict=True)
-    ]
+    changes = np.flatnonzero(flies[1:] != flies[:-1]).clip(max=len(instants) - 1)
+    return [(float(start), float(end)) for start, end in instants[changes].reshape(-1, 2)]
 
 
-def _checked(columns: Mapping[str, npt.ArrayLike]) -> tuple[Table, list[Quantity]]:
+def _checked(columns: Mapping[str, npt.ArrayLike]) -> Table:
     if "time" not in columns:
         raise ValueError(f"no column 'time'; columns given: {', '.join(columns) or 'none'}")
-    table = {
-        name: np.asarray(column, float)
-        for name, column in columns.items()
-        if name in _KNOWN | {"time", "airborne"}
-    }
+    if not has_histories(columns):
+        raise ValueError(
+            f"none of the columns can be drawn: {', '.join(columns)}; known columns are "
+            + ", ".join(sorted(_KNOWN))
+        )
+    own = _KNOWN | {"time", "airborne"}
+    table = {name: np.asarray(column, float) for name, column in columns.items() if name in own}
     shape = table["time"].shape
     if len(shape) != 1 or shape[0] < 2:
         raise ValueError(
@@ -183,21 +184,17 @@ def _checked(columns: Mapping[str, npt.ArrayLike]) -> tuple[Table, list[Quantity
             raise ValueError(
                 f"column {name!r} has shape {column.shape}: must be {shape}, as 'time'"
             )
-    shown = [q for q in QUANTITIES if not table.keys().isdisjoint(_COLUMNS.get(q.name, ()))]
-    if not shown:
-        raise ValueError(
-            f"none of the columns can be drawn: {', '.join(columns)}; known columns are "
-            + ", ".join(sorted(_KNOWN))
-        )
-    return table, shown
+    return table
 
 
-def _rows(shown: list[Quantity], tables: list[Table]) -> list[Row]:
+def _rows(tables: list[Table], *, split: bool) -> list[Row]:
     """Return the panels, with one for the body's acceleration if it is flat next to the wheel's."""
     rows: list[Row] = []
-    for quantity in shown:
-        columns = _COLUMNS[quantity.name]
-        if _BODY in columns and any(_flat(table, columns) for table in tables):
+    for quantity in QUANTITIES:
+        columns = _COLUMNS.get(quantity.name, {})
+        if all(table.keys().isdisjoint(columns) for table in tables):
+            continue
+        if split and _BODY in columns and any(_is_flat(table, columns) for table in tables):
             own = {name: columns[name] for name in columns if name in _OF_BODY}
             rest = {name: columns[name] for name in columns if name not in own}
             rows += [(quantity.name, quantity, rest), ("body acceleration", quantity, own)]
@@ -206,7 +203,7 @@ def _rows(shown: list[Quantity], tables: list[Table]) -> list[Row]:
     return rows
 
 
-def _flat(table: Table, columns: Iterable[str]) -> bool:
+def _is_flat(table: Table, columns: Mapping[str, str]) -> bool:
     peaks = {name: float(np.max(np.abs(table[name]))) for name in columns if name in table}
     return 0.0 < peaks.get(_BODY, 0.0) < _FLAT * max(peaks.values())
 
@@ -218,16 +215,108 @@ def _panel(
     _, quantity, columns = row
     dashes: dict[str, Any] = {**_DASHES, **(_MONO if palette.mono else {})}
     every = max(1, len(times) // _MONO_MARKED) if palette.mono else 1
+    marked = points and len(times) <= _MOST_MARKED
     for name in (name for name in columns if name in table):
-        element, *words = name.split("_")
-        marker, filled = _MARKERS.get(element, (".", True)) if palette.mono else (".", True)
-        face = None if filled else palette.paper
+        words = name.split("_")
+        marker, filled = _MARKERS.get(words[0], (".", True)) if palette.mono else (".", True)
         axes.plot(
             times, quantity.factor * table[name], color=palette.of(hue_of(name)),
-            linewidth=1.6 if element in ("body", "wheel") else 1.1,
-            linestyle=next((dashes[word] for word in (element, *words) if word in dashes), "-"),
-            marker=marker if points and element != "road" and len(times) <= _MOST_MARKED else "",
-            markersize=4.0, markevery=every, markerfacecolor=face, label=columns[name], gid=name,
+            linewidth=1.6 if words[0] in ("body", "wheel") else 1.1,
+            linestyle=next((dashes[word] for word in words if word in dashes), "-"),
+            marker=marker if marked and words[0] != "road" else "", markersize=4.0, markevery=every,
+            markerfacecolor=None if filled else palette.paper, label=columns[name], gid=name,
         )  # fmt: skip
     axes.axhline(0.0, color=palette.faint, linewidth=0.6, zorder=1.0)
     axes.set_xlim(times[0], times[-1])
+
+
+@styled
+def runs(
+    values: Mapping[str, Mapping[str, Curve]],
+    units: Mapping[str, str],
+    *, title: str = "", look: Look = PLAIN,
+) -> Figure:  # fmt: skip
+    """Draw columns of several runs over one another, each column in a panel of its own.
+
+    Parameters
+    ----------
+    values : for each column its time (s) and values by the name of the run
+    units : of the columns, where known
+
+    Raises
+    ------
+    ValueError : if there are no columns.
+    """
+    count = len(values)
+    if not count:
+        raise ValueError("no columns to draw")
+    narrow = look.inches is not None and look.inches < _NARROW
+    across = 1 if narrow else min(ceil(count / _IN_COLUMN), _ACROSS)
+    down = ceil(count / across)
+    figure = Printed(look, look.inches or 2.5 + 6.0 * across, 0.5 + 1.5 * down)
+    panels = figure.subplots(down, across, sharex=True, squeeze=False).T.ravel()
+    for axes in panels[count:]:
+        axes.set_axis_off()
+    for k in range(0, count, down):
+        lowest = panels[min(k + down, count) - 1]
+        lowest.set_xlabel("time [s]")
+        lowest.tick_params(labelbottom=True)
+    labels = list(dict.fromkeys(label for curves in values.values() for label in curves))
+    drawn = {}
+    for axes, (name, curves) in zip(panels, values.items(), strict=False):
+        unit, factor = _shown(units.get(name, ""), [column for _, column in curves.values()])
+        name_up(axes, fill(in_words(name), _LINE) + bracketed(unit).replace(" ", "\n", 1))
+        for label, (time, column) in curves.items():
+            number = labels.index(label)
+            style = {**look.palette.curve(number), "linestyle": DASHES[number % len(DASHES)]}
+            scaled = factor * np.asarray(column, float)
+            (drawn[label],) = axes.plot(time, scaled, linewidth=1.3, label=label, **style)
+    if len(labels) > 1:  # all of them, though a panel may have but one
+        figure.key([drawn[label] for label in labels])
+    return figure.finished(title)
+
+
+@styled
+def plane_of_columns(
+    curves: Mapping[str, Curve],
+    names: tuple[str, str],
+    units: Mapping[str, str],
+    *, title: str = "", look: Look = PLAIN,
+) -> Figure:  # fmt: skip
+    """Draw one column over another, such as a rate over its displacement, for one or more runs.
+
+    Parameters
+    ----------
+    curves : abscissa and ordinate by the name of the run, shape (n,) each
+    names : names of the two columns
+    units : of the columns, where known
+
+    Raises
+    ------
+    ValueError : if there are no curves.
+    """
+    if not curves:
+        raise ValueError("no columns to draw")
+    figure = look.blank(6.5, 5.6)
+    axes = figure.subplots()
+    shown = [
+        _shown(units.get(name, ""), columns)
+        for name, columns in zip(names, zip(*curves.values(), strict=True), strict=True)
+    ]
+    for number, (label, both) in enumerate(curves.items()):
+        x, y = (factor * np.asarray(v, float) for v, (_, factor) in zip(both, shown, strict=True))
+        style = look.palette.curve(number)
+        axes.plot(x, y, linewidth=1.3, label=label, **style)
+        axes.plot(x[:1], y[:1], "o", color=style["color"], markersize=4.0)
+    words = [in_words(n) + bracketed(unit) for n, (unit, _) in zip(names, shown, strict=True)]
+    axes.set(xlabel=words[0], ylabel=words[1])
+    if len(curves) > 1:
+        axes.legend()
+    return figure.finished(title)
+
+
+def _shown(unit: str, columns: Iterable[npt.ArrayLike]) -> tuple[str, float]:
+    """Return the unit in which a column of all runs is shown, and its number in one `unit`."""
+    values = np.concatenate([np.zeros(0), *(np.asarray(column, float) for column in columns)])
+    values = values[np.isfinite(values)]
+    return display_unit(unit, float(np.ptp(values)) if values.size else 0.0)

@@ -12,10 +12,10 @@ from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.storage import Frame
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import draw_curves, draw_missed, draw_trails
+from phaseplane.picture.frames import motions_of
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, Points
 from phaseplane.picture.step import draw_step, mark_events, write_letters, write_numbers
-from phaseplane.picture.subject import motions_of
 from phaseplane.picture.text import format_time
 from phaseplane.picture.views import frame_at, gathered, view_of
 
@@ -105,7 +105,7 @@ def construction_sheet(
     draw_axes(page)
     draw_curves(page, None)
     for one in chosen:
-        draw_step(page, one, turn=True, thin=0.6)
+        draw_step(page, one, ("step", "turn"), thin=0.6)
     draw_trails(page, recent=0)  # these steps are rarely the last
     draw_missed(page)
     mark_events(page)

@@ -13,13 +13,14 @@ from matplotlib.figure import Figure
 
 from phaseplane.constructions.construction import CONTACT, FLIGHT, LIFT_OFF, TOUCHDOWN
 from phaseplane.constructions.letters import typeset
-from phaseplane.constructions.primitives import Curve, Drawing, Plane
+from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.storage import Frame
 from phaseplane.picture import dimensions
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import draw_curves, draw_trails
+from phaseplane.picture.frames import read_over
 from phaseplane.picture.page import Page
-from phaseplane.picture.paper import around, read_over
+from phaseplane.picture.paper import around
 from phaseplane.picture.step import mark_events, write_letters
 from phaseplane.picture.views import frame_at, motion_points, telling_frame
 
@@ -31,20 +32,19 @@ from .style import PLAIN, Look
 _ELASTIC = (r"$\dfrac{c_2/c_1}{r + c_2/c_1}\,l$", r"$\dfrac{\kappa}{r + \kappa}\,l$")
 _NAME = 0.25  # room for the name of an axis beyond the motion, as a part of it
 _INERTIAL = (r"$\dfrac{l}{1 + \kappa_2}$", r"$\dfrac{\kappa_1\, l}{1 + \kappa_1}$")
+_PLACES = {CONTACT: "on the road", FLIGHT: "off the road"}
+_NEVER = {CONTACT: "it never is", FLIGHT: "it never leaves the road"}
+
+Length = tuple[str, str, str]
+"""The points between which a length on an axis is dimensioned, and its text."""
 
 
 @as_figure
 def figure7(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw one step in two planes with elastic coupling, with letters and dimensions (AP57 figure 7)."""
     needs(drawing, "figure 7 shows two planes with elastic coupling", "ap57_figure13", letter="B2")
-    if CONTACT not in drawing.frames.schemes:
-        raise ValueError("figure 7 shows the wheel on the road; in this motion it never is")
-    chosen = telling_frame(drawing, CONTACT) if frame is None else frame_at(drawing, frame)
-    if chosen.scheme != CONTACT:
-        now = "it is off the road" if chosen.scheme.startswith(FLIGHT) else "its suspension sticks"
-        raise ValueError(f"figure 7 shows a wheel on the road; in step {chosen.step} {now}")
-    lengths = [("A2*", "B2", r"$b\,h_2/c_2$")]
-    page = _dimensioned(drawing, chosen, _ELASTIC, lengths, look)
+    chosen = _step_in(CONTACT, drawing, frame, "figure 7")
+    page = _dimensioned(drawing, chosen, look, _ELASTIC, [("A2*", "B2", r"$b\,h_2/c_2$")])
     return page, f"Elastic coupling: {format_step(chosen).lower()}"
 
 
@@ -52,17 +52,29 @@ def figure7(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[
 def figure10(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw one step with the wheel off the road, with letters and dimensions (AP57 figure 10)."""
     needs(drawing, "figure 10 shows two planes with elastic coupling", "ap57", letter="B2")
-    if frame is None and FLIGHT not in drawing.frames.schemes:
-        flies = any(scheme.startswith(FLIGHT) for scheme in drawing.frames.schemes)
-        now = "its suspension sticks whenever it is" if flies else "it never leaves the road"
-        raise ValueError(f"figure 10 shows the wheel off the road; in this motion {now}")
-    chosen = telling_frame(drawing, FLIGHT) if frame is None else frame_at(drawing, frame)
-    if chosen.scheme != FLIGHT:
-        now = "its suspension sticks" if chosen.scheme.startswith(FLIGHT) else "it is on the road"
-        raise ValueError(f"figure 10 shows the wheel off the road; in step {chosen.step} {now}")
+    chosen = _step_in(FLIGHT, drawing, frame, "figure 10")
     lengths = [("Q2", "B0", r"$b\,x_{2st}$"), ("A1*", "D1", r"$a\,Mg/c_1$")]
-    page = _dimensioned(drawing, chosen, _ELASTIC, lengths, look)
+    page = _dimensioned(drawing, chosen, look, _ELASTIC, lengths)
     return page, f"The wheel off the road: {format_step(chosen).lower()}"
+
+
+def _step_in(mode: str, drawing: Drawing, index: int | None, figure: str) -> Frame:
+    """Return the step with this index, or a telling one, if the wheel is on or off the road in it."""
+    schemes = drawing.frames.schemes
+    if index is None and mode not in schemes:
+        sticks = any(scheme.startswith(mode) for scheme in schemes)
+        when = "this motion"
+        now = "its suspension sticks whenever it is" if sticks else _NEVER[mode]
+    else:
+        chosen = telling_frame(drawing, mode) if index is None else frame_at(drawing, index)
+        if chosen.scheme == mode:
+            return chosen
+        other = next(
+            (w for m, w in _PLACES.items() if m != mode and chosen.scheme.startswith(m)), ""
+        )
+        when = f"step {chosen.step}"
+        now = f"it is {other}" if other else "its suspension sticks"
+    raise ValueError(f"{figure} shows the wheel {_PLACES[mode]}; in {when} {now}")
 
 
 @as_figure
@@ -72,10 +84,34 @@ def figure12(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple
     needs(drawing, shown, scene, letter="H1")
     chosen = frame_at(drawing, frame)
     one, two = (plane.displacement.scale for plane in drawing.planes)
-    formulas = _INERTIAL if one == two else ("", "")
     lengths = [(f"D{n}", f"H{n}", rf"$a\,\ddot{{\xi}}_{n}/\Omega_{n}^2$") for n in "12"]
-    page = _dimensioned(drawing, chosen, formulas, lengths, look)
+    page = _dimensioned(drawing, chosen, look, _INERTIAL if one == two else ("", ""), lengths)
     return page, f"Inertial coupling: {format_step(chosen).lower()}"
+
+
+def _dimensioned(
+    drawing: Drawing, frame: Frame, look: Look, formulas: tuple[str, str], lengths: Sequence[Length]
+) -> Page:
+    """Draw one step with letters, the distances of lines I and II (given by formulas), and lengths."""
+    page = step_page(drawing, frame, look, 0.12)
+    top, bottom = (plane.displacement.origin.imag for plane in drawing.planes)
+    lines = {c.label: c.vertices[-1] for c in drawing.curves if c.role == "line"}
+    edge = page.view.centre.real + page.view.half.real
+    ends = (complex(edge, bottom), lines["I"], lines["II"])
+    for column, (formula, end) in enumerate(zip(("$l$", *formulas), ends, strict=True)):
+        x = edge - (1.0 + 3.2 * column) * page.em
+        foot = complex(x, end.imag)
+        if end.real < x:
+            dimensions.witness(page, end, foot)
+        words = f"{100.0 * (top - end.imag):.5g} cm"
+        text = f"{formula} = {words}" if formula else words
+        dimensions.length(page, complex(x, top), foot, text, towards=-1.0, short=words)
+    for start, last, words in lengths:
+        dimensions.below(page, frame.points[start], frame.points[last], words, 2.4)
+    if frame.scheme == FLIGHT:
+        mark_events(page)
+    write_letters(page, frame)
+    return page
 
 
 @as_figure
@@ -92,11 +128,15 @@ def figure9(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
             "figure 9 shows where the wheel leaves the road; in this motion it never does"
         )
     shown = [frames[event] for event in (LIFT_OFF, TOUCHDOWN) if event in frames]
-    wheel = drawing.planes[1]
-    curves = tuple(c for c in drawing.curves if c.role == "auxiliary" and _is_in(wheel, c))
+    wheel, axis = drawing.planes[1], drawing.planes[1].displacement
+    curves = tuple(
+        c for c in drawing.curves
+        if c.role == "auxiliary"
+        and min(c.vertices[0].imag, c.vertices[-1].imag) < axis.origin.imag
+        and max(c.vertices[0].imag, c.vertices[-1].imag) > axis.origin.imag
+    )  # fmt: skip
     only = Drawing(drawing.title, (wheel,), curves, drawing.schemes, drawing.frames)
     names = ("P2", "Q2", "A2", "A2*", "B0")
-    axis = wheel.displacement
     farthest = max(axis.read(frame.points["P2"]) for frame in drawing.frames)
     points = [frame.points[name] for frame in shown for name in names]
     points.append(axis.at((1.0 + _NAME) * farthest))
@@ -109,20 +149,20 @@ def figure9(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
         p, q, a, foot, b = (frame.points[name] for name in names)  # B2 has reached B0
         page.lines("foot", [[p, q]])
         page.dots("foot", [q])
-        if frame.event == TOUCHDOWN and _has_closed(frame, b):
-            road = axis.at(frame.readings["road_elevation"])
-            dimensions.below(page, road, q, r"$b\,x_{2st}$", row)
-            letters.append((q, "Q2", "foot"))
-            continue
-        page.lines("construction", [[p, a], [a, foot]])
-        page.lines("excitation", [[foot, b]])
-        page.dots("foot", [a, foot])
-        page.dots("excitation", [b])
-        dimensions.below(page, b, q, r"$b\,x_{2st}$", row)
-        letters += [
-            (q, "Q2", "foot"), (a, "A2", "construction"), (foot, "A2*", "construction"),
-            (b, "B2", "excitation"),
-        ]  # fmt: skip
+        letters.append((q, "Q2", "foot"))
+        # a flight may also end because the gap closes, before B2 reaches B0
+        if frame.event == TOUCHDOWN and abs(frame.points.get("B2", b) - b) > 1e-9:
+            start = axis.at(frame.readings["road_elevation"])
+        else:
+            start = b
+            page.lines("construction", [[p, a], [a, foot]])
+            page.lines("excitation", [[foot, b]])
+            page.dots("foot", [a, foot])
+            page.dots("excitation", [b])
+            letters += [
+                (a, "A2", "construction"), (foot, "A2*", "construction"), (b, "B2", "excitation")
+            ]  # fmt: skip
+        dimensions.below(page, start, q, r"$b\,x_{2st}$", row)
     mark_events(page)
     letters.append((axis.origin, "O2", "axis"))
     page.letter([(z, typeset(label), role) for z, label, role in letters])
@@ -130,12 +170,6 @@ def figure9(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
         f"{letter} at {1e3 * f.time:.4g} ms" for letter, f in zip("UV", shown, strict=False)
     )
     return page, f"Lift-off U and touchdown V: {times}"
-
-
-def _has_closed(frame: Frame, b0: complex) -> bool:
-    """Return whether a flight ended because the gap closed, and not because B2 reached B0."""
-    b2 = frame.points.get("B2")
-    return b2 is not None and abs(b2 - b0) > 1e-9
 
 
 def figure13(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
@@ -160,8 +194,7 @@ def _history(number: int, what: str, *endings: str) -> Callable[..., Figure]:
                 f"figure {number} shows {what}, which '{drawing.title}' has not; "
                 "try the scene ap57_figure13"
             )
-        words = f"Read off the planes: {drawing.title}"
-        heading = f"{title}\n{words}" if title else words
+        heading = "\n".join(filter(None, (title, f"Read off the planes: {drawing.title}")))
         return time_histories(columns, title=heading, look=look, points=True)
 
     figure.__doc__ = f"Draw {what}, read off the planes (AP57 figure {number})."
@@ -174,52 +207,6 @@ figure14 = _history(
 )  # fmt: skip
 figure15 = _history(15, "velocities of body, wheel and suspension", "_velocity", "_deflection_rate")
 figure16 = _history(16, "accelerations of body, wheel and suspension", "_acceleration")
-
-
-def _dimensioned(
-    drawing: Drawing,
-    frame: Frame,
-    formulas: tuple[str, str],
-    lengths: Sequence[tuple[str, str, str]],
-    look: Look,
-) -> Page:
-    """Draw one step with letters, the distances of lines I and II (given by formulas), and lengths.
-
-    Each length on the axes has a start point, an end point and a text.
-    """
-    page = step_page(drawing, frame, look, 0.12)
-    _distances(page, formulas)
-    for start, end, words in lengths:
-        dimensions.below(page, frame.points[start], frame.points[end], words, 2.4)
-    if frame.scheme == FLIGHT:
-        mark_events(page)
-    write_letters(page, frame)
-    return page
-
-
-def _distances(page: Page, formulas: tuple[str, str]) -> None:
-    """Dimension l and the distances of lines I and II from the y1 axis, at the right edge."""
-    top, bottom = (plane.displacement.origin.imag for plane in page.drawing.planes)
-    lines = {c.label: c.vertices[-1] for c in page.drawing.curves if c.role == "line"}
-    edge = page.view.centre.real + page.view.half.real
-    ends = (complex(edge, bottom), lines["I"], lines["II"])
-    for column, (formula, end) in enumerate(zip(("$l$", *formulas), ends, strict=True)):
-        height = end.imag
-        x = edge - (1.0 + 3.2 * column) * page.em
-        if end.real < x:
-            dimensions.witness(page, end, complex(x, height))
-        words = f"{100.0 * (top - height):.5g} cm"
-        dimensions.length(
-            page, complex(x, top), complex(x, height), f"{formula} = {words}" if formula else words,
-            towards=-1.0, short=words,
-        )  # fmt: skip
-
-
-def _is_in(plane: Plane, curve: Curve) -> bool:
-    """Return whether a curve passes the height of a plane's origin."""
-    origin = plane.displacement.origin
-    start, end = curve.vertices[0], curve.vertices[-1]
-    return min(start.imag, end.imag) < origin.imag < max(start.imag, end.imag)
 
 
 def needs(

@@ -9,8 +9,7 @@ import numpy as np
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture import dimensions
-from phaseplane.picture.items import Text
-from phaseplane.picture.page import Page
+from phaseplane.picture.page import Page, Text
 from phaseplane.picture.paper import Box
 
 from .canvas import as_figure, new_page

@@ -13,9 +13,9 @@ from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.sheet import round_step
 from phaseplane.constructions.storage import StoredFrames
 
-from .items import Text
-from .page import Page
-from .paper import Box, read_over
+from .frames import read_over
+from .page import Page, Text
+from .paper import Box
 from .quantities import Quantity
 from .styles import PARTS, part_of, strength_of
 from .subject import Subject

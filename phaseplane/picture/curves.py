@@ -10,10 +10,10 @@ import numpy as np
 from phaseplane.constructions.letters import MINUS, typeset
 from phaseplane.constructions.primitives import Curve, Drawing, Plane
 
-from .items import VALUE, Arrow, Text, value_text
+from .frames import columns
 from .letters import away
-from .page import PLATE, Page
-from .paper import SEEN, Boxes, Strip, arcs, columns, telling_vertices
+from .page import PLATE, VALUE, Arrow, Page, Text, value_text
+from .paper import SEEN, Box, Strip, arcs, telling_vertices
 from .subject import centre_of, joined
 from .text import level_text
 
@@ -93,7 +93,7 @@ def _name_line(page: Page, curve: Curve, levels: Set[float]) -> None:
     axes = np.array(arrows, complex).reshape(-1, 2).T
     name = Text("line", typeset(curve.label), complex(edge, end.imag) + side * page.em)
     centres = np.asarray(name.centre - np.arange(0, 40, 2) * page.em, complex)
-    struck = Boxes(centres[:, None], np.array(name.box(page.em).half)).inside(*axes).any(axis=1)
+    struck = Box(centres[:, None], np.array(name.box(page.em).half)).inside(*axes).any(axis=1)
     page.write_first(replace(name, centre=complex(z)) for z in centres[~struck])
 
 

@@ -11,9 +11,8 @@ import numpy as np
 from phaseplane.constructions.primitives import Plane
 from phaseplane.constructions.storage import Frame
 
-from .items import TYPE, Text
-from .page import Page
-from .paper import Boxes
+from .page import TYPE, Page, Text
+from .paper import Box
 
 _SIZE = 8.0 / TYPE  # of the text, em
 _PARTS = np.array([0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8])  # positions of the text along the line
@@ -40,8 +39,8 @@ def length(
     half = words.box(page.em).half
     away = (0.3 * page.em + abs((half * towards.conjugate()).real)) * towards
     centres = start + _PARTS * way + away
-    boxes = Boxes(centres[:, None], np.array(half))
-    written = boxes.overlap(Boxes.of(page.taken)).sum(axis=1) / page.em
+    boxes = Box(centres[:, None], np.array(half))
+    written = boxes.overlap(Box.of(page.taken)).sum(axis=1) / page.em
     crossed = boxes.inside(page.segments[:, 0], page.segments[:, 1]).sum(axis=1)
     page.write(replace(words, centre=complex(centres[(written + crossed).argmin()])))
 

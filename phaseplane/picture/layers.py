@@ -12,9 +12,10 @@ from phaseplane.constructions.primitives import Arc, Drawing, Scheme, Stroke
 from phaseplane.constructions.rules import REPEATED
 from phaseplane.constructions.storage import Frame, StoredFrames
 
-from .paper import Points, arcs, table
+from .frames import table
+from .paper import Points, arcs
 
-TURN_POINTS = ("W", "N")
+Part = Literal["step", "repeated", "turn"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,9 +33,17 @@ class Layer:
         return len(self.roles)
 
 
+def part_of(name: str) -> Part:
+    """Return the part of a construction that a point or a line belongs to, by its name.
+
+    It is the step itself, what the rule repeats of it, or the arm of the turn angles.
+    """
+    return "turn" if name.startswith(("W", "N")) else "repeated" if REPEATED in name else "step"
+
+
 def is_main(name: str) -> bool:
-    """Return whether a point belongs to the step itself, not to a repetition or the turn angles."""
-    return REPEATED not in name and not name.startswith(TURN_POINTS)
+    """Return whether a point belongs to the step itself."""
+    return part_of(name) == "step"
 
 
 def layers_of(drawing: Drawing, key: str, first: int = 0, last: int | None = None) -> list[Layer]:

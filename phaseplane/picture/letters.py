@@ -5,12 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from math import pi
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from .paper import Box, Boxes, Lengths, Points, segments_of
+from .paper import Box, Lengths, Points, segments_of
 
 NEAR = 2.0  # farthest distance of a letter from its point without a leader, in em
 
@@ -23,29 +22,21 @@ _GAPS = np.repeat(_RINGS, _ANGLES)
 _DIRECTIONS = np.tile(np.exp(1j * (np.arange(_ANGLES) + 0.5) * 2 * pi / _ANGLES), len(_RINGS))
 
 
+def text_box(centre: complex, text: str, em: float) -> Box:
+    """Return the box of a text, of one or more lines, with its centre and size of type."""
+    rows = re.sub(r"[${}^_\\]|\\[a-z]+", "", text).split("\n")
+    widest = max(1, *map(len, rows))
+    return Box(centre, complex(0.5 * _WIDTH * widest + 0.15, 0.5 * _HEIGHT * len(rows)) * em)
+
+
 def away(half: complex, ways: Points) -> Lengths:
     """Return how far the centres of boxes are from a point that they touch, in some directions."""
     across, up = np.maximum(abs(ways.real), 1e-9), np.maximum(abs(ways.imag), 1e-9)
     return np.minimum(half.real / across, half.imag / up)
 
 
-class Placed(NamedTuple):
-    """The centres of letters, whether each is led, and whether it is free of others."""
-
-    centres: Points
-    led: npt.NDArray[np.bool_]
-    free: npt.NDArray[np.bool_]
-
-
 class Room:
-    """The room for letters on a page, in squares that texts or curves take up or leave free.
-
-    Parameters
-    ----------
-    view, em : of the page
-    texts : boxes of the texts on it
-    curves : polylines on it
-    """
+    """The room for letters in a view, in squares that boxes of texts or curves take up or leave free."""
 
     def __init__(
         self, view: Box, em: float, texts: Iterable[Box], curves: Iterable[Points]
@@ -75,23 +66,14 @@ class Room:
             for part, most in zip(parts, shape, strict=True)
         ]
 
-    def covered(self, boxes: Boxes) -> npt.NDArray[np.int64]:
+    def covered(self, boxes: Box) -> npt.NDArray[np.int64]:
         """Return how many squares with parts of curves boxes touch; many where there is a text."""
         sums, shape = self._sums, [n - 1 for n in self._sums.shape]
-        (x, y), (u, v) = (
-            self._square(boxes.centres + sign * boxes.halves, shape) for sign in (-1, 1)
-        )
+        (x, y), (u, v) = (self._square(corners, shape) for corners in boxes.corners)
         found: npt.NDArray[np.int64] = (
             sums[u + 1, v + 1] - sums[x, v + 1] - sums[u + 1, y] + sums[x, y]
         )
         return found
-
-
-def text_box(centre: complex, text: str, em: float) -> Box:
-    """Return the box of a text, of one or more lines, with its centre and size of type."""
-    rows = re.sub(r"[${}^_\\]|\\[a-z]+", "", text).split("\n")
-    widest = max(1, *map(len, rows))
-    return Box(centre, complex(0.5 * _WIDTH * widest + 0.15, 0.5 * _HEIGHT * len(rows)) * em)
 
 
 def place(
@@ -102,64 +84,58 @@ def place(
     segments: Points,
     taken: Sequence[Box] = (),
     others: Sequence[complex] = (),
-    unled: float = NEAR,
-) -> Placed:
+) -> tuple[Points, Lengths, npt.NDArray[np.bool_]]:
     """Place letters of a size of type `em` beside their points, in view.
 
     Letters with the closest neighbours are placed first. Each takes the best of 144 positions about its
-    point: close to it, not over texts that are there, points or lines, and nearer to it than to others.
-    Where no place is free within `NEAR`, one farther away is taken, with a leader.
+    point: close to it, not over texts that are there (in the boxes `taken`), points (also those of
+    `others`) or segments, and nearer to it than to others. Where no place is free within `NEAR`, one
+    farther away is taken.
 
-    Parameters
-    ----------
-    segments : ends of the lines that letters must avoid, shape (segments, 2)
-    taken : boxes of texts that are already there
-    others : points that the letters do not name
-    unled : farthest distance of a letter without a leader, in em
+    Returns
+    -------
+    Their centres, their distances from the points, em, and whether they are free of other texts.
     """
-    count = len(texts)
     halves = np.array([text_box(0j, text, em).half for text in texts], complex)
-    fixed = Boxes.of(taken)
-    boxes = np.zeros(count, complex)
-    led, free = np.zeros(count, bool), np.ones(count, bool)
+    fixed, every = Box.of(taken), np.append(points, np.asarray(others, complex))
+    centres, gaps, free = (
+        np.zeros(len(texts), complex),
+        np.zeros(len(texts)),
+        np.ones(len(texts), bool),
+    )
     near = (abs(points[:, None] - points) < 2.5 * em).sum(axis=1)
-    every = np.append(points, np.asarray(others, complex))
     order = np.argsort(-near, kind="stable")
-    dots = np.array(0.15 * em * (1 + 1j))
     for done, i in enumerate(order):
         at, size = complex(points[i]), halves[i]
         # the gap is that between the point and the nearest edge of the letter
         ways = (away(complex(size), _DIRECTIONS) + (_GAPS - 0.5) * em) * _DIRECTIONS
-        centres = at + ways
-        mine = Boxes(centres[:, None], size)
-        before = order[:done]
-        over = mine.overlap(Boxes(boxes[before], halves[before])).sum(axis=1)
-        over = over + mine.overlap(fixed).sum(axis=1) if len(taken) else over
+        mine, before = Box((at + ways)[:, None], size), order[:done]
+        over = mine.overlap(Box(centres[before], halves[before])).sum(axis=1)
+        over = over + mine.overlap(fixed).sum(axis=1)
         cost = (
             0.7 * _GAPS
             + 100.0 * (over > 0.0)
             + 40.0 * (over / em) / em
-            + 4.0 * (mine.overlap(Boxes(every, dots)) > 0.0).sum(axis=1)
-            + 5.0 * (abs(every - centres[:, None]) < abs(ways)[:, None]).sum(axis=1)
-            + 200.0 * ~Boxes(centres, size).within(view)
+            + 4.0 * (mine.overlap(Box(every, 0.15 * em * (1 + 1j))) > 0.0).sum(axis=1)
+            + 5.0 * (abs(every - mine.centre) < abs(ways)[:, None]).sum(axis=1)
+            + 200.0 * ~view.contains(Box(mine.centre[:, 0], size))
             + 6.0 * (_GAPS > NEAR)
         )
         best = int(cost.argmin())
         if len(segments):
-            close = segments[_about(at, _RINGS[-1] * em * (1 + 1j) + 2.0 * size, segments)]
+            about = Box(at, _RINGS[-1] * em * (1 + 1j) + 2.0 * size)
+            close = segments[_may_meet(about, segments)]
             close = close[:: max(1, len(close) // _MOST_CLOSE)]
-            crossed = mine.inside(close[:, 0], close[:, 1]).sum(
-                axis=1
-            )  # the length of lines in each
+            crossed = mine.inside(close[:, 0], close[:, 1]).sum(axis=1)  # length of lines in each
             best = int((cost + 1.5 * crossed / em).argmin())
-        boxes[i], led[i], free[i] = centres[best], _GAPS[best] > unled, over[best] == 0.0
-    return Placed(boxes, led, free)
+        centres[i], gaps[i], free[i] = mine.centre[best, 0], _GAPS[best], over[best] == 0.0
+    return centres, gaps, free
 
 
-def _about(point: complex, half: complex, segments: Points) -> npt.NDArray[np.bool_]:
-    """Return the segments that may come within a distance of a point."""
+def _may_meet(box: Box, segments: Points) -> npt.NDArray[np.bool_]:
+    """Return which segments may have a part in a box."""
     near = np.ones(len(segments), bool)
-    apart = segments - point
-    for part, reach in ((apart.real, half.real), (apart.imag, half.imag)):
+    apart = segments - box.centre
+    for part, reach in ((apart.real, box.half.real), (apart.imag, box.half.imag)):
         near &= (part.min(axis=1) <= reach) & (part.max(axis=1) >= -reach)
     return near

@@ -1,4 +1,4 @@
-"""A page: the content of one picture, as plain data that any canvas can draw.
+"""A page: the content of one picture, lines, points, arrows and texts, as plain data for any canvas.
 
 A page is filled part by part and remembers its lines and texts, so that later letters avoid them.
 """
@@ -8,21 +8,91 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Literal, TypeVar
 
 import numpy as np
 
 from phaseplane.constructions.construction import FLIGHT
 from phaseplane.constructions.letters import typeset
-from phaseplane.constructions.primitives import Drawing, Plane
+from phaseplane.constructions.primitives import Axis, Drawing, Plane
 
-from .items import LETTER, Arrow, Dots, Item, Kindred, Lines, Text
-from .letters import NEAR, place
+from .frames import reach_of
+from .letters import NEAR, place, text_box
 from .paper import NOTHING, Box, Points, Strip, segments_of
 from .quantities import display_unit
 from .styles import style_of
-from .subject import Subject, reach_of
+from .subject import Subject
 
+TYPE = 9.0  # size of the type, points: 1 em of a page
+LETTER, VALUE = 10.0 / TYPE, 7.0 / TYPE
+"""Sizes of letters, and of the values along axes and curves, em."""
 PLATE = 0.25  # width of the viewer's plate around a text, em
+
+Kind = Literal["letter", "value", "name", "label", "dimension"]
+
+
+@dataclass(frozen=True, slots=True)
+class Lines:
+    """Polylines of one role; `weight` multiplies their width, `strength` is their opacity."""
+
+    role: str
+    strips: tuple[Strip, ...]
+    weight: float = 1.0
+    strength: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Dots:
+    """Points of one role; `weight` multiplies their diameter, `strength` is their opacity."""
+
+    role: str
+    points: tuple[complex, ...]
+    weight: float = 1.0
+    strength: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Arrow:
+    """A straight arrow with a head at its tip, or at both ends."""
+
+    role: str
+    start: complex
+    tip: complex
+    both: bool = False
+    shaft: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A text about its centre; `strength` is its opacity."""
+
+    role: str
+    text: str
+    centre: complex
+    size: float = 1.0  # of the type, em of the page
+    kind: Kind = "label"
+    point: complex | None = None  # that a letter names
+    led: bool = False  # by a line from the point to the letter
+    upright: bool = False  # reads upwards
+    strength: float = 1.0
+
+    def box(self, em: float) -> Box:
+        """Return its box, for a page with this size of type."""
+        half = text_box(self.centre, self.text, self.size * em).half
+        if "frac" in self.text:  # two lines high
+            half = complex(half.real, 2.0 * half.imag)
+        return Box(self.centre, complex(half.imag, half.real) if self.upright else half)
+
+
+Item = Lines | Dots | Arrow | Text
+Named = tuple[complex, str, str]
+"""A point with its letter and its role."""
+Kindred = TypeVar("Kindred", Lines, Dots, Arrow, Text)
+
+
+def value_text(centre: complex, text: str) -> Text:
+    """Return a value at a place."""
+    return Text("value", text, centre, VALUE, "value")
 
 
 @dataclass
@@ -54,11 +124,12 @@ class Page:
     @cached_property
     def units(self) -> dict[str, tuple[str, float]]:
         """The display unit of each plane's displacement, as on its axis, and its number in one unit."""
-        found = {}
-        for plane in self.drawing.planes:
-            low, high = reach_of(plane.displacement, self.motion(plane))
-            found[plane.name] = display_unit(plane.displacement.unit, high - low)
-        return found
+        return {p.name: self.unit_of(p, p.displacement) for p in self.drawing.planes}
+
+    def unit_of(self, plane: Plane, axis: Axis) -> tuple[str, float]:
+        """Return the display unit of an axis, which follows the range of the displacement."""
+        low, high = reach_of(plane.displacement, self.motion(plane))
+        return display_unit(axis.unit, high - low)
 
     def motion(self, plane: Plane) -> Points:
         """Return the state points of a plane, with those in view of the motions from other starts."""
@@ -126,7 +197,7 @@ class Page:
         """Write a text in view if its plate covers no other text; return whether it was written."""
         box = text.box(self.em)
         plate = box.grown(PLATE * self.em)
-        free = self.view.contains(box) and not any(plate.overlap(other) for other in self.taken)
+        free = bool(self.view.contains(box)) and not plate.overlap(Box.of(self.taken)).any()
         if free:
             self.write(text)
         return free
@@ -136,24 +207,21 @@ class Page:
         next(filter(self.write_if_free, texts), None)
 
     def letter(
-        self,
-        named: Sequence[tuple[complex, str, str]],
-        size: float = LETTER,
-        *,
-        lines: bool = True,
+        self, named: Sequence[Named], size: float = LETTER, *, lines: bool = True,
         others: Sequence[complex] = (),
-    ) -> None:
-        """Write letters, each with its position, text and role; `others` are points they do not name."""
+    ) -> None:  # fmt: skip
+        """Write letters clear of lines, unless these are too many; `others` are points without one."""
         if not named:
             return
-        em = size * self.em
-        segments = self.segments if lines else NOTHING
         points = np.array([z for z, *_ in named])
-        texts = [text for _, text, _ in named]
-        placed = place(points, texts, em, self.view, segments, self.taken, others, self.unled)
-        for (z, text, role), centre, led, free in zip(named, *placed, strict=True):
+        placed = place(
+            points, [text for _, text, _ in named], size * self.em, self.view,
+            self.segments if lines else NOTHING, self.taken, others,
+        )  # fmt: skip
+        for (z, text, role), centre, gap, free in zip(named, *placed, strict=True):
             if free:  # better no letter than two on one another
-                self.put(Text(role, text, complex(centre), size, "letter", z, bool(led)))
+                led = bool(gap > self.unled)
+                self.put(Text(role, text, complex(centre), size, "letter", z, led))
 
     def put(self, letter: Text) -> None:
         """Write a letter at its place, with the leader that it may need."""

@@ -1,4 +1,4 @@
-"""Geometry on the sheet: boxes, arcs and tables of points.
+"""Geometry on the sheet: boxes, polylines and arcs.
 
 Points are complex numbers in metres of paper: x to the right, y upwards.
 """
@@ -8,13 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import ceil
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-from phaseplane.constructions.primitives import Drawing
-from phaseplane.constructions.storage import StoredFrames
 
 Points = npt.NDArray[np.complex128]
 Lengths = npt.NDArray[np.floating]
@@ -25,13 +22,18 @@ SEEN = 2e-4  # distance of two points that are seen apart, m of paper
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """A rectangle: its centre and half its width and height."""
+    """A rectangle by its centre and half its width and height; or many of them, as arrays."""
 
-    centre: complex
-    half: complex
+    centre: Any  # complex, or an array
+    half: Any
+
+    @classmethod
+    def of(cls, boxes: Sequence[Box]) -> Box:
+        """Return single boxes as one-dimensional arrays."""
+        return cls(*np.array([(b.centre, b.half) for b in boxes], complex).reshape(-1, 2).T)
 
     @property
-    def corners(self) -> tuple[complex, complex]:
+    def corners(self) -> tuple[Any, Any]:
         """The lower left and the upper right corner."""
         return self.centre - self.half, self.centre + self.half
 
@@ -40,12 +42,11 @@ class Box:
         """The larger of width and height."""
         return 2.0 * max(self.half.real, self.half.imag)
 
-    def overlap(self, other: Box) -> float:
+    def overlap(self, other: Box) -> Any:
         """Return the area common to both."""
-        apart = self.centre - other.centre
-        reach = self.half + other.half
-        across, up = reach.real - abs(apart.real), reach.imag - abs(apart.imag)
-        return across * up if across > 0.0 and up > 0.0 else 0.0
+        apart, reach = self.centre - other.centre, self.half + other.half
+        across = np.maximum(0.0, reach.real - abs(apart.real))
+        return across * np.maximum(0.0, reach.imag - abs(apart.imag))
 
     def gap(self, other: Box) -> float:
         """Return the distance to another box; 0 if they touch."""
@@ -53,12 +54,12 @@ class Box:
         across, up = abs(apart.real) - reach.real, abs(apart.imag) - reach.imag
         return abs(complex(max(0.0, across), max(0.0, up)))
 
-    def holds(self, point: complex) -> bool:
+    def holds(self, point: Any) -> Any:
         """Return whether a point is inside."""
         apart = point - self.centre
-        return abs(apart.real) <= self.half.real and abs(apart.imag) <= self.half.imag
+        return (abs(apart.real) <= self.half.real) & (abs(apart.imag) <= self.half.imag)
 
-    def contains(self, other: Box) -> bool:
+    def contains(self, other: Box) -> Any:
         """Return whether another box is wholly inside."""
         return Box(self.centre, self.half - other.half).holds(other.centre)
 
@@ -71,45 +72,20 @@ class Box:
         apart, half = point - self.centre, self.half
         x = max(-half.real, min(half.real, apart.real))
         y = max(-half.imag, min(half.imag, apart.imag))
-        return self.centre + complex(x, y)
-
-
-@dataclass(frozen=True, slots=True)
-class Boxes:
-    """Rectangles by their centres and half-sizes, arrays of any shapes that numpy broadcasts."""
-
-    centres: Points
-    halves: Points
-
-    @classmethod
-    def of(cls, boxes: Sequence[Box]) -> Boxes:
-        """Return boxes as one-dimensional arrays."""
-        row = np.array([(box.centre, box.half) for box in boxes], complex).reshape(-1, 2)
-        return cls(row[:, 0], row[:, 1])
-
-    def overlap(self, other: Boxes) -> Lengths:
-        """Return the areas common to each box and another."""
-        apart, reach = self.centres - other.centres, self.halves + other.halves
-        across = np.maximum(0.0, reach.real - abs(apart.real))
-        return across * np.maximum(0.0, reach.imag - abs(apart.imag))
-
-    def within(self, view: Box) -> npt.NDArray[np.bool_]:
-        """Return whether each box is wholly in a view."""
-        apart, room = self.centres - view.centre, view.half - self.halves
-        return (abs(apart.real) <= room.real) & (abs(apart.imag) <= room.imag)
+        return complex(self.centre + complex(x, y))
 
     def inside(self, starts: Points, ends: Points) -> Lengths:
         """Return the length of each segment inside each box."""
-        ways, begins = ends - starts, starts - self.centres
+        ways, begins, half = ends - starts, starts - self.centre, np.asarray(self.half)
         low: Lengths = np.zeros(())
         high: Lengths = np.ones(())
         # a segment (nearly) parallel to a side gives infinities: unbounded inside, empty outside
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-            for step, position, half in (
-                (ways.real, begins.real, self.halves.real),
-                (ways.imag, begins.imag, self.halves.imag),
+            for step, position, reach in (
+                (ways.real, begins.real, half.real),
+                (ways.imag, begins.imag, half.imag),
             ):
-                one, other = (-half - position) / step, (half - position) / step
+                one, other = (-reach - position) / step, (reach - position) / step
                 low = np.maximum(low, np.fmin(one, other))
                 high = np.minimum(high, np.fmax(one, other))
             return abs(ways) * np.maximum(0.0, high - low)
@@ -185,63 +161,6 @@ def telling_vertices(points: Points, close: float, most: int) -> npt.NDArray[np.
             return kept
         else:
             close *= 2.0
-
-
-def table(frames: StoredFrames, names: Sequence[str]) -> Points:
-    """Return the named points of the frames, shape (frames, names).
-
-    Raises
-    ------
-    ValueError : if a frame lacks a point.
-    """
-    points = columns(frames, names)
-    for row, column in np.argwhere(np.isnan(points)):
-        frame = frames[int(row)]
-        if names[column] not in frame.points:
-            raise ValueError(
-                f"step {frame.step} of the construction has no point {names[column]!r}"
-            )
-    return points
-
-
-def columns(frames: StoredFrames, names: Sequence[str]) -> Points:
-    """Return the named points of the frames, shape (frames, names); nan where there is none."""
-    return _columns(frames, "points", names, complex)
-
-
-def readings(frames: StoredFrames, names: Sequence[str]) -> Lengths:
-    """Return the named readings of the frames, shape (frames, names); nan where there is none."""
-    return _columns(frames, "readings", names, float)
-
-
-def read_over(
-    drawing: Drawing, names: Sequence[str], first: int = 0, last: int | None = None
-) -> tuple[Lengths, Lengths]:
-    """Return the times of a range of steps and their readings, shape (times, names).
-
-    After the last step of a construction, its end follows if it is known.
-    """
-    several = [drawing.frames[first:last]]
-    if drawing.end is not None and first + len(several[0]) == len(drawing.frames):
-        several.append(StoredFrames([drawing.end]))
-    times, read = zip(*((of.times, readings(of, names)) for of in several), strict=True)
-    return np.concatenate(times), np.concatenate(read)
-
-
-def _columns(
-    frames: StoredFrames, part: Literal["points", "readings"], names: Sequence[str], kind: type
-) -> npt.NDArray[Any]:
-    store, chosen = frames.store, np.asarray(frames.chosen, np.int64)
-    numbers, rows = (np.frombuffer(of, np.int64)[chosen] for of in (store.numbers, store.rows))
-    found: npt.NDArray[Any] = np.full((len(chosen), len(names)), np.nan, kind)
-    for number in np.unique(numbers):
-        known = {name: i for i, name in enumerate(getattr(store.layouts[number], part))}
-        present = np.array([i for i, name in enumerate(names) if name in known], np.int64)
-        values: npt.NDArray[Any] = np.frombuffer(getattr(store.tables[number], part), kind)
-        mine = np.flatnonzero(numbers == number)
-        columns = np.array([known[names[i]] for i in present.tolist()], np.int64)
-        found[np.ix_(mine, present)] = values[rows[mine, None] * len(known) + columns]
-    return found
 
 
 def vertices(points: npt.ArrayLike) -> npt.NDArray[np.float64]:

@@ -11,9 +11,8 @@ from phaseplane.constructions.primitives import Mark
 from phaseplane.constructions.sheet import events_of
 from phaseplane.constructions.storage import Frame
 
-from .items import VALUE, Dots
-from .layers import TURN_POINTS, Layer, is_main
-from .page import Page
+from .layers import Part, is_main, part_of
+from .page import VALUE, Dots, Named, Page
 from .paper import SEEN
 from .text import LETTER_OF_EVENT, number
 
@@ -23,33 +22,22 @@ _RECEDING = 0.45  # opacity of what earlier stages drew
 
 
 def draw_step(
-    page: Page,
-    frame: Frame,
-    *,
-    stage: int | None = None,
-    repeated: bool = False,
-    turn: bool = False,
-    sheet: bool = True,
+    page: Page, frame: Frame, parts: Sequence[Part] = ("step",), *, stage: int | None = None,
     thin: float = 1.0,
-) -> None:
-    """Draw the lines and points of one step.
+) -> None:  # fmt: skip
+    """Draw the lines and points of one step, all widths and opacities times `thin`.
 
-    Parameters
-    ----------
-    stage : the present stage, which stands out; later ones are left out. All stages if None
-    repeated : include the construction that the rule repeats
-    turn, sheet : include the arcs on the arm of the turn angles, and all else
-    thin : factor of all widths and opacities
+    With a present stage, that stands out, and later ones are left out.
     """
-    layers = page.subject.layers(frame)
-    if stage is not None:
-        layers = [layer for layer in layers if layer.stage <= stage]
-    for layer in layers:
+    for layer in page.subject.layers(frame):
         weight, strength = thin, thin
         if stage is not None:
+            if layer.stage > stage:
+                continue
             weight, strength = (2.0, 1.0) if layer.stage == stage else (0.8, _RECEDING)
-        names = enumerate(layer.names)
-        wanted = [i for i, name in names if _wanted(layer, name, repeated, turn, sheet)]
+        wanted = [i for i, name in enumerate(layer.names) if part_of(name) in parts]
+        if layer.kind == "points":  # those on the arm are the ends of lines
+            wanted = [i for i in wanted if part_of(layer.names[i]) != "turn"]
         for role in dict.fromkeys(layer.roles[i] for i in wanted):
             chosen = [layer.vertices[0, i] for i in wanted if layer.roles[i] == role]
             if layer.kind == "points":
@@ -64,8 +52,8 @@ def write_letters(page: Page, frame: Frame, marks: Sequence[Mark] | None = None)
 
     By default they are those of the step itself, and the origins.
     """
-    named: list[tuple[complex, str, str]] = []
-    far: list[tuple[complex, str, str]] = []
+    named: list[Named] = []
+    far: list[Named] = []
     for mark in page.drawing.schemes[frame.scheme].marks if marks is None else marks:
         z = frame.points[mark.point]
         if mark.label and (marks is not None or is_main(mark.point)):
@@ -101,7 +89,7 @@ def _at_the_rim(page: Page, z: complex, text: str, role: str) -> None:
 
 def mark_events(page: Page, known: int | None = None) -> None:
     """Mark the events of the first `known` frames in every plane, or of all."""
-    named = [
+    named: list[Named] = [
         (frame.points[plane.state], LETTER_OF_EVENT.get(event.kind, event.kind), "event")
         for i in page.drawing.frames[:known].events
         for frame in (page.drawing.frames[i],)
@@ -109,31 +97,28 @@ def mark_events(page: Page, known: int | None = None) -> None:
         for plane in event.planes
         if page.view.holds(frame.points[plane.state])
     ]
-    if named:
-        several = len(named) > MOST_LETTERED
-        page.dots("event", [z for z, *_ in named], 0.4 if several else 1.0)
-        page.letter([] if several else _sharing(named, _SHARED * page.em))
+    if not named:
+        return
+    few = len(named) <= MOST_LETTERED
+    page.dots("event", [z for z, *_ in named], 1.0 if few else 0.4)
+    lettered: list[Named] = []
+    for z, letter, role in named if few else ():
+        if not any(letter == of and abs(z - at) < _SHARED * page.em for at, of, _ in lettered):
+            lettered.append((z, letter, role))
+    page.letter(lettered)
 
 
-def _sharing(named: list[tuple[complex, str, str]], near: float) -> list[tuple[complex, str, str]]:
-    """Return the events without those so near to another one with the same letter that they share it."""
-    found: list[tuple[complex, str, str]] = []
-    for z, letter, role in named:
-        if not any(letter == text and abs(z - at) < near for at, text, _ in found):
-            found.append((z, letter, role))
-    return found
-
-
-def event_pages(page: Page) -> dict[int, Page]:
-    """Return the marks on a page of all events as one page for each frame with events, by its index."""
-    frames, found = page.drawing.frames, {}
-    for i in frames.events:
-        at = {frames[i].points[plane.state] for plane in page.drawing.planes}
-        found[i] = Page(page.subject, page.view, page.em)
+def event_pages(page: Page, frames: Sequence[int]) -> list[Page]:
+    """Return the marks on a page of all events as one page for each of these frames with events."""
+    found = []
+    for i in frames:
+        at = {page.drawing.frames[i].points[plane.state] for plane in page.drawing.planes}
+        one = Page(page.subject, page.view, page.em)
         for dots in (dots for dots in page.of(Dots) if dots.role == "event"):
-            found[i].dots("event", [z for z in dots.points if z in at], dots.weight)
+            one.dots("event", [z for z in dots.points if z in at], dots.weight)
         for letter in (text for text in page.texts if text.point in at):
-            found[i].put(letter)
+            one.put(letter)
+        found.append(one)
     return found
 
 
@@ -160,9 +145,3 @@ def write_numbers(page: Page, frames: Sequence[Frame], *, end: bool = True) -> N
         ]
         # lines are everywhere here, so numbers avoid only letters and points
         page.letter(named, VALUE, lines=False)
-
-
-def _wanted(layer: Layer, name: str, repeated: bool, turn: bool, sheet: bool) -> bool:
-    if name.startswith(TURN_POINTS):
-        return turn and layer.kind != "points"
-    return sheet and (repeated or is_main(name))

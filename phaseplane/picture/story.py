@@ -13,15 +13,16 @@ import numpy as np
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing, Mark, Plane, Scheme
 from phaseplane.constructions.sheet import events_of
-from phaseplane.constructions.storage import Frame, StoredFrames
+from phaseplane.constructions.storage import StoredFrames
 from phaseplane.suspension.units import counted
 
 from . import dimensions
 from .curves import CURVES, curve_through, draw_curves, draw_trails, words_at_end
-from .items import TYPE, Arrow
+from .frames import readings, table
+from .layers import Part
 from .letters import text_box
-from .page import Page
-from .paper import Box, around, readings, table
+from .page import TYPE, Arrow, Page
+from .paper import Box, around
 from .quantities import Quantity, rate_unit
 from .step import draw_step, mark_events, write_letters
 from .styles import MOVING_POINT, style_of
@@ -51,6 +52,7 @@ _NEARLY_ALL, _FAR = 0.99, 1.5  # share of the normals, and how much longer ones 
 _ARMS = 13.5 + 5.7j  # width and height of the pane of the turn angles, em
 _RING = 0.8  # size of the ring of a state point, relative to that of a moving one
 _TOLD = ("jolt", "lift_off", "touchdown", "yielding", "unloading", "sticking")  # a jump comes first
+_WHOLE: tuple[Part, ...] = ("step", "repeated")
 _EMPTY = "The empty sheet: axes and auxiliary curves"
 _MOST_DRIFT = 0.5  # root mean square over the motion, in parts of that of the state
 _LEFT = "**The construction has left the run.** Choose a shorter step."
@@ -104,19 +106,15 @@ def story_of(
     stays: Page, arms: Page, quantities: Mapping[str, Quantity | None], steps: Sequence[int] = (),
     title: str = "",
 ) -> Iterator[Tick]:  # fmt: skip
-    """Yield the ticks of a story.
+    """Yield the ticks of a story of these steps; by default representative ones and those of events.
 
-    Parameters
-    ----------
-    stays, arms : the pages of what stays on the sheet and on the arm of the turn angles
-    steps : indices of the steps to show; default: representative ones, lift-off and touchdown
-    title : of the empty sheet; default: that of the drawing
+    What stays on the sheet and on the arm of the turn angles is on pages of its own. The title of the
+    empty sheet is that of the drawing by default.
     """
     drawing = stays.drawing
-    first = drawing.frames[0]
-    yield Tick(
-        stays.following(), arms.following(), _introduction(drawing, title), _EMPTY, 0, first.time
-    )
+    first, last = drawing.frames[0], drawing.frames[-1]
+    words = _introduction(drawing, title)
+    yield Tick(stays.following(), arms.following(), words, _EMPTY, 0, first.time)
     for index in told_steps(drawing, steps):
         frame = drawing.frames[index]
         for event in events_of(frame, drawing.planes):
@@ -127,29 +125,44 @@ def story_of(
             caption = f"{format_time(frame.time)}: {happened}"
             yield Tick(page, arms.following(), said, caption, index, frame.time)
         yield from staged(stays, arms, index)
-    last = drawing.frames[-1]
-    page = _page(stays, len(drawing.frames))
+    count = len(drawing.frames)
+    page = _page(stays, count)
     mark_events(page)
     for role in MOVING_POINT:
         page.dots(role, [motion[-1] for motion in stays.subject.motions], 1.2)
-    read = (drawing.end or last).readings
     # what checks a motion would not have room here
+    read = (drawing.end or last).readings
     told_here = {name: value for name, value in read.items() if not name.startswith("control_")}
-    count = len(drawing.frames)
-    told = [f"**The whole motion**: {counted(count, 'step')}. {_FURTHER}", *_drift(stays)]
-    told.append(control_text(drawing, quantities))
-    said = "\n\n".join(filter(None, [*told, readings_table(told_here, quantities)]))
     caption = f"The whole motion: {counted(count, 'step')}"
+    told = [
+        f"**The whole motion**: {counted(count, 'step')}. The timelines *step* and *t* go through all of "
+        "them.",
+        *_drift(stays),
+        control_text(drawing, quantities),
+        readings_table(told_here, quantities),
+    ]
+    said = "\n\n".join(filter(None, told))
     yield Tick(page, arms.following(), said, caption, count, last.time + last.duration)
 
 
 def staged(stays: Page, arms: Page, index: int) -> Iterator[Tick]:
     """Yield the ticks of one step: its stages, one after the other."""
-    frame = stays.drawing.frames[index]
-    scheme = stays.drawing.schemes[frame.scheme]
-    lettered = _lettered(stays, frame, scheme, index)
-    for stage in range(len(scheme.stages)):
-        yield _tick(stays, arms, lettered, index, stage)
+    drawing = stays.drawing
+    frame = drawing.frames[index]
+    scheme = drawing.schemes[frame.scheme]
+    lettered = _page(stays, index)  # with P and D, which keep their places through its stages
+    draw_step(lettered, frame, _WHOLE)
+    ring = 0.5 * _RING * style_of(MOVING_POINT[0]).size / TYPE * stays.em * (1 + 1j)
+    lettered.taken += [Box(frame.points[plane.state], ring) for plane in drawing.planes]
+    write_letters(lettered, frame, _kept(scheme, len(scheme.stages)))
+    for stage, words in enumerate(scheme.stages):
+        beside = arms.following()
+        draw_step(beside, frame, ["turn"], stage=stage)
+        beside.items = [item for item in beside.items if item.role == "arc"]
+        said = f"{step_head(drawing, frame)}\n\n{protocol(drawing, frame, stage, stays.units)}"
+        caption = f"Step {frame.step}, {stage + 1} of {len(scheme.stages)}: {typeset(words)}"
+        page = _stage(stays, lettered, index, stage)
+        yield Tick(page, beside, said, caption, index, frame.time)
 
 
 def _drift(stays: Page) -> list[str]:
@@ -170,9 +183,6 @@ def _drift(stays: Page) -> list[str]:
         follows = follows and bool((drift**2).mean() < _MOST_DRIFT**2 * (state**2).mean())
     words = [f"Largest drift from the run: {', '.join(found)}."]
     return words if follows else [*words, _LEFT]
-
-
-_FURTHER = "The timelines *step* and *t* go through all of them."
 
 
 def told_steps(drawing: Drawing, steps: Sequence[int] = ()) -> list[int]:
@@ -282,22 +292,13 @@ def _page(stays: Page, index: int) -> Page:
     return page
 
 
-def _lettered(stays: Page, frame: Frame, scheme: Scheme, index: int) -> Page:
-    """Return a page with P and D of a step lettered, which keep their places through its stages."""
-    page = _page(stays, index)
-    draw_step(page, frame, repeated=True)
-    ring = 0.5 * _RING * style_of(MOVING_POINT[0]).size / TYPE * stays.em * (1 + 1j)
-    page.taken += [Box(frame.points[plane.state], ring) for plane in stays.drawing.planes]
-    write_letters(page, frame, _kept(scheme, len(scheme.stages)))
-    return page
-
-
 def _kept(scheme: Scheme, stages: int) -> list[Mark]:
     """Return the points whose letters stay once they are drawn: P and D."""
     return [m for m in scheme.marks if m.stage < stages and m.role in ("state", "normal")]
 
 
-def _tick(stays: Page, arms: Page, lettered: Page, index: int, stage: int) -> Tick:
+def _stage(stays: Page, lettered: Page, index: int, stage: int) -> Page:
+    """Return the page of a stage; P and D of the step are lettered as on a page of their own."""
     drawing = stays.drawing
     frame = drawing.frames[index]
     scheme = drawing.schemes[frame.scheme]
@@ -306,10 +307,10 @@ def _tick(stays: Page, arms: Page, lettered: Page, index: int, stage: int) -> Ti
         found = f"A{plane.number}"
         if any(mark.point == found and mark.stage <= stage for mark in scheme.marks):
             page.lines("auxiliary", curve_through(drawing, plane, frame.points[found]))
-    draw_step(page, frame, stage=stage, repeated=True)
-    states = [frame.points[plane.state] for plane in drawing.planes]
+    draw_step(page, frame, _WHOLE, stage=stage)
     arrives = any(mark.stage == stage and mark.role == "successor" for mark in scheme.marks)
     for role in MOVING_POINT[2 if arrives else 0 :]:  # the ring would hide a short step
+        states = [frame.points[plane.state] for plane in drawing.planes]
         page.dots(role, states, 1.3 if role == "state" else _RING)
     kept = {typeset(mark.label) for mark in _kept(scheme, stage + 1)}
     drawn = [letter for letter in lettered.texts if letter.text.split(" ")[0] in kept]
@@ -329,10 +330,4 @@ def _tick(stays: Page, arms: Page, lettered: Page, index: int, stage: int) -> Ti
     if any(arc.stage == stage and arc.start.startswith("N") for arc in scheme.arcs):
         for plane in drawing.planes:
             dimensions.turn_angle(page, plane, frame, "", 0.4)
-    beside = arms.following()
-    draw_step(beside, frame, stage=stage, turn=True, sheet=False)
-    beside.items = [item for item in beside.items if getattr(item, "role", "") == "arc"]
-    said = f"{step_head(drawing, frame)}\n\n{protocol(drawing, frame, stage, stays.units)}"
-    of = f"Step {frame.step}, {stage + 1} of {len(scheme.stages)}"
-    caption = f"{of}: {typeset(scheme.stages[stage])}"
-    return Tick(page, beside, said, caption, index, frame.time)
+    return page

@@ -9,11 +9,12 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from phaseplane.constructions.primitives import Axis, Drawing, Plane, Scheme
+from phaseplane.constructions.primitives import Drawing, Plane, Scheme
 from phaseplane.constructions.storage import Frame
 
+from .frames import columns, motions_of, reach_of
 from .layers import Layer, layers_at
-from .paper import Points, arcs, columns, table, telling_vertices
+from .paper import Points, arcs, telling_vertices
 from .quantities import CENTIMETRES, QUANTITIES, Quantity, by_ending, display_unit, rate_unit
 
 _WOUND = 20.0  # times width and height together: about ten turns, or more smaller ones
@@ -66,16 +67,6 @@ class Subject:
         return self._last[0][1]
 
 
-def motions_of(drawing: Drawing) -> list[Points]:
-    """Return the state points of each plane, including the end of the motion if the last step has it."""
-    names = [plane.state for plane in drawing.planes]
-    states = table(drawing.frames, names)
-    ends = [f"{name}'" for name in names]
-    if all(name in drawing.frames[-1].points for name in ends):
-        states = np.concatenate([states, table(drawing.frames[-1:], ends)])
-    return list(states.T)
-
-
 def paths_of(drawing: Drawing, motions: Sequence[Points]) -> list[Points]:
     """Return the way from each state point to the next, shape (steps, vertices): chords, or the arcs
     on which the rule has stepped.
@@ -108,13 +99,6 @@ def centre_of(scheme: Scheme, plane: Plane) -> str:
     """Return the centre of the arc on which a state point moves; empty if it moves on a line."""
     ends = (plane.state, f"{plane.state}'")
     return next((a.centre for a in scheme.arcs if (a.start, a.end) == ends), "")
-
-
-def reach_of(axis: Axis, motion: Points) -> tuple[float, float]:
-    """Return the smallest and largest value of a motion on an axis, always including zero."""
-    values = ((motion - axis.origin) * axis.direction.conjugate()).real / axis.scale
-    values = values[np.isfinite(values)]
-    return float(values.min(initial=0.0)), float(values.max(initial=0.0))
 
 
 def read_off(drawing: Drawing) -> dict[str, Quantity | None]:

@@ -14,7 +14,7 @@ from phaseplane.constructions.sheet import Event, events_of, plane_of
 from phaseplane.constructions.storage import Frame
 from phaseplane.constructions.two_planes import STUCK
 
-from .paper import readings
+from .frames import readings
 from .quantities import Quantity, rate_of, rate_unit, unit_text
 
 _EXPONENT = re.compile(r"\d[\d.]*e[+-]\d+")
@@ -28,7 +28,6 @@ _EVENTS = {
 }
 # characters of a row and rows of a protocol in the pane of the text in a window of 1366x768
 _ROW, _MOST_ROWS = 68, 20
-_SUCCESSOR = "'"
 _NOTHING = 1e-12  # a smaller reading is one of rounding
 _DRIFTS = 0.1  # of the largest displacement of a body: a drift of its control that is told
 LETTER_OF_EVENT = {"lift_off": "U", "touchdown": "V", "jolt": "J", "sticking": "F"}
@@ -254,20 +253,19 @@ def measured(
             found.append(f"{typeset('dtau' + plane.number)} = {number(turn, 3)} rad, arc {arc}")
     for plane in planes:
         if f"{plane.state}'" in marked:
-            value = _displacement(plane, points[f"{plane.state}'"], units[plane.name])
-            found.append(f"{typeset(plane.state + _SUCCESSOR)}: {value}")
+            successor = f"{plane.state}'"
+            value = _displacement(plane, points[successor], units[plane.name])
+            found.append(f"{typeset(successor)}: {value}")
     return found
 
 
 def _state(plane: Plane, z: complex, unit: tuple[str, float]) -> Iterator[str]:
     axis, rate, foot = plane.displacement, plane.scaled_velocity, f"Q{plane.number}"
-    y, y_bar = ((z - axis.origin) * a.direction.conjugate() for a in (axis, rate))
-    yield (
-        f"{_pair(f'O{plane.number}', foot)} = {_centimetres(y.real)}: "
-        f"{_displacement(plane, z, unit)}"
-    )
-    speed = plane.angular_frequency * y_bar.real / rate.scale
-    yield f"{_pair(foot, plane.state)} = {_centimetres(y_bar.real)}: {_rate(plane, 1, speed)}"
+    y, y_bar = axis.read(z), rate.read(z)
+    away = f"{_pair(f'O{plane.number}', foot)} = {_centimetres(axis.scale * y)}"
+    yield f"{away}: {_displacement(plane, z, unit)}"
+    up = f"{_pair(foot, plane.state)} = {_centimetres(rate.scale * y_bar)}"
+    yield f"{up}: {_rate(plane, 1, plane.angular_frequency * y_bar)}"
 
 
 def _acceleration(plane: Plane, points: Mapping[str, complex], mean: bool) -> str:
@@ -296,8 +294,7 @@ def _length(start: str, end: str, points: Mapping[str, complex]) -> str:
 def _laid_off(start: str, end: str, points: Mapping[str, complex], plane: Plane) -> str:
     """Return a length that is laid off along the axis of the displacement, or against it."""
     axis = plane.displacement
-    along = ((points[end] - points[start]) * axis.direction.conjugate()).real >= 0.0
-    way = "along" if along else "against"
+    way = "along" if axis.read(points[end]) >= axis.read(points[start]) else "against"
     return f"{_length(start, end, points)} {way} {axis_letter(axis.label)}"
 
 

@@ -1,60 +1,90 @@
-"""A picture in rerun: the page that stays, the ticks of a story, and the curves that grow."""
+"""The viewer as a canvas: pages, and curves and points that grow or move, as rerun's components."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from itertools import chain
+import re
+import unicodedata
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache
+from itertools import chain, repeat
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
 import rerun as rr
 
-from phaseplane.picture.items import Arrow, Dots, Lines
-from phaseplane.picture.page import Page
-from phaseplane.picture.paper import Points, Strip
-from phaseplane.picture.styles import MOVING_POINT, style_of
+from phaseplane.picture.page import Arrow, Dots, Lines, Page
+from phaseplane.picture.paper import Points, Strip, vertices
+from phaseplane.picture.styles import GREY, MOVING_POINT, Hue, style_of
 
-from .columns import (
-    LETTERS_FIRST,
-    LINE_UP,
-    UPRIGHT,
-    Clock,
-    Integers,
-    legible,
-    line_style,
-    point_style,
-    radii,
-    ragged,
-    send,
-    shades,
-    strips,
-    xy,
-)
+from .clock import Integers
 
+UPRIGHT = rr.Transform3D(scale=[1.0, -1.0, 1.0])
+"""Turns a view up whose y axis the viewer draws downwards; letters stay upright."""
+LINE_UP = 0.55
+"""How far above its centre the anchor of each line of a text is, in em: the viewer writes below it."""
 BLOCK = 128  # steps in a block of a long curve, which the viewer draws as one row
 PARTS = ("lines", "points", "letters")  # the entities of a page
+LETTERS_FIRST = 0.0
+"""The draw order of letters, which the viewer writes over all else.
+
+It gives each entity a depth of its own, in their order. In a browser without WebGPU these depths shift
+lines and points against each other, those that are farther apart in their order by more: by up to 2 %.
+"""
 # the draw order of the lines of each page; those of `stage` have neighbouring depths
 _ORDER = {"paper": 11.0, "story": 13.0, "events": 21.0}
+_BENEATH, _LINES, _POINTS = 19.0, 20.0, 30.0  # draw orders of a run, other lines, and points
 _FAINT = 0.35  # opacity of older steps
 _HEAD = 0.5  # length of the head of an arrow, em
+_SCREEN = 1.25  # points on a screen for a point on paper
+_STRIPS = rr.components.LineStrip2DBatch([]).as_arrow_array().type
 
 
 class Viewer:
     """A canvas of the viewer, whose entities are under the path `root`."""
 
-    def __init__(self, recording: rr.RecordingStream, root: str, clock: Clock) -> None:
-        self.recording, self.root, self.clock = recording, root, clock
-        self._ticks: list[Page] = []
+    def __init__(self, recording: rr.RecordingStream, root: str) -> None:
+        self.recording, self.root = recording, root
         self._begun: set[str] = set()
 
     def begin(self, page: Page) -> None:
         """Log what stays."""
         self.recording.log(self.root, UPRIGHT, static=True)
-        self._send("paper", [page], [])
+        self.show("paper", [page], [])
 
-    def frame(self, page: Page) -> None:
-        """Store the next tick of the timeline `stage`; `end` logs all of them at once, to save time."""
-        self._ticks.append(page)
+    def show(self, name: str, pages: Sequence[Page], times: Sequence[rr.TimeColumn]) -> None:
+        """Log pages, each at one of these times; without times it stays."""
+        lines = [
+            [(strip, i.role, style_of(i.role).width * i.weight, i.strength)
+             for i in page.of(Lines) for strip in i.strips]
+            + [(strip, i.role, style_of(i.role).width, 1.0)
+               for i in page.of(Arrow) for strip in _arrow(i, page.em)]
+            for page in pages
+        ]  # fmt: skip
+        points = [
+            [(z, dots.role, style_of(dots.role).size * dots.weight, dots.strength)
+             for dots in page.of(Dots) for z in dots.points]
+            for page in pages
+        ]  # fmt: skip
+        # texts are points without size, above their centres: the viewer writes below them
+        texts = [
+            [(text.centre + LINE_UP * (1 + text.text.count("\n")) * 1j * page.em, text.role, 0.0,
+              text.strength) for text in page.texts]
+            for page in pages
+        ]  # fmt: skip
+        labels = [legible(text.text) for page in pages for text in page.texts]
+        order = _ORDER[name]
+        parts = (
+            _columns(rr.LineStrips2D, lines, {"draw_order": order}),
+            _columns(rr.Points2D, points, {"draw_order": order + 1.0}),
+            _columns(
+                rr.Points2D, texts, {"radii": 0.0, "show_labels": True, "draw_order": LETTERS_FIRST},
+                labels=labels,
+            ),
+        )  # fmt: skip
+        for part, columns in zip(PARTS, parts, strict=True):
+            self.recording.send_columns(f"{self.root}/{name}/{part}", times, columns)
 
     def curve(
         self, name: str, role: str, ways: Points, first: int,
@@ -62,32 +92,27 @@ class Viewer:
     ) -> None:  # fmt: skip
         """Log more of a growing curve: each step as a row, and blocks of steps as one row each.
 
-        Parameters
-        ----------
-        ways : of some steps, shape (steps, vertices)
-        first : number of the first of these steps
-        columns : returns the time columns of the steps with some numbers
-        winds : whether the curve is so long that its older parts must be faint
+        The ways of some steps from number `first` on have the shape (steps, vertices); `columns` returns
+        the time columns of steps by their numbers. Of a curve that winds, the older parts are faint.
         """
         path = f"{self.root}/{role}/{name}"
         if path not in self._begun:
             self._begun.add(path)
+            order = _BENEATH if role == "run" else _LINES
             past = (_FAINT, 0.4) if winds else (1.0, 1.0)
             for part, strength, weight in (("recent", 1.0, 1.0), ("past", *past)):
-                style = line_style([role], [strength], weight, beneath=role == "run")
+                style = line_style([role], [strength], weight, order)
                 self.recording.log(f"{path}/{part}", style, static=True)
         if not len(ways):
             return
-        rows = first + 1 + np.arange(len(ways))
-        self.recording.send_columns(
-            f"{path}/recent", columns(rows), rr.LineStrips2D.columns(strips=strips(ways))
-        )
         starts = np.arange(0, len(ways), BLOCK)
         ends = np.minimum(starts + BLOCK, len(ways))
         blocks = [ways[start:end].ravel() for start, end in zip(starts, ends, strict=True)]
-        self.recording.send_columns(
-            f"{path}/past", columns(first + ends), rr.LineStrips2D.columns(strips=ragged(blocks))
-        )
+        for part, rows, of in (
+            ("recent", 1 + np.arange(len(ways)), strips(ways)), ("past", ends, ragged(blocks))
+        ):  # fmt: skip
+            lines = rr.LineStrips2D.columns(strips=of)
+            self.recording.send_columns(f"{path}/{part}", columns(first + rows), lines)
 
     def move(self, name: str, z: Points, times: Sequence[rr.TimeColumn]) -> None:
         """Log moving points, shape (times, points)."""
@@ -101,71 +126,23 @@ class Viewer:
         columns = rr.LineStrips2D.columns(strips=strips(z))
         send(self.recording, f"{self.root}/{name}", line_style([role]), times, columns)
 
-    def mark(self, pages: Sequence[Page], times: Sequence[rr.TimeColumn]) -> None:
-        """Log marks that stay once their time has come, a page for each time."""
-        self._send("events", pages, times)
-
-    def end(self) -> None:
-        """Log the ticks."""
-        if self._ticks:
-            self._send("story", self._ticks, self.clock.staged())
-
-    def _send(self, name: str, pages: Sequence[Page], times: Sequence[rr.TimeColumn]) -> None:
-        """Log pages, each at one of these times; without times it stays."""
-        lines = _ORDER[name]
-        of = (_lines(pages, lines), _points(pages, lines + 1.0), _letters(pages))
-        for part, columns in zip(PARTS, of, strict=True):
-            self.recording.send_columns(f"{self.root}/{name}/{part}", times, columns)
-
-
-def _lines(pages: Sequence[Page], order: float) -> list[Any]:
-    """Return the lines of pages, a row for each, the arrows behind all others; and their draw order."""
-    rows = [
-        [(strip, i.role, i.weight, i.strength) for i in page.of(Lines) for strip in i.strips]
-        + [(strip, i.role, 1.0, 1.0) for i in page.of(Arrow) for strip in _arrow(i, page.em)]
-        for page in pages
-    ]
-    every = list(chain.from_iterable(rows))
-    return _columns(
-        rr.LineStrips2D, rows, {"draw_order": order},
-        strips=ragged([strip for strip, *_ in every]),
-        colors=shades([role for _, role, *_ in every], [strength for *_, strength in every]),
-        radii=radii([style_of(role).width * weight for _, role, weight, _ in every]),
-    )  # fmt: skip
-
-
-def _points(pages: Sequence[Page], order: float) -> list[Any]:
-    """Return the points of pages, a row for each, and their draw order."""
-    rows = [[(z, dots) for dots in page.of(Dots) for z in dots.points] for page in pages]
-    every = list(chain.from_iterable(rows))
-    return _columns(
-        rr.Points2D, rows, {"draw_order": order},
-        positions=xy([z for z, _ in every]).reshape(-1, 2),
-        colors=shades([dots.role for _, dots in every], [dots.strength for _, dots in every]),
-        radii=radii([style_of(dots.role).size * dots.weight for _, dots in every]),
-    )  # fmt: skip
-
-
-def _letters(pages: Sequence[Page]) -> list[Any]:
-    """Return the texts of pages, a row for each, as points without size.
-
-    The viewer centres a text just below its anchor.
-    """
-    rows = [[(text, page.em) for text in page.texts] for page in pages]
-    every = list(chain.from_iterable(rows))
-    up = [LINE_UP * (1 + text.text.count("\n")) * 1j * em for text, em in every]
-    return _columns(
-        rr.Points2D, rows, {"radii": 0.0, "show_labels": True, "draw_order": LETTERS_FIRST},
-        positions=xy([text.centre + z for (text, _), z in zip(every, up, strict=True)]).reshape(-1, 2),
-        colors=shades([text.role for text, _ in every], [text.strength for text, _ in every]),
-        labels=[legible(text.text) for text, _ in every],
-    )  # fmt: skip
-
 
 def _columns(
-    kind: Any, rows: Sequence[Sequence[object]], each: Mapping[str, object], **items: object
-) -> list[Any]:
-    """Return the columns of the items in all rows, and of what each row has once."""
+    kind: Any, rows: Sequence[Sequence[tuple[Any, str, float, float]]], each: Mapping[str, object],
+    **items: object,
+) -> list[Any]:  # fmt: skip
+    """Return the columns of strips or points in all rows, and of what each row has once.
+
+    An item has a place, a role, a width or diameter, and an opacity.
+    """
+    places, roles, sizes, strengths = list(zip(*chain.from_iterable(rows), strict=True)) or [()] * 4
+    if kind is rr.LineStrips2D:
+        items |= {"strips": ragged(places)}
+    else:
+        items |= {"positions": xy(places).reshape(-1, 2)}
+    if "radii" not in each:
+        items |= {"radii": radii(sizes)}
+    items |= {"colors": shades(roles, strengths)}
     once = {name: [value] * len(rows) for name, value in each.items()}
     return [*kind.columns(**items).partition([len(row) for row in rows]), *kind.columns(**once)]
 
@@ -178,3 +155,106 @@ def _arrow(arrow: Arrow, em: float) -> list[Strip]:
     heads = [(arrow.tip, along)] + ([(arrow.start, -along)] if arrow.both else [])
     strips: list[Strip] = [(arrow.start, arrow.tip)] if arrow.shaft else []
     return strips + [(z - a + 0.35j * a, z, z - a - 0.35j * a) for z, a in heads]
+
+
+def send(
+    recording: rr.RecordingStream, path: str, style: rr.AsComponents,
+    times: Sequence[rr.TimeColumn], columns: Iterable[Any],
+) -> None:  # fmt: skip
+    """Log a style that stays, and columns at these times."""
+    recording.log(path, style, static=True)
+    recording.send_columns(path, times, [*columns])
+
+
+@cache
+def rgba(hue: Hue, strength: float = 1.0) -> int:
+    """Return the shade of a hue that is legible on dark and on light, 0xRRGGBBAA; a weak one is greyer.
+
+    The viewer does not blend lines: a transparent one is only darker, and stands out on light ground.
+    """
+    both = (bytes.fromhex(of.on("either")[1:]) for of in (hue, GREY))
+    mixed = (
+        round(strength * own + (1.0 - strength) * grey) for own, grey in zip(*both, strict=True)
+    )
+    return int.from_bytes(bytes([*mixed, 255]), "big")
+
+
+def colours(values: Sequence[int]) -> npt.NDArray[np.uint32]:
+    """Return colours 0xRRGGBBAA, one per instance."""
+    return np.array(values, np.uint32)  # rerun takes a list of four as one RGBA colour
+
+
+def shades(
+    roles: Iterable[str], strengths: Iterable[float] = repeat(1.0)
+) -> npt.NDArray[np.uint32]:
+    """Return the colours of roles, one per instance."""
+    pairs = zip(roles, strengths, strict=False)
+    return colours([rgba(style_of(role).hue, strength) for role, strength in pairs])
+
+
+def radii(sizes: Sequence[float]) -> npt.NDArray[np.float32]:
+    """Return radii on the screen of widths and diameters in points of paper."""
+    return -0.5 * _SCREEN * np.array(sizes, np.float32)  # negative: not in metres of paper
+
+
+def line_style(
+    roles: Sequence[str], strengths: Iterable[float] = repeat(1.0), weight: float = 1.0,
+    order: float = _LINES,
+) -> rr.LineStrips2D:  # fmt: skip
+    """Return the style of lines of these roles."""
+    widths = radii([weight * style_of(role).width for role in roles])
+    return rr.LineStrips2D.from_fields(
+        colors=shades(roles, strengths), radii=widths, draw_order=order
+    )
+
+
+def point_style(roles: Sequence[str], weight: float = 1.0) -> rr.Points2D:
+    """Return the style of points of these roles."""
+    sizes = radii([weight * style_of(role).size for role in roles])
+    return rr.Points2D.from_fields(colors=shades(roles), radii=sizes, draw_order=_POINTS)
+
+
+def xy(points: npt.ArrayLike) -> npt.NDArray[np.float32]:
+    """Return complex points as pairs x, y, in an additional last dimension."""
+    return vertices(points).astype(np.float32)
+
+
+def strips(z: Points) -> pa.Array:
+    """Return polylines with equal numbers of vertices, shape (n, vertices), as one arrow array."""
+    return _strips(z, np.arange(0, z.size + 1, z.shape[-1], dtype=np.int32))
+
+
+def ragged(polylines: Sequence[Strip]) -> pa.Array:
+    """Return polylines as one arrow array."""
+    offsets = np.cumsum([0, *map(len, polylines)], dtype=np.int32)
+    return _strips(np.concatenate([np.zeros(0, complex), *polylines]), offsets)
+
+
+def _strips(points: Points, offsets: npt.NDArray[np.int32]) -> pa.Array:
+    batch = rr.encodings.Vec2DBatch(xy(points).reshape(-1, 2))
+    return pa.ListArray.from_arrays(offsets, batch.as_arrow_array(), type=_STRIPS)
+
+
+_INSTEAD = {0x2098: "m", 0x209B: "s", 0x209C: "t", 0x2009: " "}  # of indices and a thin space
+# Characters of the viewer's font. The viewer does not skip a missing glyph; it fails.
+_LEGIBLE = frozenset(
+    "\n"
+    + "".join(map(chr, [*range(0x20, 0x7F), *range(0xA1, 0xAD), *range(0xAE, 0x149)]))
+    + "".join(map(chr, [*range(0x14A, 0x180), *range(0x391, 0x3CA), *range(0x410, 0x450)]))
+    + "\u0232\u0233\u1e8b\u1e8d\u1e8f\u0304\u0307\u0308\u200b"
+    + "\u2010\u2011\u2012\u2013\u2014\u2018\u2019\u201c\u201d\u2022\u2026\u2032\u2033"
+    + "\u2070\u2074\u2075\u2076\u2077\u2078\u2079" + "".join(map(chr, range(0x2080, 0x208A)))
+    + "\u2190\u2191\u2192\u2193\u2202\u2206\u2212\u221a\u221e\u2248\u2260\u2264\u2265"
+) - {"\u03a2"}  # fmt: skip
+
+# dots over this letter are not shown
+_DOTS_OF_XI = (("\u03be\u0308", "\u03be\u2033"), ("\u03be\u0307", "\u03be\u2032"))
+_ILLEGIBLE = re.compile(f"[^{re.escape(''.join(sorted(_LEGIBLE)))}]")
+
+
+def legible(text: str) -> str:
+    """Return the text with a question mark for every character that the viewer cannot show."""
+    text = unicodedata.normalize("NFC", text.translate(_INSTEAD))
+    for dots, primes in _DOTS_OF_XI:
+        text = text.replace(dots, primes)
+    return _ILLEGIBLE.sub("?", text)

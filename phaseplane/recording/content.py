@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.picture.subject import motions_of
+from phaseplane.picture.frames import motions_of
 
 from .vehicle import Vehicle
 

@@ -18,7 +18,7 @@ import numpy as np
 import rerun as rr
 from rerun.experimental import ViewerClient
 
-from .columns import Reals
+from .clock import Reals
 from .content import Content
 from .lanes import send_lanes
 from .layout import blueprint

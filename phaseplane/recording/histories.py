@@ -8,20 +8,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 import rerun as rr
 
-from phaseplane.picture.paper import read_over
+from phaseplane.picture.frames import read_over
 from phaseplane.picture.quantities import QUANTITIES, RADIANS, Quantity, quantity_of
 from phaseplane.picture.styles import hue_of, strength_of
 from phaseplane.picture.subject import read_off
 from phaseplane.picture.text import in_words
 
-from .columns import Clock, Reals, colours, legible, rgba, seconds
+from .canvas import colours, legible, rgba
+from .clock import Clock, Reals, seconds
 from .content import Content
 
 HISTORIES = "/histories"
 MOST_NAMED = 8  # curves of a plot that are named in it; more names would hide them
 _MOST_MARKED = 300  # points on a curve; more of them are small, for they would be a band
 _PLACES = ("front", "rear", "left", "right")
-_POINTS = "drawn"  # name of the entity with the points of the construction, under its series
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +40,10 @@ class Panel:
     def entity(self, name: str) -> str:
         """Return the path of a column."""
         return f"{self.path}/{rr.escape_entity_path_part(name)}"
+
+    def points(self, name: str) -> str:
+        """Return the path of the points of the construction on a column."""
+        return f"{self.entity(name)}/drawn"
 
     @property
     def title(self) -> str:
@@ -82,48 +86,56 @@ def panels(content: Content) -> list[Panel]:
             "energies" if quantity.name == "energy" else "histories"
         ):
             found.setdefault(quantity, []).append(name)
-    most = MOST_NAMED if drawing is None else None
+    split = _by_part if drawing is None else _together
     return [
         Panel(of, tuple(several), tuple(name for name in several if name in known))
         for quantity, names in found.items()
-        for of, several in _by_part(quantity, names, most)
+        for of, several in split(quantity, names)
     ]
 
 
-def _by_part(
-    quantity: Quantity, names: list[str], most: int | None
-) -> list[tuple[Quantity, list[str]]]:
-    """Return columns of a quantity together, or more than `most` by the parts of several wheels."""
+def _together(quantity: Quantity, names: list[str]) -> list[tuple[Quantity, list[str]]]:
+    return [(quantity, names)] if names else []
+
+
+def _by_part(quantity: Quantity, names: list[str]) -> list[tuple[Quantity, list[str]]]:
+    """Return columns of a quantity together, or many of them by the parts of several wheels."""
     parts: dict[str, list[str]] = {}
     for name in names:
         part = "_".join(word for word in name.split("_") if word not in _PLACES)
         parts.setdefault(in_words(part), []).append(name)
-    if most is None or len(names) <= most or len(parts) > len(names) / 2:
-        return [(quantity, names)] if names else []
+    if len(names) <= MOST_NAMED or len(parts) > len(names) / 2:
+        return _together(quantity, names)
     largest = sorted(parts.items(), key=lambda item: -len(item[1]))
     return [(replace(quantity, name=part), several) for part, several in largest]
-
-
-def send_histories(recording: rr.RecordingStream, content: Content) -> None:
-    """Send curves over `t` as given."""
-    for path, values in _curves(content):
-        scalars = rr.Scalars.columns(scalars=values)
-        recording.send_columns(path, [seconds(content.times)], scalars)
-
-
-def send_at_ticks(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
-    """Send the curves of a whole run over `step` and `stage`, at their ticks."""
-    for path, values in _curves(content):
-        for when, columns in ((clock.times, clock.counted()), (clock.ticks, clock.staged())):
-            if len(when):
-                at = np.interp(when, content.times, values, left=np.nan, right=np.nan)
-                recording.send_columns(path, columns, rr.Scalars.columns(scalars=at))
 
 
 def _curves(content: Content) -> Iterator[tuple[str, Reals]]:
     for panel in panels(content) if len(content.times) else ():
         for name in panel.names:
             yield panel.entity(name), panel.values(content, name)
+
+
+def _send(
+    recording: rr.RecordingStream, path: str, times: list[rr.TimeColumn], values: Reals
+) -> None:
+    recording.send_columns(path, times, rr.Scalars.columns(scalars=values))
+
+
+def send_histories(recording: rr.RecordingStream, content: Content) -> None:
+    """Send curves over `t` as given."""
+    for path, values in _curves(content):
+        _send(recording, path, [seconds(content.times)], values)
+
+
+def send_at_ticks(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
+    """Send the curves of a whole run over `step` and `stage`, at their ticks."""
+    steps = [clock.counts(np.arange(len(clock.steps)))]
+    for path, values in _curves(content):
+        for when, times in ((clock.times, steps), (clock.ticks, clock.story)):
+            if len(when):
+                at = np.interp(when, content.times, values, left=np.nan, right=np.nan)
+                _send(recording, path, times, at)
 
 
 def send_readings(
@@ -133,30 +145,22 @@ def send_readings(
     assert content.drawing is not None
     for panel in panels(content):
         _, read = read_over(content.drawing, panel.drawn, first, last)
+        times = clock.columns(first + np.arange(len(read)))
         for name, values in zip(panel.drawn, panel.quantity.factor * read.T, strict=True):
-            recording.send_columns(
-                f"{panel.entity(name)}/{_POINTS}",
-                clock.columns(np.arange(first, first + len(values))),
-                rr.Scalars.columns(scalars=values),
-            )
+            _send(recording, panel.points(name), times, values)
 
 
 def log_series(recording: rr.RecordingStream, panel: Panel, content: Content) -> None:
     """Log names and colours of the curves of a panel; a rear axle and a right wheel have fainter ones."""
     several = content.drawing is not None and len(content.drawing.frames) > _MOST_MARKED
-    size = 0.8 if several else 2.5
     for number, name in enumerate(panel.names):
-        path, words = panel.entity(name), legible(in_words(name))
+        words = legible(in_words(name))
         colour = colours([rgba(hue_of(name, number), strength_of(name))])
         line = rr.SeriesLines(names=words, colors=colour, widths=1.5)
-        recording.log(path, line, static=True)
+        recording.log(panel.entity(name), line, static=True)
         if name in panel.drawn:
             points = rr.SeriesPoints(
-                names=f"{words}, drawn", colors=colour, markers="circle", marker_sizes=size
-            )
-            recording.log(f"{path}/{_POINTS}", points, static=True)
-
-
-def overlays(panel: Panel) -> dict[str, object]:
-    """Return which entities of a panel are drawn as points and not as lines."""
-    return {f"{panel.entity(name)}/{_POINTS}": rr.SeriesPoints() for name in panel.drawn}
+                names=f"{words}, drawn", colors=colour, markers="circle",
+                marker_sizes=0.8 if several else 2.5,
+            )  # fmt: skip
+            recording.log(panel.points(name), points, static=True)

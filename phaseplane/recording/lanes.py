@@ -9,45 +9,36 @@ import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
-from phaseplane.picture.paper import read_over
+from phaseplane.picture.frames import read_over, switches_of
 from phaseplane.picture.styles import GREEN, ORANGE, RED, Hue
-from phaseplane.picture.switches import switches_of
 from phaseplane.picture.text import in_words
 
-from .columns import Clock, Integers, Reals, colours, rgba, seconds, send
+from .canvas import colours, rgba, send
+from .clock import Clock, Integers, Reals, seconds
 from .content import Content
 
 Bools = npt.NDArray[np.bool_]
 LANES = "/lanes"
 SHEET_SHARE = 8.0  # the height of the sheet, relative to that of the lanes below it
 _CALM, _LOUD = "calm", "loud"
-# by the ending of a column: the words for its two states, and the hue of the second
+# by the ending of a column: what it is about, the words for its two states, and the hue of the second
 _SWITCHES = {
-    "airborne": ("on the road", "off the road", RED),
-    "yielding": ("elastic", "yielding", ORANGE),
-    "sticking": ("slips", "sticks", ORANGE),
+    "airborne": ("wheel", "on the road", "off the road", RED),
+    "yielding": ("spring", "elastic", "yielding", ORANGE),
+    "sticking": ("dry friction", "slips", "sticks", ORANGE),
 }
-_NAMES = {"airborne": "wheel", "yielding": "spring", "sticking": "dry friction"}
 
 
 @dataclass(frozen=True, slots=True)
 class Lane:
-    """A state over time that something is in, or is not.
+    """A state over time that something is in, or is not."""
 
-    Parameters
-    ----------
-    calm, loud : words for it not being so, and being so
-    hue : of the latter
-    times, active : when it is so, of a run, or of the construction if the run does not tell, shape (n,)
-    drawn : the same at all points of the construction, if that tells
-    """
-
-    calm: str
+    calm: str  # words for it not being so, and being so
     loud: str
-    hue: Hue
-    times: Reals
-    active: Bools
-    drawn: Bools | None = None
+    hue: Hue  # of the latter
+    times: Reals  # of a run, or of the construction if the run does not tell
+    active: Bools  # whether it is so at these times
+    drawn: Bools | None = None  # the same at all points of the construction, if that tells
 
 
 def lanes_of(content: Content) -> dict[str, Lane]:
@@ -62,9 +53,9 @@ def lanes_of(content: Content) -> dict[str, Lane]:
         times = np.asarray(read_over(content.constructed, [])[0], np.float64)
         known |= {name: (times, states) for name, states in drawn.items() if name not in known}
     for name, (times, active) in known.items():
-        for ending, (calm, loud, hue) in _SWITCHES.items():
+        for ending, (what, calm, loud, hue) in _SWITCHES.items():
             if name.endswith(ending):
-                lane = f"{in_words(name.removesuffix(ending))}{_NAMES[ending]}"
+                lane = f"{in_words(name.removesuffix(ending))}{what}"
                 found[lane] = Lane(calm, loud, hue, times, active, drawn.get(name))
     axles = content.vehicle.axles if content.vehicle else ()
     for axle in axles:
@@ -110,14 +101,13 @@ def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) ->
         else:  # below the steps stands what they show, even where the run does not follow them
             steps = _new(lane.drawn)
             states = lane.drawn[steps]
-        numbers = rr.TimeColumn("step", sequence=clock.steps[steps])
-        recording.send_columns(path, [numbers], _changes(states))
+        recording.send_columns(path, [clock.counts(steps)], _changes(states))
         if len(clock.ticks) and not content.live:
             told = np.searchsorted(clock.times, clock.ticks + 1e-9, side="right") - 1
             last = np.maximum(np.searchsorted(steps, told, side="right") - 1, 0)
             # the band of the last tick is as wide as all others, so one more follows it
-            stages = rr.TimeColumn("stage", sequence=clock.stride * np.arange(len(told) + 1))
-            recording.send_columns(path, [stages], _changes(states[np.append(last, last[-1])]))
+            stages = clock.stages(np.arange(len(told) + 1))
+            recording.send_columns(path, stages, _changes(states[np.append(last, last[-1])]))
 
 
 def _new(states: Bools) -> Integers:

@@ -15,10 +15,9 @@ from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
 from phaseplane.picture.text import in_words, number
 
-from .canvas import PARTS
-from .columns import legible
+from .canvas import PARTS, legible
 from .content import Content
-from .histories import MOST_NAMED, Panel, overlays, panels
+from .histories import MOST_NAMED, Panel, panels
 from .lanes import LANES, SHEET_SHARE, lanes_share
 from .motion import state_planes
 from .recorder import MOST_ROWS, Recorder
@@ -30,6 +29,9 @@ _LONGEST = 60.0  # s that the viewer takes to play the motion
 _LIVE = 1.0  # s of a live run that are drawn in full
 _ROUNDING = 1e-6  # of the range of a plot: an end that is as good as zero
 
+Part = tuple[float, rrb.View | rrb.Container]
+"""A part of a column with its share of the height."""
+
 
 def blueprint(recorder: Recorder) -> rrb.Blueprint:
     """Return the layout: the sheet with lanes below it, and the text, side view and plots next to it.
@@ -37,14 +39,14 @@ def blueprint(recorder: Recorder) -> rrb.Blueprint:
     During a live run the viewer stays at the latest time.
     """
     content = recorder.content
-    left: list[tuple[float, rrb.View | rrb.Container]] = []
+    left: list[Part] = []
     if recorder.pages:
         left.append((SHEET_SHARE, _sheets(content, recorder.pages)))
     below = lanes_share(content)
     if below:
         time = None if content.live else _whole_time()
         left.append((below, rrb.StateTimelineView(origin=LANES, name="lanes", time_view=time)))
-    right: list[tuple[float, rrb.View | rrb.Container]] = []
+    right: list[Part] = []
     if recorder.words:
         right.append((6.7, rrb.TextDocumentView(origin=WORDS, name="construction step")))
     beside: list[rrb.View] = []
@@ -63,19 +65,16 @@ def blueprint(recorder: Recorder) -> rrb.Blueprint:
     elif plots:  # high enough for the names of four wheels
         more = [rrb.Tabs(*plots[3:])] if plots[3:] else []
         right.append((2.5, rrb.Vertical(*plots[:3], *more)))
-    columns = [_stack(parts) for parts in (left, right) if parts]
-    shares = [2.0, 1.0] if len(columns) == 2 else [1.0]
+    columns = [
+        views[0] if len(views) == 1 else rrb.Vertical(*views, row_shares=list(shares))
+        for shares, views in (zip(*parts, strict=True) for parts in (left, right) if parts)
+    ]
     return rrb.Blueprint(
-        rrb.Horizontal(*columns, column_shares=shares),
+        rrb.Horizontal(*columns, column_shares=[2.0, 1.0][-len(columns) :]),
         _time_panel(recorder),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
     )
-
-
-def _stack(parts: Sequence[tuple[float, rrb.View | rrb.Container]]) -> rrb.View | rrb.Container:
-    shares, views = zip(*parts, strict=True)
-    return rrb.Vertical(*views, row_shares=list(shares)) if len(views) > 1 else views[0]
 
 
 def _time_panel(recorder: Recorder) -> rrb.TimePanel:
@@ -101,8 +100,7 @@ def _time_panel(recorder: Recorder) -> rrb.TimePanel:
 
 def _sheets(content: Content, pages: Sequence[Page]) -> rrb.View | rrb.Container:
     """Return the view of the whole sheet, and with several planes one of each, or a grid of them."""
-    names = [in_words(displacement) for displacement, _ in content.pairs]
-    together = False
+    together, names = False, [in_words(displacement) for displacement, _ in content.pairs]
     if content.constructed is not None:
         planes = content.constructed.planes
         together = len(planes) > 2  # one below the other on the sheet, they are small
@@ -178,5 +176,5 @@ def _plot(panel: Panel, content: Content) -> rrb.TimeSeriesView:
         plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=len(panel.names) <= named),
         axis_x=None if content.live else _whole_time(),
         axis_y=rrb.ScalarAxis(range=(low - margin, high + margin)) if finite.size else None,
-        overrides=overlays(panel),  # type: ignore[arg-type]
+        overrides={panel.points(name): rr.SeriesPoints() for name in panel.drawn},
     )

@@ -11,17 +11,19 @@ import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.constructions.primitives import Axis, Drawing, Plane
+from phaseplane.constructions.sheet import state_point
 from phaseplane.constructions.storage import StoredFrames
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import draw_curves
+from phaseplane.picture.frames import motions_of
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, Points, around
 from phaseplane.picture.quantities import quantity_of, rate_of
-from phaseplane.picture.subject import Subject, motions_of
+from phaseplane.picture.subject import Subject
 from phaseplane.picture.text import in_words
 from phaseplane.picture.views import views_of
 
-from .columns import Integers, Reals
+from .clock import Integers, Reals
 from .content import Content
 from .lanes import SHEET_SHARE, lanes_share
 
@@ -39,11 +41,15 @@ _UNLED = 1.0
 
 @dataclass(frozen=True, slots=True)
 class StatePlane:
-    """A phase plane and the columns of the motion in it."""
+    """A phase plane, named after a column of the motion in it, and the column of the rate."""
 
     plane: Plane
-    displacement: str
     rate: str
+
+    @property
+    def columns(self) -> tuple[str, str]:
+        """The displacement and its rate."""
+        return self.plane.name, self.rate
 
     @property
     def transform(self) -> rr.Transform3D:
@@ -57,19 +63,13 @@ class StatePlane:
 
     def states(self, histories: Mapping[str, npt.ArrayLike]) -> Points:
         """Return the states of a run in the units of the columns, the rate upwards."""
-        y, rate = (np.asarray(histories[n], float) for n in (self.displacement, self.rate))
+        y, rate = (np.asarray(histories[name], float) for name in self.columns)
         return y + 1j * rate
 
     def motion(self, histories: Mapping[str, npt.ArrayLike]) -> Points:
         """Return the state points of a run on the sheet."""
         z = self.states(histories)
-        across, up = self.plane.displacement, self.plane.scaled_velocity
-        up_scale = up.direction * up.scale
-        return (
-            across.origin
-            + across.direction * across.scale * z.real
-            + up_scale * z.imag / self.plane.angular_frequency
-        )
+        return np.asarray(state_point(self.plane, z.real, z.imag))  # type: ignore[arg-type]
 
 
 def state_planes(content: Content) -> list[StatePlane]:
@@ -77,10 +77,10 @@ def state_planes(content: Content) -> list[StatePlane]:
     if not content.shows("planes"):
         return []
     if content.constructed is not None:
-        planes = [StatePlane(p, p.name, rate_of(p.name)) for p in content.constructed.planes]
+        planes = [StatePlane(plane, rate_of(plane.name)) for plane in content.constructed.planes]
     else:
         planes = made_planes(content.pairs, content.histories, content.units)
-    return [p for p in planes if {p.displacement, p.rate} <= content.histories.keys()]
+    return [plane for plane in planes if {*plane.columns} <= content.histories.keys()]
 
 
 def made_planes(
@@ -95,6 +95,8 @@ def made_planes(
     across = ceil((_WIDTH / _HEIGHT * len(pairs)) ** 0.5) if len(pairs) > 2 else 1
     rows = max(1, ceil(len(pairs) / across))
     beside = ceil(len(pairs) / rows)
+    # three rows of several planes leave room for their names, which are larger on a larger sheet
+    down = _ACROSS if rows > 2 and beside > 1 else _DOWN
     largest: dict[str, float] = {}
     of_unit: dict[str, float] = {}
     for name in (name for pair in pairs for name in pair):
@@ -111,12 +113,9 @@ def made_planes(
     planes = []
     for i, (displacement, rate) in enumerate(pairs):
         row, column = divmod(i, beside)
-        # three rows of several planes leave room for their names, which are larger on a larger sheet
-        origin = complex(_ACROSS * column, -(_ACROSS if rows > 2 and beside > 1 else _DOWN) * row)
-        across, up = axis(displacement, origin, 1 + 0j), axis(rate, origin, 1j)
-        planes.append(
-            StatePlane(Plane(displacement, 1.0, across, up, f"P{i + 1}"), displacement, rate)
-        )
+        origin = complex(_ACROSS * column, -down * row)
+        axes = axis(displacement, origin, 1 + 0j), axis(rate, origin, 1j)
+        planes.append(StatePlane(Plane(displacement, 1.0, *axes, f"P{i + 1}"), rate))
     return planes
 
 
@@ -147,30 +146,26 @@ def pages_of(content: Content) -> list[Page]:
         if not planes:
             return []
         motions = [_corners(plane, content) for plane in planes]
-        views = [
-            around(np.concatenate(motions), 0.15), *(around(motion, 0.15) for motion in motions)
-        ]  # fmt: skip
+        views = [around(of, 0.15) for of in (np.concatenate(motions), *motions)]
         drawing = Drawing(content.title, tuple(p.plane for p in planes), (), {}, StoredFrames(()))
     high = _HEIGHT * SHEET_SHARE / (SHEET_SHARE + lanes_share(content)) - _BAR
-    subject, shape = Subject(drawing, motions), _WIDTH / high
-    views = [_fitted(view, shape) for view in (views if len(views) > 2 else views[:1])]
-    pages = [Page(subject, v, 2.0 * v.half.imag * _TYPE / high, unled=_UNLED) for v in views]
+    subject, shape, pages = Subject(drawing, motions), _WIDTH / high, []
+    for view in views if len(views) > 2 else views[:1]:
+        across, up = view.half.real, view.half.imag
+        # widened or heightened to the shape of its pane
+        half = complex(max(across, shape * up), max(up, across / shape))
+        em = 2.0 * half.imag * _TYPE / high
+        pages.append(Page(subject, Box(view.centre, half), em, unled=_UNLED))
     draw_axes(pages[0])
     draw_curves(pages[0])
     return pages
-
-
-def _fitted(view: Box, shape: float) -> Box:
-    """Return a view widened or heightened to the shape of its pane, width over height."""
-    across, up = view.half.real, view.half.imag
-    return Box(view.centre, complex(max(across, shape * up), max(up, across / shape)))
 
 
 def _corners(state_plane: StatePlane, content: Content) -> Points:
     """Return the origin of a plane and the ends of the motion in it, on its axes."""
     axes = state_plane.plane.displacement, state_plane.plane.scaled_velocity
     ends = [axes[0].origin]
-    for axis, name in zip(axes, (state_plane.displacement, state_plane.rate), strict=True):
+    for axis, name in zip(axes, state_plane.columns, strict=True):
         values = content.column(name)
         values = values[np.isfinite(values)]
         reach = (

@@ -20,8 +20,8 @@ from phaseplane.picture.story import VERTICES, Tick, arms_page, story_of
 from phaseplane.picture.subject import joined, read_off
 from phaseplane.picture.text import control_text, end_text, step_text
 
-from .canvas import Viewer
-from .columns import Clock, legible, seconds, send
+from .canvas import Viewer, legible, send
+from .clock import Clock, seconds
 from .content import Content
 from .histories import log_series, panels, send_at_ticks, send_histories, send_readings
 from .lanes import send_lanes
@@ -45,17 +45,17 @@ class Recorder:
     def __init__(self, recording: rr.RecordingStream, content: Content) -> None:
         content.check()
         self.recording, self.content = recording, content
-        self.ticks = self._story()
-        self.clock = Clock.of(content.drawing, [tick.time for tick in self.ticks])
         self.sheet, self.arms, self.over_time = (
-            Viewer(recording, root, self.clock) for root in (SHEET, ARMS, CHART)
+            Viewer(recording, root) for root in (SHEET, ARMS, CHART)
         )
+        self.pages = pages_of(content)  # those that stay: the whole sheet, and one for each plane
+        self.ticks: list[Tick] = []
+        if content.detail == "stages" and self.arms_page is not None:
+            stay = self.pages[0], self.arms_page
+            story = story_of(*stay, self.quantities, content.staged, content.heading)
+            self.ticks = list(story)
+        self.clock = Clock.of(content.drawing, [tick.time for tick in self.ticks])
         self._rows = 0
-
-    @cached_property
-    def pages(self) -> list[Page]:
-        """The pages that stay: the whole sheet, and one for each plane."""
-        return pages_of(self.content)
 
     @cached_property
     def lettered(self) -> Page:
@@ -73,11 +73,6 @@ class Recorder:
         return Room(page.view, page.em, page.taken, map(joined, page.subject.ways))
 
     @cached_property
-    def events(self) -> dict[int, Page]:
-        """The marks of each frame with events, by its index."""
-        return event_pages(self.lettered)
-
-    @cached_property
     def arms_page(self) -> Page | None:
         """The arm of the turn angles, if steps are drawn."""
         drawing = self.content.constructed if self.content.detail != "trail" else None
@@ -93,22 +88,19 @@ class Recorder:
     def chart(self) -> Chart | None:
         """The displacements, or else other readings, over the time of the construction."""
         content = self.content
-        if content.constructed is None or content.live or not content.shows("histories"):
+        drawn = [panel for panel in panels(content) if panel.drawn]
+        if (
+            content.constructed is None
+            or content.live
+            or not content.shows("histories")
+            or not drawn
+        ):
             return None
         planes = [plane.name for plane in content.constructed.planes]
-        drawn = [panel for panel in panels(content) if panel.drawn]
-        wanted = [p for p in drawn if p.quantity.si == "m" or planes[0] in p.drawn] or drawn
-        if not wanted:
-            return None
-        shown = wanted[0]
+        wanted = (p for p in drawn if p.quantity.si == "m" or planes[0] in p.drawn)
+        shown = next(wanted, drawn[0])
         names = tuple(sorted(shown.drawn, key=lambda name: name not in planes))
         return Chart(content.constructed, content.histories, names, shown.quantity)
-
-    def _story(self) -> list[Tick]:
-        if self.content.detail != "stages" or self.arms_page is None:
-            return []
-        pages = self.pages[0], self.arms_page
-        return list(story_of(*pages, self.quantities, self.content.staged, self.content.heading))
 
     @property
     def words(self) -> bool:
@@ -136,8 +128,7 @@ class Recorder:
         # in the list of recordings, below the title
         self.recording.send_recording_name(legible(content.manner or content.title))
         if self.pages:
-            self.sheet.begin(self.pages[0])
-            self._place(content)
+            self._lay(content)
         if self.arms_page is not None:
             self.arms.begin(self.arms_page)
         if self.chart is not None:
@@ -148,42 +139,43 @@ class Recorder:
 
     def steps(self, first: int, last: int) -> None:
         """Log a range of the steps of the construction."""
-        drawing = self.content.drawing
-        if drawing is None:
-            return
         for start in range(first, last, SLICE):
-            end = min(last, start + SLICE)
-            ends = end == len(drawing.frames)
-            if self.content.constructed is not None:
-                subject = self.pages[0].subject
-                for plane, way in zip(drawing.planes, subject.ways, strict=True):
-                    self.sheet.curve(
-                        plane.name, "trail", way[start:end], start, self.clock.columns,
-                        winds=subject.winds,
-                    )  # fmt: skip
-                here = np.stack(subject.motions, 1)[start : None if ends else end]
-                now = self.clock.columns(start + np.arange(len(here)))
-                self.sheet.move("steps/here", here, now)
-                marked = [i for i in self.events if start <= i < end]
-                if marked:
-                    pages = [self.events[i] for i in marked]
-                    self.sheet.mark(pages, self.clock.columns(np.array(marked)))
-                if self.content.detail != "trail":
-                    send_steps(self.recording, drawing, self.room, self.clock, start, end)
-            if self.words:
-                frames = drawing.frames[start:end]
-                note = control_text(drawing, self.quantities)
-                texts = [step_text(drawing, frame, self.quantities, note) for frame in frames]
-                run = float(np.max(self.content.times, initial=0.0))
-                texts += [end_text(drawing, self.quantities, run)] if ends else []
-                self._say(texts, self.clock.columns(start + np.arange(len(texts))))
-            if self.chart is not None:
-                cursors = np.array([self.chart.cursor(t) for t in self.clock.times[start:end]])
-                now = self.clock.columns(np.arange(start, end))
-                self.over_time.line("cursor", "value", cursors, now)
-            send_readings(self.recording, self.content, self.clock, start, end)
+            self._slice(start, min(last, start + SLICE))
             # what has been encoded is written, so that memory does not grow
             self.recording.flush(timeout_sec=_PATIENCE)
+
+    def _slice(self, start: int, end: int) -> None:
+        drawing = self.content.drawing
+        assert drawing is not None
+        ends = end == len(drawing.frames)
+        if self.content.constructed is not None:
+            subject = self.pages[0].subject
+            for plane, way in zip(drawing.planes, subject.ways, strict=True):
+                self.sheet.curve(
+                    plane.name, "trail", way[start:end], start, self.clock.columns,
+                    winds=subject.winds,
+                )  # fmt: skip
+            here = np.stack(subject.motions, 1)[start : None if ends else end]
+            now = self.clock.columns(start + np.arange(len(here)))
+            self.sheet.move("steps/here", here, now)
+            marked = [i for i in drawing.frames.events if start <= i < end]
+            if marked:
+                marks = event_pages(self.lettered, marked)
+                self.sheet.show("events", marks, self.clock.columns(np.array(marked)))
+            if self.content.detail != "trail":
+                send_steps(self.recording, drawing, self.room, self.clock, start, end)
+        if self.words:
+            frames = drawing.frames[start:end]
+            note = control_text(drawing, self.quantities)
+            texts = [step_text(drawing, frame, self.quantities, note) for frame in frames]
+            run = float(np.max(self.content.times, initial=0.0))
+            texts += [end_text(drawing, self.quantities, run)] if ends else []
+            self._say(texts, self.clock.columns(start + np.arange(len(texts))))
+        if self.chart is not None:
+            cursors = np.array([self.chart.cursor(t) for t in self.clock.times[start:end]])
+            now = self.clock.columns(np.arange(start, end))
+            self.over_time.line("cursor", "value", cursors, now)
+        send_readings(self.recording, self.content, self.clock, start, end)
 
     def run(self, histories: dict[str, np.ndarray]) -> None:
         """Log the motion given by the columns of a run, or by some of their rows."""
@@ -204,9 +196,8 @@ class Recorder:
         first, drawn = self._rows, self.content.constructed is not None
         for plane in state_planes(self.content):
             z = plane.motion(histories) if drawn else plane.states(histories)
-            ways = np.stack([z[:-1], z[1:]], 1)
             self.sheet.curve(
-                plane.plane.name, "run" if drawn else "trail", ways, first,
+                plane.plane.name, "run" if drawn else "trail", np.stack([z[:-1], z[1:]], 1), first,
                 lambda rows: [seconds(times[rows - first])],
             )  # fmt: skip
             if not drawn:
@@ -218,10 +209,11 @@ class Recorder:
         whole = {name: histories.get(name, np.zeros(2)) for name in self.content.histories}
         content = replace(self.content, histories=whole)
         self.pages = pages_of(content)
-        self.sheet.begin(self.pages[0])
-        self._place(content)
+        self._lay(content)
 
-    def _place(self, content: Content) -> None:
+    def _lay(self, content: Content) -> None:
+        """Log the sheet, and the places on it of the planes in which a run is drawn by itself."""
+        self.sheet.begin(self.pages[0])
         for plane in state_planes(content) if content.constructed is None else ():
             self.recording.log(f"{SHEET}/trail/{plane.plane.name}", plane.transform, static=True)
 
@@ -230,15 +222,13 @@ class Recorder:
         send_at_ticks(self.recording, self.content, self.clock)
         if not self.ticks:
             return
-        for tick in self.ticks:
-            self.sheet.frame(tick.page)
-            self.arms.frame(tick.arms)
-            if self.chart is not None:
-                self.over_time.frame(self.chart.upto(tick.step))
-        for canvas in (self.sheet, self.arms, self.over_time):
-            canvas.end()
+        times = self.clock.story
+        self.sheet.show("story", [tick.page for tick in self.ticks], times)
+        self.arms.show("story", [tick.arms for tick in self.ticks], times)
+        if self.chart is not None:
+            self.over_time.show("story", [self.chart.upto(tick.step) for tick in self.ticks], times)
         if self.words:
-            self._say([tick.text for tick in self.ticks], self.clock.staged())
+            self._say([tick.text for tick in self.ticks], times)
 
     def _say(self, texts: Sequence[str], times: Sequence[rr.TimeColumn]) -> None:
         style = rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -11,11 +12,11 @@ import rerun as rr
 from phaseplane.picture.paper import Box
 from phaseplane.picture.styles import RED, Hue, hue_of
 
-from . import vehicle as shapes
-from .columns import UPRIGHT, Clock, Reals, colours, flat, radii, rgba, seconds, strips, xy
+from .canvas import UPRIGHT, colours, radii, rgba, strips, xy
+from .clock import Clock, seconds
 from .content import Content
 from .motion import thinned
-from .vehicle import AxleView, Polyline, Vehicle
+from .vehicle import FLOOR, Columns, Polyline, Vehicle, open_gap, places_of, road_profile, shapes_of
 
 VEHICLE = "/vehicle"
 _MOST_ROWS = 2000
@@ -34,19 +35,9 @@ def view_box(vehicle: Vehicle, content: Content) -> Box:
     left, right = vehicle.reach
     reach = np.concatenate([[0.0], *map(content.column, vehicle.columns)])
     reach = reach[np.isfinite(reach)]
-    bottom, top = -0.2 + float(reach.min()), shapes.FLOOR + 0.45 + float(reach.max())
+    bottom, top = -0.2 + float(reach.min()), FLOOR + 0.45 + float(reach.max())
     middle = complex(left + right, bottom + top) / 2.0
     return Box(middle, complex(right - left + 2.0 * _MARGIN, top - bottom) / 2.0)
-
-
-def send_vehicle(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
-    """Log the positions of the vehicle's parts at every time."""
-    vehicle = vehicle_of(content)
-    if vehicle is None or not len(content.times):
-        return
-    for times, columns in clock.over(thinned(content.histories, _MOST_ROWS)["time"]):
-        at = {n: np.interp(times, content.times, content.column(n)) for n in content.histories}
-        send_positions(recording, vehicle, at, columns)
 
 
 def log_vehicle(recording: rr.RecordingStream, content: Content) -> None:
@@ -55,23 +46,19 @@ def log_vehicle(recording: rr.RecordingStream, content: Content) -> None:
     if vehicle is None:
         return
     recording.log(VEHICLE, UPRIGHT, static=True)
-    _log_part(recording, "body", shapes.hull(vehicle), hue_of("body"))
+    for name, part, outline in shapes_of(vehicle):
+        _log(recording, name, outline, hue_of(part))
     for axle in vehicle.axles:
-        _log_part(recording, f"{axle.name}/strut", shapes.on_body(axle), hue_of("suspension"))
-        _log_part(recording, f"{axle.name}/wheel", shapes.on_wheel(axle), hue_of("wheel"))
-        _log_part(recording, f"{axle.name}/spring", [shapes.coils()], hue_of("suspension"))
         recording.log(f"{VEHICLE}/{axle.name}/gap", _style(RED), static=True)
     if content.live:  # at rest until the first row
         at_rest = dict.fromkeys(content.histories, np.zeros(1))
-        send_positions(recording, vehicle, at_rest, [seconds(np.zeros(1))])
+        _send(recording, vehicle, at_rest, [seconds(np.zeros(1))])
     if vehicle.road or len(content.times):
         histories = {name: content.column(name) for name in content.histories}
-        _log_part(recording, "road", shapes.road_profile(vehicle, histories), hue_of("road"))
+        _log(recording, "road", road_profile(vehicle, histories), hue_of("road"))
 
 
-def _log_part(
-    recording: rr.RecordingStream, name: str, outline: Sequence[Polyline], hue: Hue
-) -> None:
+def _log(recording: rr.RecordingStream, name: str, outline: Sequence[Polyline], hue: Hue) -> None:
     shape = rr.LineStrips2D([xy(strip) for strip in outline])
     recording.log(f"{VEHICLE}/{name}", shape, _style(hue), static=True)
 
@@ -80,41 +67,37 @@ def _style(hue: Hue) -> rr.LineStrips2D:
     return rr.LineStrips2D.from_fields(colors=colours([rgba(hue)]), radii=radii([_WIDTH]))
 
 
-def send_positions(
-    recording: rr.RecordingStream, vehicle: Vehicle, at: Mapping[str, Reals],
-    columns: list[rr.TimeColumn],
-) -> None:  # fmt: skip
-    """Log the positions of the parts at some times: `columns`, and those of the run at them."""
-
-    def place(name: str, x: npt.ArrayLike, y: npt.ArrayLike, **more: npt.ArrayLike) -> None:
-        moved = rr.Transform3D.columns(translation=flat(x, y), **more)  # type: ignore[arg-type]
-        recording.send_columns(f"{VEHICLE}/{name}", columns, moved)
-
-    place("road", -vehicle.speed * at["time"], np.zeros(len(at["time"])))
-    height, pitch = shapes.body_over(vehicle, at)
-    none = np.zeros_like(pitch)
-    turned = np.stack([none, none, np.sin(pitch / 2), np.cos(pitch / 2)], -1)
-    place("body", 0.0, height, quaternion=turned)
-    for axle in vehicle.axles:
-        body, wheel = at[axle.body], shapes.wheel_over(axle, at)
-        place(f"{axle.name}/strut", axle.position, shapes.FLOOR + body)
-        place(f"{axle.name}/wheel", axle.position, shapes.rest_height(axle) + wheel)
-        foot, length = shapes.spring_at(axle, body, wheel)
-        scale = flat(np.ones_like(length), length, 1.0)
-        place(f"{axle.name}/spring", axle.position + shapes.SPRING_BESIDE, foot, scale=scale)
-        _send_gap(recording, axle, at, columns)
-
-
-def _send_gap(
-    recording: rr.RecordingStream, axle: AxleView, at: Mapping[str, Reals],
-    columns: list[rr.TimeColumn],
-) -> None:  # fmt: skip
-    """Log the gap between road and tyre, shaded while it is open; an empty row clears it."""
-    if not axle.wheel:
+def send_vehicle(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
+    """Log the places of the vehicle's parts at every time."""
+    vehicle = vehicle_of(content)
+    if vehicle is None or not len(content.times):
         return
-    gap = shapes.gap_at(axle, at)
-    strokes = shapes.gap_strokes(axle, shapes.wheel_over(axle, at), at[axle.road])
-    open_rows = gap > 0.0
-    lines = rr.LineStrips2D.columns(strips=strips(strokes[open_rows].reshape(-1, 2)))
-    parts = lines.partition(strokes.shape[1] * open_rows)
-    recording.send_columns(f"{VEHICLE}/{axle.name}/gap", columns, parts)
+    for times, columns in clock.over(thinned(content.histories, _MOST_ROWS)["time"]):
+        at = {n: np.interp(times, content.times, content.column(n)) for n in content.histories}
+        _send(recording, vehicle, at, columns)
+
+
+def _send(
+    recording: rr.RecordingStream, vehicle: Vehicle, at: Columns, times: list[rr.TimeColumn]
+) -> None:
+    for place in places_of(vehicle, at):
+        more: dict[str, Any] = {}
+        if place.pitch is not None:
+            none = np.zeros_like(place.pitch)
+            turn = none, none, np.sin(place.pitch / 2), np.cos(place.pitch / 2)
+            more["quaternion"] = np.stack(turn, -1)
+        if place.stretch is not None:
+            more["scale"] = _vectors(1.0, place.stretch, 1.0)
+        moved = rr.Transform3D.columns(translation=_vectors(place.x, place.y), **more)
+        recording.send_columns(f"{VEHICLE}/{place.name}", times, moved)
+    for axle in (axle for axle in vehicle.axles if axle.wheel):
+        is_open, strokes = open_gap(axle, at)  # an empty row clears it
+        lines = rr.LineStrips2D.columns(strips=strips(strokes.reshape(-1, 2)))
+        parts = lines.partition(strokes.shape[1] * is_open)
+        recording.send_columns(f"{VEHICLE}/{axle.name}/gap", times, parts)
+
+
+def _vectors(x: npt.ArrayLike, y: npt.ArrayLike, z: float = 0.0) -> npt.NDArray[np.float32]:
+    """Return vectors in the plane of the sheet, shape (n, 3)."""
+    parts = (np.asarray(part, np.float32) for part in (x, y, z))
+    return np.stack(np.broadcast_arrays(*parts), -1)

@@ -1,4 +1,4 @@
-"""The side view of a vehicle: the shapes of its parts at rest, and the columns that move them.
+"""The side view of a vehicle: the shapes of its parts at rest, and how columns of a run move them.
 
 This module does not depend on rerun. Lengths are in metres, to scale; x points forwards, y upwards
 from the level road.
@@ -6,7 +6,7 @@ from the level road.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,15 +14,16 @@ import numpy.typing as npt
 
 Reals = npt.NDArray[np.float64]
 Polyline = list[complex]
+Columns = Mapping[str, Reals]
 
-TYRE_RADIUS = 0.32
-_RIM = 0.19
+_TYRE, _RIM = 0.32, 0.19  # radii
 _PLATE = 0.1  # height of the strut's lower end above the wheel's centre
 _STRUT = 0.5  # length of spring and damper at rest
-FLOOR = TYRE_RADIUS + _PLATE + _STRUT  # height of the body above the road
+FLOOR = _TYRE + _PLATE + _STRUT  # height of the body above the road
 _HULL = 0.28  # height of the body
 _OVERHANG = 0.45
 _COILS = 6
+_BESIDE = -0.08  # position of the spring relative to the axle
 _GAP_STROKES = 11
 _ROAD_MARKS = 0.1  # distance of the strokes under the road
 _MOST_ROAD = 4000  # points
@@ -54,9 +55,19 @@ class AxleView:
     rebound_gap: float | None = None
 
     @property
-    def columns(self) -> set[str]:
-        """The columns it needs."""
-        return {self.body, self.road, self.wheel} - {""}
+    def centre(self) -> str:
+        """The column of the displacement of the wheel's centre; without a tyre it follows the road."""
+        return self.wheel or self.road
+
+    @property
+    def rest(self) -> float:
+        """The height of the wheel's centre at rest; the tyre is drawn with its free radius."""
+        return _TYRE - self.static_tyre_deflection
+
+    @property
+    def strut(self) -> float:
+        """The distance from the plate at the wheel to the floor, at rest."""
+        return FLOOR - self.rest - _PLATE
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +89,7 @@ class Vehicle:
     @property
     def columns(self) -> set[str]:
         """The columns it needs."""
-        return {name for axle in self.axles for name in axle.columns}
+        return {name for axle in self.axles for name in (axle.body, axle.road, axle.centre)}
 
     @property
     def reach(self) -> tuple[float, float]:
@@ -87,98 +98,93 @@ class Vehicle:
         return min(positions) - _OVERHANG, max(positions) + _OVERHANG
 
 
-def hull(vehicle: Vehicle) -> list[Polyline]:
-    """Return the body, about the middle of the vehicle at the height of its floor."""
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a part is at some times, how it is turned (rad, front up), and stretched upwards."""
+
+    name: str
+    x: npt.ArrayLike
+    y: Reals
+    pitch: Reals | None = None
+    stretch: Reals | None = None
+
+
+def shapes_of(vehicle: Vehicle) -> Iterator[tuple[str, str, list[Polyline]]]:
+    """Yield the name, the part of a car for its hue, and the outline of what moves as one."""
     left, right = vehicle.reach
     corners = [complex(left, 0), complex(right, 0), complex(right, _HULL), complex(left, _HULL)]
-    return [[*corners, corners[0]]]
+    yield "body", "body", [[*corners, corners[0]]]
+    zigzag = [
+        0.045 * (-1) ** k + 1j * (0.1 + 0.8 * (k + 0.5) / (2 * _COILS)) for k in range(2 * _COILS)
+    ]
+    for axle in vehicle.axles:
+        yield f"{axle.name}/strut", "suspension", _on_body(axle)
+        yield f"{axle.name}/wheel", "wheel", _on_wheel(axle)
+        yield f"{axle.name}/spring", "suspension", [[0j, 0.1j, *zigzag, 0.9j, 1j]]
 
 
-def on_body(axle: AxleView) -> list[Polyline]:
+def _on_body(axle: AxleView) -> list[Polyline]:
     """Return the parts fixed to the body over an axle, about its floor: damper rod and stops."""
     rod = [0.08 + 0j, 0.08 - 0.62j * _STRUT]
     piston = [0.055 - 0.62j * _STRUT, 0.105 - 0.62j * _STRUT]
-    parts, length, ends = [rod, piston], strut_length(axle), []
+    parts, ends = [rod, piston], []
     if axle.bump_gap is not None:
-        ends.append(-1j * max(0.0, length - axle.bump_gap))
+        ends.append(-1j * max(0.0, axle.strut - axle.bump_gap))
     if axle.rebound_gap is not None:
-        ends.append(-1j * (length + min(axle.rebound_gap, 0.3)))
+        ends.append(-1j * (axle.strut + min(axle.rebound_gap, 0.3)))
     for end in ends:
         parts += [[0j, end], [-0.03 + end, 0.03 + end]]
     return parts
 
 
-def on_wheel(axle: AxleView) -> list[Polyline]:
+def _on_wheel(axle: AxleView) -> list[Polyline]:
     """Return the parts fixed to a wheel, about its centre: tyre, rim, strut plate and cylinder."""
     plate, top = 1j * _PLATE, 1j * (_PLATE + 0.7 * _STRUT)
     cylinder = [0.045 + top, 0.045 + plate, 0.115 + plate, 0.115 + top]
-    rim = _circle(_RIM if axle.wheel else TYRE_RADIUS - 0.03)
-    return [_circle(TYRE_RADIUS), rim, [0j, plate], [-0.14 + plate, 0.14 + plate], cylinder]
+    radii = _TYRE, _RIM if axle.wheel else _TYRE - 0.03
+    tyre, rim = (list(radius * np.exp(2j * np.pi * np.arange(49) / 48)) for radius in radii)
+    return [tyre, rim, [0j, plate], [-0.14 + plate, 0.14 + plate], cylinder]
 
 
-def _circle(radius: float) -> Polyline:
-    return list(radius * np.exp(2j * np.pi * np.arange(49) / 48))
-
-
-def coils() -> Polyline:
-    """Return a spring of length 1, upwards from 0."""
-    zigzag = [
-        0.045 * (-1) ** k + 1j * (0.1 + 0.8 * (k + 0.5) / (2 * _COILS)) for k in range(2 * _COILS)
-    ]
-    return [0j, 0.1j, *zigzag, 0.9j, 1j]
-
-
-def spring_at(axle: AxleView, body: Reals, wheel: Reals) -> tuple[Reals, Reals]:
-    """Return the height of a spring's lower end, and its length."""
-    return rest_height(axle) + wheel + _PLATE, strut_length(axle) + body - wheel
-
-
-SPRING_BESIDE = -0.08  # position of the spring relative to the axle, m
-
-
-def rest_height(axle: AxleView) -> float:
-    """Return the height of a wheel's centre at rest; the tyre is drawn with its free radius."""
-    return TYRE_RADIUS - axle.static_tyre_deflection
-
-
-def strut_length(axle: AxleView) -> float:
-    """Return the distance from the plate at a wheel to the floor, at rest."""
-    return FLOOR - rest_height(axle) - _PLATE
-
-
-def body_over(vehicle: Vehicle, histories: Mapping[str, Reals]) -> tuple[Reals, Reals]:
-    """Return the height of the floor in the middle of the vehicle, and the pitch, rad, front up."""
+def places_of(vehicle: Vehicle, at: Columns) -> Iterator[Place]:
+    """Yield the places of the road and of all shapes at the times of some columns."""
+    yield Place("road", -vehicle.speed * at["time"], np.zeros(len(at["time"])))
     front, rear = vehicle.axles[0], vehicle.axles[-1]
-    ahead, behind = histories[front.body], histories[rear.body]
+    ahead, behind = at[front.body], at[rear.body]
+    height, pitch = FLOOR + ahead, np.zeros_like(ahead)
     wheelbase = front.position - rear.position
-    if wheelbase == 0.0:
-        return FLOOR + ahead, np.zeros_like(ahead)
-    share = -rear.position / wheelbase
-    return FLOOR + behind + share * (ahead - behind), np.arctan2(ahead - behind, wheelbase)
+    if wheelbase:
+        height = FLOOR + behind - rear.position / wheelbase * (ahead - behind)
+        pitch = np.arctan2(ahead - behind, wheelbase)
+    yield Place("body", 0.0, height, pitch=pitch)
+    for axle in vehicle.axles:
+        body, wheel = at[axle.body], at[axle.centre]
+        yield Place(f"{axle.name}/strut", axle.position, FLOOR + body)
+        yield Place(f"{axle.name}/wheel", axle.position, axle.rest + wheel)
+        yield Place(
+            f"{axle.name}/spring", axle.position + _BESIDE, axle.rest + wheel + _PLATE,
+            stretch=axle.strut + body - wheel,
+        )  # fmt: skip
 
 
-def wheel_over(axle: AxleView, histories: Mapping[str, Reals]) -> Reals:
-    """Return the displacement of a wheel's centre; without a tyre it follows the road."""
-    return histories[axle.wheel or axle.road]
+def open_gap(
+    axle: AxleView, at: Columns
+) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.complex128]]:
+    """Return when the gap between tyre and road is open, and then strokes in it.
 
-
-def gap_at(axle: AxleView, histories: Mapping[str, Reals]) -> Reals:
-    """Return the gap between tyre and road while the wheel is off the road, else 0, m."""
-    gap = wheel_over(axle, histories) - histories[axle.road] - axle.static_tyre_deflection
-    flies = histories[axle.airborne] > 0.5 if axle.airborne in histories else gap > 0.0
-    return np.where(flies & (gap > 0.0), gap, 0.0)
-
-
-def gap_strokes(axle: AxleView, wheel: Reals, road: Reals) -> npt.NDArray[np.complex128]:
-    """Return vertical strokes between road and tyre, shape (times, strokes, 2)."""
+    The strokes are vertical, shape (times when it is open, strokes, 2).
+    """
+    wheel, road = at[axle.centre], at[axle.road]
+    is_open = wheel - road - axle.static_tyre_deflection > 0.0
+    if axle.airborne in at:
+        is_open &= at[axle.airborne] > 0.5
     x = 0.16 * np.linspace(-1.0, 1.0, _GAP_STROKES)
-    tyre = rest_height(axle) - np.sqrt(TYRE_RADIUS**2 - x**2)
-    top = wheel[:, None] + tyre
-    ends = np.stack([np.broadcast_to(road[:, None], top.shape), top], -1)
-    return np.asarray(axle.position + x[None, :, None] + 1j * ends)
+    top = wheel[is_open, None] + axle.rest - np.sqrt(_TYRE**2 - x**2)
+    ends = np.stack([np.broadcast_to(road[is_open, None], top.shape), top], -1)
+    return is_open, np.asarray(axle.position + x[None, :, None] + 1j * ends)
 
 
-def road_profile(vehicle: Vehicle, histories: Mapping[str, Reals]) -> list[Polyline]:
+def road_profile(vehicle: Vehicle, histories: Columns) -> list[Polyline]:
     """Return the road's surface, and strokes below it that make the speed visible.
 
     The vehicle's middle starts at x = 0 of these ground coordinates.

@@ -11,9 +11,8 @@ from phaseplane.suspension.models import build
 from phaseplane.suspension.variables import MODELS, Value
 
 from phaseplane import recording
-from phaseplane.picture.paper import read_over
+from phaseplane.picture.frames import read_over, switches_of
 from phaseplane.picture.quantities import rate_of
-from phaseplane.picture.switches import switches_of
 
 from .. import draw
 

@@ -12,7 +12,7 @@ from worked_example import ap57
 
 from phaseplane.constructions import EquationPlane, construct_motion, delta
 from phaseplane.picture.chart import Chart
-from phaseplane.picture.items import Lines
+from phaseplane.picture.page import Lines
 from phaseplane.picture.quantities import QUANTITIES
 from phaseplane.picture.styles import PARTS, strength_of
 from phaseplane.recording import Content, new_recording

@@ -30,7 +30,7 @@ from phaseplane.constructions.letters import is_letter, typeset
 from phaseplane.figures import construction_sheet, phase_planes, save, time_histories
 from phaseplane.figures.histories import airborne_spans
 from phaseplane.figures.style import Look
-from phaseplane.picture.paper import Box, Boxes
+from phaseplane.picture.paper import Box
 from phaseplane.picture.views import gathered, telling_frame
 
 DARK, LIGHT = Look(dark=True).palette, Look().palette
@@ -371,13 +371,13 @@ def test_every_character_of_the_letters_is_in_the_font():
 
 
 def test_length_of_a_line_in_a_box():
-    box = Boxes.of([Box(1 + 1j, 0.5 + 0.25j)])
+    box = Box.of([Box(1 + 1j, 0.5 + 0.25j)])
     starts, ends = np.array([[0 + 1j, 0 + 2j, 1 + 1j, 1 + 1j], [3 + 1j, 3 + 2j, 1 + 5j, 1 + 1j]])
     assert box.inside(starts, ends) == pytest.approx([1.0, 0.0, 0.25, 0.0])
 
 
 def test_lines_far_shorter_than_their_distance_from_a_box_are_outside():
-    box = Boxes.of([Box(1e-1 + 1e-1j, 1e-3 + 1e-3j)])
+    box = Box.of([Box(1e-1 + 1e-1j, 1e-3 + 1e-3j)])
     assert box.inside(np.array([0j]), np.array([1e-310 + 2e-310j])) == 0.0
 
 

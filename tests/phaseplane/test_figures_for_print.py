@@ -29,7 +29,7 @@ from phaseplane.figures import Look, save
 from phaseplane.figures.canvas import Sheet, new_page
 from phaseplane.figures.style import PLAIN, heading_lines
 from phaseplane.picture.axes import draw_axes
-from phaseplane.picture.items import Arrow
+from phaseplane.picture.page import Arrow
 from phaseplane.picture.styles import ROLES
 from phaseplane.picture.views import view_of
 

@@ -13,8 +13,8 @@ from recorded import drawing, sheet_and_story
 from worked_example import ap57
 
 from phaseplane.constructions import construct_motion, delta
-from phaseplane.picture.items import Dots, Text
 from phaseplane.picture.letters import NEAR, place, text_box
+from phaseplane.picture.page import Dots, Text
 from phaseplane.picture.paper import Box
 from phaseplane.picture.story import arms_page, story_of
 from phaseplane.picture.styles import MOVING_POINT
@@ -32,21 +32,21 @@ def test_letters_do_not_overlap_stay_in_view_and_are_near_or_led(
     points = np.array(places) * (1e-3 if clusters else 1.0)
     texts = [f"A{i}" for i in range(len(places))]
     em, view = 0.04, Box(0j, 1 + 1j)
-    made = place(points, texts, em, view, np.zeros((0, 2), complex))
-    boxes = [text_box(c, t, em) for c, t in zip(made.centres, texts, strict=True)]
-    shown = [box for box, free in zip(boxes, made.free, strict=True) if free]
-    assert all(one.overlap(other) == 0.0 for one, other in combinations(shown, 2))
-    assert made.free.all()
+    centres, gaps, free = place(points, texts, em, view, np.zeros((0, 2), complex))
+    boxes = [text_box(c, t, em) for c, t in zip(centres, texts, strict=True)]
+    assert all(one.overlap(other) == 0.0 for one, other in combinations(boxes, 2))
+    assert free.all()
     assert all(view.contains(box) for box in boxes)
-    for point, box, led in zip(points, boxes, made.led, strict=True):
-        assert led or abs(box.nearest(point) - point) <= NEAR * em
+    for point, box, gap in zip(points, boxes, gaps, strict=True):
+        assert gap > NEAR or abs(box.nearest(point) - point) <= NEAR * em
 
 
 @given(angle=st.floats(0.0, 2.0 * pi), distance=st.floats(0.2, 3.0))
 def test_a_letter_is_nearer_to_its_point_than_to_others(angle: float, distance: float) -> None:
     em, other = 0.04, 0.04 * cmath.rect(distance, angle)
-    made = place(np.zeros(1, complex), ["P"], em, Box(0j, 1 + 1j), np.zeros((0, 2)), others=[other])
-    assert abs(made.centres[0]) < abs(made.centres[0] - other)
+    view, nothing = Box(0j, 1 + 1j), np.zeros((0, 2))
+    (centre,), *_ = place(np.zeros(1, complex), ["P"], em, view, nothing, others=[other])
+    assert abs(centre) < abs(centre - other)
 
 
 def test_letters_of_a_stage_are_nearer_to_their_points_than_to_others() -> None:

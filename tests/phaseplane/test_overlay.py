@@ -12,7 +12,7 @@ from phaseplane.constructions import compare_with_motion, construct_motion, over
 from phaseplane.figures.canvas import new_page
 from phaseplane.figures.style import Look
 from phaseplane.picture.curves import draw_missed
-from phaseplane.picture.items import Dots
+from phaseplane.picture.page import Dots
 from phaseplane.picture.views import view_of
 
 

@@ -19,10 +19,9 @@ from phaseplane.constructions import Axis, Drawing, EquationPlane, construct_mot
 from phaseplane.constructions.letters import typeset
 from phaseplane.figures.planes import step_lines, step_page
 from phaseplane.figures.style import PLAIN
-from phaseplane.picture.axes import graduation_of
-from phaseplane.picture.items import Lines
-from phaseplane.picture.page import PLATE
-from phaseplane.picture.paper import Boxes, arcs, around, segments_of, telling_vertices
+from phaseplane.picture.axes import ticks_of
+from phaseplane.picture.page import PLATE, Lines
+from phaseplane.picture.paper import Box, arcs, around, segments_of, telling_vertices
 from phaseplane.picture.quantities import display_unit
 from phaseplane.picture.story import arms_page, story_of
 from phaseplane.recording import Content
@@ -45,17 +44,15 @@ def test_ticks_stand_where_their_label_says(
     reach = max(low + span, 0.0) - min(low, 0.0)
     least = part * reach * scale
     motion = np.array([axis.at(low), axis.at(low + span)])
-    graduation = graduation_of(axis, motion, least)
-    assert (graduation.unit, graduation.factor) in {
-        display_unit(unit, reach * (1.0 + e)) for e in (-1e-9, 0.0, 1e-9)
-    }
-    steps = np.diff(sorted([*graduation.values, 0.0])) * graduation.factor
+    factor = display_unit(unit, reach)[1]
+    ticks = ticks_of(axis, motion, factor, least)
+    steps = np.diff(sorted([*ticks, 0.0])) * factor
     if len(steps):
         assert steps == pytest.approx(np.full(len(steps), steps[0]), rel=1e-3)
         assert f"{steps[0]:.1e}"[:3] in ("1.0", "2.0", "5.0")
-        assert 0.999 * least <= steps[0] / graduation.factor * scale
-        assert min([*graduation.values, 0.0]) >= min(low, 0.0) - steps[0] / graduation.factor
-        assert max([*graduation.values, 0.0]) <= max(low + span, 0.0) + steps[0] / graduation.factor
+        assert 0.999 * least <= steps[0] / factor * scale
+        assert min([*ticks, 0.0]) >= min(low, 0.0) - steps[0] / factor
+        assert max([*ticks, 0.0]) <= max(low + span, 0.0) + steps[0] / factor
 
 
 angles = st.floats(-pi + 1e-3, pi - 1e-3)
@@ -119,7 +116,7 @@ def test_texts_of_a_sheet_can_be_told_to_belong_where_they_stand(
     fixed = segments_of(c.vertices for c in made.curves if c.role in ("auxiliary", "line"))
     for text in page.texts:
         plate = text.box(page.em).grown(PLATE * page.em)
-        around_it = Boxes(np.array(plate.centre), np.array(plate.half))
+        around_it = Box(np.array(plate.centre), np.array(plate.half))
         if text.kind == "name":
             assert around_it.inside(*steps.T).sum() == 0.0
         if text.role == "auxiliary" or text.kind == "name":

@@ -44,8 +44,8 @@ from phaseplane.picture.letters import text_box
 from phaseplane.picture.story import arms_page, story_of
 from phaseplane.picture.styles import style_of
 from phaseplane.recording import DETAILS, new_recording
-from phaseplane.recording.canvas import BLOCK
-from phaseplane.recording.columns import LINE_UP, Clock, rgba
+from phaseplane.recording.canvas import BLOCK, LINE_UP, rgba
+from phaseplane.recording.clock import Clock
 from phaseplane.recording.motion import pages_of
 from phaseplane.recording.server import viewer_program
 

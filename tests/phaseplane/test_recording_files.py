@@ -16,7 +16,7 @@ from recorded import HISTORIES, Recorded, content, drawing, frame, read_back
 
 from phaseplane.picture.styles import hue_of
 from phaseplane.recording import Content, new_recording, record, recorder
-from phaseplane.recording.columns import rgba
+from phaseplane.recording.canvas import rgba
 from phaseplane.recording.server import with_list
 
 

@@ -11,7 +11,7 @@ import pytest
 from recorded import Recorded, content, drawing, paper, read_back
 
 from phaseplane.constructions import EquationPlane, construct_motion, delta
-from phaseplane.picture.items import Arrow
+from phaseplane.picture.page import Arrow
 from phaseplane.picture.paper import Box
 from phaseplane.recording import VIEWS, AxleView, Content, Vehicle, record
 from phaseplane.recording.drawer import Begin, Drawer

@@ -12,7 +12,7 @@ from recorded import drawing, frame
 
 from phaseplane.constructions.primitives import Frame
 from phaseplane.constructions.storage import StoredFrames
-from phaseplane.picture.paper import columns, readings, table
+from phaseplane.picture.frames import columns, readings, table
 
 numbers = st.floats(allow_nan=False)
 names = st.sampled_from(["P", "D", "P'", "A*"])

@@ -14,8 +14,8 @@ from worked_example import ap57
 from phaseplane.constructions import EquationPlane, compare_with_motion, construct_motion, delta
 from phaseplane.constructions.letters import typeset
 from phaseplane.picture import subject
-from phaseplane.picture.items import Arrow, Dots, Lines
-from phaseplane.picture.paper import readings
+from phaseplane.picture.frames import readings
+from phaseplane.picture.page import Arrow, Dots, Lines
 from phaseplane.picture.story import arms_page, story_of, told_steps
 from phaseplane.picture.styles import MOVING_POINT
 from phaseplane.picture.text import markdown

@@ -18,7 +18,7 @@ from phaseplane.picture.styles import (
     part_of,
     style_of,
 )
-from phaseplane.recording.columns import rgba
+from phaseplane.recording.canvas import rgba
 
 
 def luminance(colour: str) -> float:

@@ -24,7 +24,7 @@ from phaseplane.picture.text import (
     readings_table,
 )
 from phaseplane.recording import Content
-from phaseplane.recording.columns import legible
+from phaseplane.recording.canvas import legible
 
 
 def test_what_is_laid_off_says_which_way_and_mean_excitations_are_told() -> None:

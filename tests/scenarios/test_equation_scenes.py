@@ -20,7 +20,8 @@ from small_sweep import rows, sweep_file
 from phaseplane import figures
 from phaseplane.constructions.letters import MINUS
 from phaseplane.constructions.sheet import state_point
-from phaseplane.picture.subject import motions_of, paths_of
+from phaseplane.picture.frames import motions_of
+from phaseplane.picture.subject import paths_of
 
 PENDULUM = """
 fmu = "Equation"

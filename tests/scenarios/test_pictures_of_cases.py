@@ -27,17 +27,17 @@ from phaseplane.figures.canvas import new_page
 from phaseplane.figures.planes import step_page
 from phaseplane.figures.style import PLAIN
 from phaseplane.picture.curves import curve_through
-from phaseplane.picture.items import Arrow
+from phaseplane.picture.frames import motions_of, table
 from phaseplane.picture.letters import NEAR, Room, text_box
-from phaseplane.picture.page import PLATE, Page
-from phaseplane.picture.paper import Boxes, around, segments_of, table
+from phaseplane.picture.page import PLATE, Arrow, Page
+from phaseplane.picture.paper import Box, around, segments_of
 from phaseplane.picture.step import mark_events, write_letters
 from phaseplane.picture.story import MOST, arms_page, story_of, told_steps
-from phaseplane.picture.subject import motions_of, read_off
+from phaseplane.picture.subject import read_off
 from phaseplane.picture.text import control_text, end_text, step_head, step_text
 from phaseplane.picture.views import frame_at, gathered, motion_points, view_of
 from phaseplane.recording import Content
-from phaseplane.recording.columns import legible
+from phaseplane.recording.canvas import legible
 from phaseplane.recording.histories import panels
 from phaseplane.recording.lanes import lanes_of
 from phaseplane.recording.layout import blueprint
@@ -336,7 +336,7 @@ def test_no_line_strikes_the_name_of_an_axis(name: str) -> None:
             if text.kind == "name":
                 for curve in (c for c in drawing.curves if c.role == "auxiliary"):
                     starts, ends = segments_of([curve.vertices]).T
-                    assert not Boxes(*np.array([box.centre, box.half])).inside(starts, ends).any()
+                    assert not Box(*np.array([box.centre, box.half])).inside(starts, ends).any()
 
 
 @pytest.mark.slow
@@ -368,7 +368,7 @@ def test_values_do_not_cover_the_state_points_and_names_are_near_their_axes(name
     assert len(values) >= 3 * len(drawing.planes)
     for text in values:
         plate = text.box(page.em).grown(0.25 * page.em)
-        inside = Boxes(np.array(plate.centre), np.array(plate.half)).inside(starts, ends)
+        inside = Box(np.array(plate.centre), np.array(plate.half)).inside(starts, ends)
         assert not inside.any(), text.text
     for text in (text for text in page.texts if text.kind == "name"):
         assert min(text.box(page.em).gap(axis) for axis in axes) < 3.5 * page.em, text.text
@@ -508,7 +508,7 @@ def test_letters_of_steps_do_not_cover_the_motion(name: str, least: float) -> No
     page = recorder.lettered
     starts, ends = segments_of(recorder.pages[0].subject.motions).T
     for i, plate in enumerate(text_box(0j, n, page.em).grown(PLATE * page.em) for n in names):
-        places = Boxes(centres[free[:, i], i][::9, None], np.array(plate.half))
+        places = Box(centres[free[:, i], i][::9, None], np.array(plate.half))
         assert (places.inside(starts, ends).sum(axis=1) < 0.75 * page.em).all()
 
 
