@@ -33,9 +33,9 @@ from .single_steps import figure4b as figure4b
 from .single_steps import figure8 as figure8
 from .stability import GrowthMap as GrowthMap
 from .stability import stability_sheet as stability_sheet
-from .studies import pareto as pareto
 from .style import Look as Look
 from .style import save as save
+from .sweeps import pareto as pareto
 from .sweeps import sweep as sweep
 from .work_precision import Curve as Curve
 from .work_precision import work_precision as work_precision

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from textwrap import fill
 from typing import Any, cast
@@ -21,13 +21,13 @@ from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import draw_curves
 from phaseplane.picture.files import replace_file
 from phaseplane.picture.frames import motions_of
-from phaseplane.picture.page import TYPE, Page
-from phaseplane.picture.story import Tick, arms_page, staged, story_of
+from phaseplane.picture.page import Page
+from phaseplane.picture.story import arms_page, staged, story_of
 from phaseplane.picture.styles import MOVING_POINT
 from phaseplane.picture.text import format_time
 from phaseplane.picture.views import frame_at, view_of, views_of
 
-from .canvas import Sheet, new_page
+from .canvas import BESIDE, Sheet, new_page, size_of
 from .planes import step_lines
 from .style import PLAIN, Look, Printed, styled
 
@@ -37,7 +37,7 @@ MOVING = (".gif", ".mp4")
 _DPI = 84
 _NARROWEST = 1.6  # inches of a picture of a storyboard
 _GAP = 0.2  # inches between such pictures
-_LINE = 0.125  # inches of a line of a caption
+_LINE, _ROW = 0.125, 0.155  # inches of a line of a small and of a large caption
 _HOLD = 3  # ticks that show the end
 
 
@@ -71,15 +71,7 @@ def animation(
     page = new_page(drawing, views_of(drawing, motions_of(drawing))[0], look)
     draw_axes(page)
     draw_curves(page)
-    arms = arms_page(drawing)
-    ticks = list(story_of(page, arms, {}))
-    size = _size_of(arms)
-    sheet, below = Sheet(look, [tick.caption for tick in ticks], size.imag), Sheet(look)
-    below.figure = sheet.begin(page, title, typeset(drawing.title))
-    below.place(arms.view, complex((below.figure.get_figwidth() - size.real) / 2, 0.0), size)
-    for item in arms.items:
-        below.draw(item)
-    pictures = list(_pictures(sheet, below, ticks))
+    pictures = list(_pictures(page, arms_page(drawing), look, title, typeset(drawing.title)))
     pictures += pictures[-1:] * _HOLD
     with replace_file(target) as temporary:
         if program is not None and suffix == ".mp4":
@@ -122,11 +114,10 @@ def storyboard(
     below = 0.2 + _LINE * max(text.count("\n") + 1 for text in captions)
     step = f"Step {chosen.step}, {format_time(chosen.time)}, stage by stage"
     turned = [(i, tick.arms) for i, tick in enumerate(ticks, 1) if tick.arms.items][:1]
-    arm = _size_of(arms)
+    arm = size_of(arms)
     foot = (arm.imag + 0.2 + _LINE) * len(turned)
-    sheet = Sheet(look)
-    sheet.figure = whole = Printed(look, width, rows * (high + below) + foot + 0.05, layout="none")
-    whole.finished(title, step)
+    sheet = Sheet(Printed(look, width, rows * (high + below) + foot + 0.05, layout="none"))
+    sheet.figure.finished(title, step)
 
     def draw(page: Page, more: Page, corner: complex, size: complex, caption: str) -> None:
         sheet.place(page.view, corner, size)
@@ -142,32 +133,37 @@ def storyboard(
     for number, more in turned:
         corner = complex((width - arm.real) / 2, foot - arm.imag)
         draw(arms, more, corner, arm, f"The arm of the turn angles in stage {number}")
-    return whole
+    return sheet.figure
 
 
-def _size_of(arms: Page) -> complex:
-    """Return the size of the arm of the turn angles with type of its size, inches."""
-    return 2.0 * arms.view.half * TYPE / 72.0 / arms.em
-
-
-def _pictures(sheet: Sheet, arms: Sheet, ticks: Sequence[Tick]) -> Iterator[Pixels]:
+def _pictures(page: Page, arms: Page, look: Look, *heading: str) -> Iterator[Pixels]:
     """Yield each tick as an image: what stays is drawn once, the rest over a copy of it."""
-    figure = sheet.figure
+    ticks = list(story_of(page, arms, {}))
+    size = size_of(arms)
+    letters = int(11 * (size_of(page).real + 2.0 * BESIDE))
+    captions = [fill(tick.caption, letters) for tick in ticks]
+    rows = 1 + max(text.count("\n") + 1 for text in captions)
+    sheet = Sheet.of(page, look, *heading, below=size.imag + _ROW * rows)
+    figure, whole = sheet.figure, sheet.axes
+    beside = sheet.place(arms.view, complex((figure.get_figwidth() - size.real) / 2, 0.0), size)
+    for item in arms.items:
+        sheet.draw(item)
     figure.set_dpi(_DPI)
     canvas = cast(FigureCanvasAgg, figure.canvas)
-    top = sheet.axes.get_position().y0 - 0.1 * _LINE / figure.get_figheight()
+    top = whole.get_position().y0 - 0.1 * _LINE / figure.get_figheight()
     caption = figure.text(0.5, top, "", ha="center", va="top", fontsize=9.0)
     canvas.draw()
     ground = canvas.copy_from_bbox(figure.bbox)
     renderer = canvas.get_renderer()
-    for tick, words in zip(ticks, sheet.captions, strict=True):
+    for tick, words in zip(ticks, captions, strict=True):
         canvas.restore_region(ground)
         caption.set_text(words)
-        sheet.frame(tick.page)
-        arms.frame(tick.arms)
-        moving = (*sheet.moving, *arms.moving)
+        moving = []
+        for sheet.axes, drawn in ((whole, tick.page), (beside, tick.arms)):
+            moving += [sheet.draw(item) for item in drawn.items]
         for artist in sorted(moving, key=lambda artist: artist.get_zorder()):
             artist.draw(renderer)
+            artist.remove()
         caption.draw(renderer)
         image = np.asarray(canvas.buffer_rgba())[..., :3].copy()
         # players want even sizes

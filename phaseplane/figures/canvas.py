@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import wraps
-from textwrap import fill
 from typing import Any
 
 from matplotlib.artist import Artist
@@ -23,8 +22,7 @@ from phaseplane.picture.subject import Subject
 from .style import PLAIN, Look, Printed, styled
 
 _LARGEST = (11.0, 10.0)  # inches that the sheet may take up
-_BESIDE = 0.1  # inches
-_LINE = 0.155  # inches of a line of a caption
+BESIDE = 0.1  # inches
 _ABOVE = {"trail": 3.0, "normal": 3.0, "arc": 3.5, "successor": 3.5}  # order of drawing; others 2
 _DASH_DOT_DOT = (0, (4, 2.5, 0.1, 2.5, 0.1, 2.5))
 _MONO: dict[str, Any] = {  # of lines with round ends; only the integral curve is solid
@@ -43,51 +41,43 @@ _MONO: dict[str, Any] = {  # of lines with round ends; only the integral curve i
 
 def new_page(drawing: Drawing, view: Box, look: Look, scale: float = 0.0) -> Page:
     """Return an empty page with type of the right size for a scale, in of the figure for a m of paper."""
-    return Page(Subject(drawing), view, TYPE / 72.0 / (scale or _scale(view, look)))
-
-
-def _scale(view: Box, look: Look) -> float:
-    """Return the inches of a figure for a metre of paper."""
     size = 2.0 * view.half
-    if look.inches is not None:
-        return max(0.5, look.inches - 2 * _BESIDE) / size.real
-    return min(_LARGEST[0] / size.real, _LARGEST[1] / size.imag)
+    if not scale and look.inches is not None:
+        scale = max(0.5, look.inches - 2 * BESIDE) / size.real
+    scale = scale or min(_LARGEST[0] / size.real, _LARGEST[1] / size.imag)
+    return Page(Subject(drawing), view, TYPE / 72.0 / scale)
+
+
+def size_of(page: Page) -> complex:
+    """Return the width and height of a page with type of its size, inches."""
+    return complex(2.0 * page.view.half * (TYPE / 72.0 / page.em))
 
 
 class Sheet:
-    """A figure of a page, and of the pages that follow it in an animation.
+    """A figure on which pages are drawn, one beside another or one after another."""
 
-    The pages of an animation have captions, of which one at a time takes the place of the legend; there
-    may be room below them, inches.
-    """
-
-    def __init__(self, look: Look, captions: Sequence[str] = (), below: float = 0.0) -> None:
-        self.look = look
-        self.palette = look.palette
-        self.figure: Printed
+    def __init__(self, figure: Printed) -> None:
+        self.figure, self.palette = figure, figure.look.palette
         self.axes: Axes
-        self.moving: list[Artist] = []
-        self.captions, self.below = captions, below
 
-    def begin(self, page: Page, *heading: str) -> Printed:
-        """Return the figure of a page, with a heading above it and a legend below."""
-        size = 2.0 * page.view.half * _scale(page.view, self.look)
-        width, height = size.real + 2 * _BESIDE, size.imag + 2 * _BESIDE
-        self.figure = Printed(self.look, width, height, layout="none")
-        if self.captions:
-            self.captions = [fill(text, int(11 * width)) for text in self.captions]
-            rows = 1 + max(text.count("\n") + 1 for text in self.captions)
-            self.figure.grow(self.below + _LINE * rows)
+    @classmethod
+    def of(cls, page: Page, look: Look, *heading: str, below: float = 0.0) -> Sheet:
+        """Return the figure of a page with a heading above it, and a legend or so much room below, in."""
+        size = size_of(page)
+        width, height = size.real + 2 * BESIDE, size.imag + 2 * BESIDE
+        sheet = cls(Printed(look, width, height, layout="none"))
+        if below:
+            sheet.figure.grow(below)
         else:
-            self.figure.key([self._handle(*entry) for entry in page.legend()])
-        below = self.figure.get_figheight() - height
-        self.figure.finished(*heading)
-        self.place(page.view, complex(_BESIDE, _BESIDE + below), size)
+            sheet.figure.key([sheet.handle(*entry) for entry in page.legend()])
+        foot = sheet.figure.get_figheight() - height
+        sheet.figure.finished(*heading)
+        sheet.place(page.view, complex(BESIDE, BESIDE + foot), size)
         for item in page.items:
-            self.draw(item)
-        return self.figure
+            sheet.draw(item)
+        return sheet
 
-    def place(self, view: Box, corner: complex, size: complex) -> None:
+    def place(self, view: Box, corner: complex, size: complex) -> Axes:
         """Draw in a part of the figure from now on, with this lower left corner and size, inches."""
         width, height = self.figure.get_size_inches()
         self.axes = self.figure.add_axes(
@@ -96,79 +86,60 @@ class Sheet:
         self.axes.set_aspect("equal")
         self.axes.set_axis_off()
         low, high = view.corners
-        self.axes.set_xlim(low.real, high.real)
-        self.axes.set_ylim(low.imag, high.imag)
-
-    def frame(self, page: Page) -> None:
-        """Draw a page in place of the one before."""
-        for artist in self.moving:
-            artist.remove()
-        self.moving = [self.draw(item) for item in page.items]
-
-    def colour(self, role: str) -> str:
-        """Return the colour of a role."""
-        return self.palette.of(style_of(role).hue)
-
-    def draw(self, item: Item) -> Artist:
-        """Draw one item."""
-        if isinstance(item, Lines):
-            return self._lines(item)
-        if isinstance(item, Dots):
-            return self._dots(item)
-        if isinstance(item, Arrow):
-            return self._arrow(item)
-        return self._text(item)
-
-    def _lines(self, item: Lines) -> Artist:
-        style = style_of(item.role)
-        lines = LineCollection(
-            [vertices(strip) for strip in item.strips], colors=self.colour(item.role),
-            linewidths=style.width * item.weight, linestyles=self.dashes(item.role),
-            alpha=item.strength, capstyle="round",
-            zorder=_ABOVE.get(item.role, 2.0), gid=item.role,
-        )  # fmt: skip
-        return self.axes.add_collection(lines, autolim=False)
+        self.axes.set(xlim=(low.real, high.real), ylim=(low.imag, high.imag))
+        return self.axes
 
     def dashes(self, role: str) -> Any:
         """Return the dashes of a role, which distinguish lines of one colour."""
         dash = style_of(role).dash
         return _MONO.get(role, dash) if self.palette.mono else dash
 
-    def _dots(self, item: Dots) -> Artist:
-        return self.axes.plot(
-            [z.real for z in item.points], [z.imag for z in item.points], "o",
-            color=self.colour(item.role), markersize=style_of(item.role).size * item.weight,
-            markeredgecolor=self.palette.paper, markeredgewidth=0.5, alpha=item.strength, zorder=4.0,
-            gid=item.role,
-        )[0]  # fmt: skip
+    def draw(self, item: Item) -> Artist:
+        """Draw one item."""
+        role, style = item.role, style_of(item.role)
+        colour = self.palette.of(style.hue)
+        match item:
+            case Lines():
+                lines = LineCollection(
+                    [vertices(strip) for strip in item.strips], colors=colour,
+                    linewidths=style.width * item.weight, linestyles=self.dashes(role),
+                    alpha=item.strength, capstyle="round", zorder=_ABOVE.get(role, 2.0), gid=role,
+                )  # fmt: skip
+                return self.axes.add_collection(lines, autolim=False)
+            case Dots():
+                return self.axes.plot(
+                    *vertices(item.points).reshape(-1, 2).T, "o", color=colour,
+                    markersize=style.size * item.weight, markeredgecolor=self.palette.paper,
+                    markeredgewidth=0.5, alpha=item.strength, zorder=4.0, gid=role,
+                )[0]  # fmt: skip
+            case Arrow():
+                heads = "<|-|>" if item.both else "-|>"
+                head = "0.15,head_length=0.4" if item.both else "0.2,head_length=0.5"
+                width = 0.7 if item.both else style.width
+                tip, start = ((z.real, z.imag) for z in (item.tip, item.start))
+                return self.axes.annotate(
+                    "", tip, start, zorder=5.0 if item.both or not item.shaft else 1.5,
+                    arrowprops={
+                        "arrowstyle": f"{heads},head_width={head}", "color": colour,
+                        "linewidth": width if item.shaft else 0.0, "shrinkA": 0, "shrinkB": 0,
+                    },
+                )  # fmt: skip
+            case Text():
+                return self.axes.text(
+                    item.centre.real, item.centre.imag, item.text, color=colour,
+                    fontsize=TYPE * item.size,
+                    fontstyle="italic" if is_letter(item.text) else "normal", ha="center",
+                    va="center", rotation=90.0 if item.upright else 0.0, bbox=self.palette.plate(),
+                    alpha=item.strength, zorder=6.0,
+                    gid="axis_name" if item.kind == "name" else item.kind,
+                )  # fmt: skip
 
-    def _arrow(self, item: Arrow) -> Artist:
-        heads = "<|-|>" if item.both else "-|>"
-        head = "0.15,head_length=0.4" if item.both else "0.2,head_length=0.5"
-        width = 0.7 if item.both else style_of(item.role).width
-        tip, start = ((z.real, z.imag) for z in (item.tip, item.start))
-        return self.axes.annotate(
-            "", tip, start, zorder=5.0 if item.both or not item.shaft else 1.5,
-            arrowprops={
-                "arrowstyle": f"{heads},head_width={head}", "color": self.colour(item.role),
-                "linewidth": width if item.shaft else 0.0, "shrinkA": 0, "shrinkB": 0,
-            },
-        )  # fmt: skip
-
-    def _text(self, item: Text) -> Artist:
-        return self.axes.text(
-            item.centre.real, item.centre.imag, item.text, color=self.colour(item.role),
-            fontsize=TYPE * item.size, fontstyle="italic" if is_letter(item.text) else "normal",
-            ha="center", va="center", rotation=90.0 if item.upright else 0.0,
-            bbox=self.palette.plate(), alpha=item.strength, zorder=6.0,
-            gid="axis_name" if item.kind == "name" else item.kind,
-        )  # fmt: skip
-
-    def _handle(self, role: str, words: str) -> Line2D:
+    def handle(self, role: str, words: str) -> Line2D:
         """Return the line of an entry in the legend."""
+        style = style_of(role)
         return Line2D(
-            [], [], color=self.colour(role), linestyle=self.dashes(role), label=words,
-            linewidth=style_of(role).width if self.palette.mono else 1.6, dash_capstyle="round",
+            [], [], color=self.palette.of(style.hue), linestyle=self.dashes(role), label=words,
+            linewidth=style.width if self.palette.mono else 1.6, dash_capstyle="round",
         )  # fmt: skip
 
 
@@ -184,6 +155,6 @@ def as_figure(draw: Callable[..., tuple[Page, str]]) -> Callable[..., Figure]:
         drawing: Drawing, *args: Any, title: str = "", look: Look = PLAIN, **more: Any
     ) -> Figure:
         page, words = draw(drawing, *args, look=look, **more)
-        return Sheet(look).begin(page, title, *words.split("\n"))
+        return Sheet.of(page, look, title, *words.split("\n")).figure
 
     return figure

@@ -7,11 +7,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from phaseplane.suspension import characteristics as law
@@ -19,13 +17,12 @@ from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.systems import damper_family
 
-from .style import PLAIN, Look, Palette, draw_zero, styled
+from .style import PLAIN, Look, draw_zero, styled
 
 _COLUMNS = 4
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
+class Line(NamedTuple):
     """One curve: arguments in m or m/s, forces in N, and corners."""
 
     name: str
@@ -34,8 +31,7 @@ class Line:
     corners: tuple[tuple[float, float], ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Panel:
+class Panel(NamedTuple):
     """Curves over a deflection or a rate."""
 
     title: str
@@ -51,26 +47,23 @@ def characteristics_sheet(*, look: Look = PLAIN) -> Figure:
     """
     panels = [*_springs(), *_dampers(), _tyre(), *_loops()]
     rows = -(-len(panels) // _COLUMNS)
-    figure = look.blank(2.8 * _COLUMNS, 2.5 * rows)
+    palette, figure = look.palette, look.blank(2.8 * _COLUMNS, 2.5 * rows)
     for k, panel in enumerate(panels, start=1):
-        _draw(figure.add_subplot(rows, _COLUMNS, k), panel, look.palette)
+        axes = figure.add_subplot(rows, _COLUMNS, k)
+        deflection = panel.argument == "deflection"
+        draw_zero(axes, palette)
+        factor = 1e3 if deflection else 1.0
+        for number, line in enumerate(panel.lines):
+            style = palette.curve(number)
+            axes.plot(factor * line.x, 1e-3 * line.force, linewidth=1.5, label=line.name, **style)
+            for x, force in line.corners:
+                axes.plot(factor * x, 1e-3 * force, "o", color=style["color"], markersize=3.5)
+        axes.set_title(panel.title)
+        axes.set(xlabel="deflection [mm]" if deflection else "rate [m/s]", ylabel="force [kN]")
+        axes.margins(x=0.0)
+        if len(panel.lines) > 1:
+            axes.legend(fontsize=7, frameon=True, edgecolor=palette.grid, handlelength=1.2)
     return figure.finished()
-
-
-def _draw(axes: Axes, panel: Panel, palette: Palette) -> None:
-    deflection = panel.argument == "deflection"
-    draw_zero(axes, palette)
-    factor = 1e3 if deflection else 1.0
-    for number, line in enumerate(panel.lines):
-        style = palette.curve(number)
-        axes.plot(factor * line.x, 1e-3 * line.force, linewidth=1.5, label=line.name, **style)
-        for x, force in line.corners:
-            axes.plot(factor * x, 1e-3 * force, "o", color=style["color"], markersize=3.5)
-    axes.set_title(panel.title)
-    axes.set(xlabel="deflection [mm]" if deflection else "rate [m/s]", ylabel="force [kN]")
-    axes.margins(x=0.0)
-    if len(panel.lines) > 1:
-        axes.legend(fontsize=7, frameon=True, edgecolor=palette.grid, handlelength=1.2)
 
 
 def _line(name: str, curve: Characteristic, reach: float) -> Line:

@@ -75,14 +75,16 @@ def exercise_sheet(
 ) -> Figure:  # fmt: skip
     """Draw the sheet of an exercise or its solution: heading, correct construction and filled table."""
     width, height = PAPERS[paper]
-    canvas = Sheet(PLAIN)
-    canvas.figure = Printed(PLAIN, width / _INCH, height / _INCH, layout="none")
+    canvas = Sheet(Printed(PLAIN, width / _INCH, height / _INCH, layout="none"))
     canvas.figure.set_label(title)
     view, room = sheet_view(drawing), sheet_room(paper, len(filled.rows))
     size = 2.0 * view.half / _CM
     bottom = height - _EDGE - _HEAD - 0.5 * (room.imag / _CM + size.imag)
     canvas.place(view, complex(0.5 * (width - size.real), bottom) / _INCH, size / _INCH)
-    _grid(canvas.axes, view)
+    low, high = view.corners
+    look: dict[str, Any] = {"color": "#dfe5ea", "linewidth": 0.35, "zorder": 0.5}
+    canvas.axes.vlines(np.arange(low.real, high.real, _GRID), low.imag, high.imag, **look)
+    canvas.axes.hlines(np.arange(low.imag, high.imag, _GRID), low.real, high.real, **look)
     for item in _page(drawing, view, filled.solved).items:
         canvas.draw(item)
     for points, right in filled.read:
@@ -92,9 +94,18 @@ def exercise_sheet(
         )
     axes = canvas.figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, width), ylim=(0.0, height))
     axes.set_axis_off()
-    _heading(axes, title, lines)
+    top, letters = height - _EDGE, min(12.0, 900.0 / (1 + len(title)) * width / PAPERS["A4"][0])
+    axes.text(_EDGE, top - 0.1, title, fontsize=letters, va="top", weight="bold", gid="heading")
+    for i, line in enumerate(lines):
+        axes.text(_EDGE, top - 0.75 - 0.48 * i, line, fontsize=8.5, va="top")
     _table(axes, head, filled.rows)
-    _ruler(axes)
+    # a ruler of 10 cm by which the scale of a print can be checked
+    ink: dict[str, Any] = {"color": PLAIN.palette.ink, "linewidth": 0.7}
+    y = 0.85
+    axes.plot([_EDGE, _EDGE + 10.0], [y, y], gid="ruler", **ink)
+    for i in range(11):
+        axes.plot([_EDGE + i] * 2, [y, y + 0.15], **ink)
+    axes.text(_EDGE + 10.2, y, "10 cm if printed at 100 %", fontsize=7.0, va="center")
     return canvas.figure
 
 
@@ -119,21 +130,6 @@ def _page(drawing: Drawing, view: Box, solved: bool) -> Page:
     return page
 
 
-def _grid(axes: Axes, view: Box) -> None:
-    low, high = view.corners
-    look: dict[str, Any] = {"color": "#dfe5ea", "linewidth": 0.35, "zorder": 0.5}
-    axes.vlines(np.arange(low.real, high.real, _GRID), low.imag, high.imag, **look)
-    axes.hlines(np.arange(low.imag, high.imag, _GRID), low.real, high.real, **look)
-
-
-def _heading(axes: Axes, title: str, lines: Sequence[str]) -> None:
-    width, top = axes.get_xlim()[1], axes.get_ylim()[1] - _EDGE
-    size = min(12.0, 900.0 / (1 + len(title)) * width / PAPERS["A4"][0])
-    axes.text(_EDGE, top - 0.1, title, fontsize=size, va="top", weight="bold", gid="heading")
-    for i, line in enumerate(lines):
-        axes.text(_EDGE, top - 0.75 - 0.48 * i, line, fontsize=8.5, va="top")
-
-
 def _table(axes: Axes, head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """Draw the table at the foot of the sheet, in two columns if it is long."""
     width, height = axes.get_xlim()[1], axes.get_ylim()[1]
@@ -156,12 +152,3 @@ def _table(axes: Axes, head: Sequence[str], rows: Sequence[Sequence[str]]) -> No
         for (row, _), cell in drawn.get_celld().items():
             cell.set(edgecolor=PLAIN.palette.faint, linewidth=0.5)
             cell.set_text_props(fontsize=7.5 if row else 7.0, weight="normal" if row else "bold")
-
-
-def _ruler(axes: Axes) -> None:
-    """Draw a ruler of 10 cm by which the scale of a print can be checked."""
-    y = 0.85
-    axes.plot([_EDGE, _EDGE + 10.0], [y, y], color=PLAIN.palette.ink, linewidth=0.7, gid="ruler")
-    for i in range(11):
-        axes.plot([_EDGE + i] * 2, [y, y + 0.15], color=PLAIN.palette.ink, linewidth=0.7)
-    axes.text(_EDGE + 10.2, y, "10 cm if printed at 100 %", fontsize=7.0, va="center")

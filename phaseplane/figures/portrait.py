@@ -10,7 +10,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, Hue
 from phaseplane.picture.text import number
@@ -61,8 +60,14 @@ def portrait(
     axes.set(xlim=(window.left, window.right), ylim=(window.bottom, window.top))
     axes.set(xlabel=labels[0], ylabel=labels[1])
     draw_zero(axes, colours)
-    if shown.field is not None:
-        _field(axes, shown.field, colours)
+    if shown.field is not None:  # arrows of equal length on paper
+        x, v, dx, dv = shown.field
+        size = np.hypot(dx, dv)
+        size[(size == 0.0) | ~np.isfinite(size)] = np.inf
+        axes.quiver(
+            x, v, dx / size, dv / size, color=colours.faint, alpha=0.55, pivot="mid", angles="xy",
+            scale=45.0, width=0.0016, headwidth=4.0, zorder=1.5, gid="field",
+        )  # fmt: skip
     roles = {
         "energy": [curve for curves in shown.energy_curves for curve in curves],
         "orbit": shown.orbits,
@@ -80,13 +85,27 @@ def portrait(
     _slopes(axes, shown, colours, np.array(_LABEL) * _SIZE[0] / figure.get_figwidth())
     for role in _DIRECTED:
         _arrows(axes, roles[role], window, colours.chart(_LINES[role][0]))
-    handles: list[Artist] = [
-        _lines(axes, role, curves, colours) for role, curves in roles.items() if curves
-    ]
+    handles: list[Artist] = []
+    for role, curves in roles.items():
+        if curves:
+            hue, width, dash, words = _LINES[role]
+            lines = LineCollection(
+                list(curves), colors=colours.chart(hue), linewidths=width, linestyles=dash,
+                zorder=3.0, gid=role, label=words,
+            )  # fmt: skip
+            handles.append(axes.add_collection(lines, autolim=False))
     if shown.section is not None:
         handles += _section(axes, shown.section, colours)
-    handles += _equilibria(axes, shown, colours)
-    figure.key(handles)
+    kinds: dict[str, Artist] = {}  # one marker and legend entry for each
+    for at in (at for at in shown.equilibria if not at.stretches):
+        marker, hue = _KINDS[at.kinds[0].split()[0]]
+        (dot,) = axes.plot(
+            [at.x], [0.0], marker, color=colours.chart(hue), markersize=8.0,
+            markeredgecolor=colours.paper, zorder=6.0, linestyle="", gid="equilibrium", clip_on=False,
+            label=at.kind + (" (on a corner)" if at.on_corner else ""),
+        )  # fmt: skip
+        kinds.setdefault(at.kind, dot)
+    figure.key([*handles, *kinds.values()])
     return figure.finished(title)
 
 
@@ -166,54 +185,18 @@ def _went(curve: np.ndarray, sides: np.ndarray) -> np.ndarray:
     return np.append(0.0, np.hypot(*(np.diff(curve, axis=0) / sides).T).cumsum())
 
 
-def _section(axes: Axes, shown: Section, colours: Palette) -> list[Line2D]:
+def _section(axes: Axes, shown: Section, colours: Palette) -> list[Artist]:
     (dots,) = axes.plot(
         *shown.points.T, ".", color=colours.chart(BLUE), markersize=3.5, markeredgewidth=0.0,
         zorder=5.0, gid="section", linestyle="", label=f"Poincaré section, every {shown.period:.4g} s",
     )  # fmt: skip
-    handles = [dots]
+    handles: list[Artist] = [dots]
     for m in sorted({len(states) for states in shown.attractors}):
         states = np.vstack([states for states in shown.attractors if len(states) == m])
         (ends,) = axes.plot(
             *states.T, "o", color=colours.chart(_ATTRACTORS[(m - 1) % len(_ATTRACTORS)]), markersize=7.0,
             markeredgecolor=colours.paper, zorder=6.0, gid="attractor", linestyle="",
-            label="attractor, period 1" if m == 1 else f"attractor, period {m}",
+            label=f"attractor, period {m}",
         )  # fmt: skip
         handles.append(ends)
     return handles
-
-
-def _field(axes: Axes, field: tuple[np.ndarray, ...], colours: Palette) -> None:
-    """Draw arrows of equal length on paper."""
-    x, v, dx, dv = field
-    size = np.hypot(dx, dv)
-    size[(size == 0.0) | ~np.isfinite(size)] = np.inf
-    axes.quiver(
-        x, v, dx / size, dv / size, color=colours.faint, alpha=0.55, pivot="mid", angles="xy",
-        scale=45.0, width=0.0016, headwidth=4.0, zorder=1.5, gid="field",
-    )  # fmt: skip
-
-
-def _lines(axes: Axes, role: str, curves: Sequence[np.ndarray], colours: Palette) -> Artist:
-    hue, width, dash, words = _LINES[role]
-    lines = LineCollection(
-        list(curves), colors=colours.chart(hue), linewidths=width, linestyles=dash, zorder=3.0, gid=role,
-        label=words,
-    )  # fmt: skip
-    return axes.add_collection(lines, autolim=False)
-
-
-def _equilibria(axes: Axes, shown: Portrait, colours: Palette) -> list[Line2D]:
-    """Draw the equilibria, with one marker and legend entry per kind."""
-    handles: dict[str, Line2D] = {}
-    for at in shown.equilibria:
-        if at.stretches:
-            continue
-        marker, colour = _KINDS[at.kinds[0].split()[0]]
-        (dot,) = axes.plot(
-            [at.x], [0.0], marker, color=colours.chart(colour), markersize=8.0,
-            markeredgecolor=colours.paper, zorder=6.0, linestyle="", gid="equilibrium", clip_on=False,
-            label=at.kind + (" (on a corner)" if at.on_corner else ""),
-        )  # fmt: skip
-        handles.setdefault(at.kind, dot)
-    return list(handles.values())

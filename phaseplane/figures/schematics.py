@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing
@@ -28,15 +29,14 @@ _STRUT, _TYRE = 0.075, 0.055  # heights of strut and tyre above the road
 def figure1(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
     """Draw the car as a half car on two axles with tyres, of four degrees of freedom (AP57 figure 1)."""
     needs(drawing, "figure 1 shows a half car with tyres", "half_car_pitch", planes=4)
-    page = _system(drawing, look, ("1", "2"), wheels=True)
-    return page, "Half car: body, two axles and their tyres"
+    return _system(drawing, look, "12", wheels=True), "Half car: body, two axles and their tyres"
 
 
 @as_figure
 def figure6(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
     """Draw the quarter car with elastic coupling, of two degrees of freedom (AP57 figure 6)."""
     needs(drawing, "figure 6 shows a quarter car", "ap57", planes=2, letter="A2*", without="H1")
-    page = _system(drawing, look, ("",), wheels=True)
+    page = _system(drawing, look, [""], wheels=True)
     return page, "Quarter car: elastic coupling of body and axle"
 
 
@@ -45,7 +45,7 @@ def figure11(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
     """Draw the half car on rigid tyres with inertial coupling (AP57 figure 11)."""
     shown, scene = "figure 11 shows a half car on rigid tyres", "half_car_rigid_tyres"
     needs(drawing, shown, scene, planes=2, letter="H1")
-    page = _system(drawing, look, ("1", "2"), wheels=False)
+    page = _system(drawing, look, "12", wheels=False)
     return page, "Half car on rigid tyres: inertial coupling of its ends"
 
 
@@ -54,19 +54,14 @@ def figure5(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
     """Draw the obstacle of three sections of constant acceleration (AP57 figure 5, eqs. 9 and 10)."""
     times = np.array([frame.time for frame in drawing.instants])
     read = [frame.readings.get("road_elevation", 0.0) for frame in drawing.instants]
-    height = np.array(read)
-    over = np.flatnonzero(height > 1e-9)
-    peak = float(height.max(initial=0.0))
-    fits = False
-    if len(over) > 4:
+    height, peak = np.array(read), max(read)
+    over, middle = np.flatnonzero(height > 1e-9), times[int(height.argmax())]
+    spans: npt.ArrayLike = []
+    if len(over) > 4:  # of the obstacle, s
         start, end = times[over[0] - 1], times[min(over[-1] + 1, len(times) - 1)]
-        middle = times[int(height.argmax())]
-        span = 2.0 * max(middle - start, end - middle)
-        fits = any(
-            np.allclose(height, peak * _obstacle((times - (middle - t / 2)) / t), atol=0.008 * peak)
-            for t in np.linspace(0.85 * span, 1.02 * span, 250)
-        )
-    if not fits:
+        spans = np.linspace(0.85, 1.02, 250) * 2.0 * max(middle - start, end - middle)
+    parts = ((times - (middle - span / 2)) / span for span in np.asarray(spans))
+    if not any(np.allclose(height, peak * _obstacle(s), atol=0.008 * peak) for s in parts):
         raise ValueError(
             "figure 5 shows the obstacle of constant acceleration, which the road of "
             f"'{drawing.title}' is not; try the scene ap57_obstacle"
@@ -92,18 +87,16 @@ def _page(drawing: Drawing, view: Box, look: Look) -> Page:
 def _obstacle_page(drawing: Drawing, look: Look) -> Page:
     width, height, below = 0.24, 0.07, 0.09
     page = _page(drawing, Box(complex(0.125, -0.028), 0.175 + 0.125j), look)
-    part = np.linspace(0.0, 1.0, 201)
+    along = np.linspace(0.0, 1.0, 201)
     page.arrow("axis", -0.02 + 0j, 0.275 + 0j)
     page.arrow("axis", -0.0j, 0.085j)
-    page.lines("excitation", [width * part + 1j * height * _obstacle(part)])
+    page.lines("excitation", [width * along + 1j * height * _obstacle(along)])
     page.arrow("axis", -0.02 - 1j * below, 0.275 - 1j * below)
     z = 0.03
-    corners = (0.0, 0.0, 0.25, 0.25, 0.75, 0.75, 1.0, 1.0)
-    heights = (0.0, z, z, -z, -z, z, z, 0.0)
-    stairs = [complex(width * x, y - below) for x, y in zip(corners, heights, strict=True)]
-    page.lines("normal", [stairs])
-    for x in (0.25, 0.5, 0.75, 1.0):
-        page.lines("foot", [[width * x + 0j, width * x - 1j * below]])
+    x = width * np.repeat([0.0, 0.25, 0.75, 1.0], 2)
+    page.lines("normal", [x + 1j * (np.array([0.0, z, z, -z, -z, z, z, 0.0]) - below)])
+    for part in (0.25, 0.5, 0.75, 1.0):
+        page.lines("foot", [[width * part + 0j, width * part - 1j * below]])
     marks = ((0.125, 0.2), (0.4, 0.5), (0.875, 0.2))  # of the sections
     for centre, words in (
         (0.287 + 0j, r"$t,\ x$"), (0.287 - 1j * below, "t"), (0.012 + 0.083j, "ξ"),

@@ -76,25 +76,7 @@ def stability_sheet(
     palette, figure = look.palette, look.blank(12.0, 9.6)
     places = figure.subplot_mosaic("RRRFFF;001122")
     colours = dict(zip(curves, map(palette.chart, cycle(_COLOURS)), strict=False))
-    _radii(places["R"], curves, limits, colours, palette)
-    _found(places["F"], found, colours, palette)
-    panels = [places[k] for k in "012"]
-    image: QuadMesh | None = None
-    for axes, one in zip(panels, growth, strict=False):
-        image = _map(axes, one, palette)
-    if image is not None:
-        bar = figure.colorbar(image, ax=panels, label="growth")
-        bar.set_ticks([-1, 0, 1, 2], labels=["0.1", "1", "10", "≥ 100"])
-    return figure.finished()
-
-
-def _radii(
-    axes: Axes,
-    curves: Mapping[str, tuple[Values, Values]],
-    limits: Mapping[str, float],
-    colours: Mapping[str, str],
-    palette: Palette,
-) -> None:
+    axes = places["R"]
     axes.set_title("Spectral radius of one step, undamped")
     axes.axhline(1.0, color=palette.faint, linewidth=0.8)
     for name, (phase, radius) in curves.items():
@@ -104,30 +86,34 @@ def _radii(
         axes.text(limit - 0.06, 2.42, name, rotation=90, ha="right", va="top", fontsize=8)
     axes.set(xlim=(0.0, 8.0), ylim=(0.5, 2.5), xlabel="ωΔt")
     axes.legend(frameon=True, edgecolor="none", framealpha=0.85, loc="upper left")
+    _found(places["F"], found, colours, palette)
+    panels = [places[k] for k in "012"]
+    images = [_map(panel, one, palette) for panel, one in zip(panels, growth, strict=False)]
+    if images:
+        bar = figure.colorbar(images[-1], ax=panels, label="growth")
+        bar.set_ticks([-1, 0, 1, 2], labels=["0.1", "1", "10", "≥ 100"])
+    return figure.finished()
 
 
 def _found(
-    axes: Axes,
-    found: Sequence[tuple[str, str, float, float | None]],
-    colours: Mapping[str, str],
-    palette: Palette,
-) -> None:
+    axes: Axes, found: Sequence[tuple[str, str, float, float | None]],
+    colours: Mapping[str, str], palette: Palette,
+) -> None:  # fmt: skip
+    """Draw the ratios of measured to theoretical limits, by problem and method."""
     axes.set_title("Largest stable step in runs, measured / theory (▸: none found)")
     problems = list(dict.fromkeys(problem for problem, *_ in found))
     methods = list(dict.fromkeys(method for _, method, *_ in found))
     axes.axvline(1.0, color=palette.ink, linewidth=0.8, linestyle=":")
     for k, method in enumerate(methods):
         aside = 0.09 * (k - (len(methods) - 1) / 2)
-        places = [
-            (measured and measured / theory, problems.index(problem) + aside)
-            for problem, one, theory, measured in found
-            if one == method
-        ]
-        points = [(ratio, up) for ratio, up in places if ratio is not None]
-        endless = [(0.96 * _END, up) for ratio, up in places if ratio is None]
-        colour = colours.get(method, palette.chart(GREY))
-        for marker, which in (("o", points), (">", endless)):
-            axes.plot(*np.reshape(which, (-1, 2)).T, marker, color=colour, markersize=4.5)
+        for marker in "o>":  # the latter where no step grew
+            points = [
+                (0.96 * _END if measured is None else measured / theory, problems.index(p) + aside)
+                for p, one, theory, measured in found
+                if one == method and (marker == ">") == (measured is None)
+            ]
+            colour = colours.get(method, palette.chart(GREY))
+            axes.plot(*np.reshape(points, (-1, 2)).T, marker, color=colour, markersize=4.5)
     axes.set_xscale("log")
     axes.set_xlim(0.22, _END)
     axes.xaxis.set_major_locator(FixedLocator([0.25, 0.5, 1.0, 2.0, 4.0]))

@@ -1,10 +1,10 @@
-"""Measures of a sweep over one parameter, a family of curves, two parameters, or many."""
+"""Measures of a sweep over its parameters, and the trade-off of two measures."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from textwrap import fill
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -13,13 +13,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from phaseplane.picture.styles import BLUE
+from phaseplane.picture.styles import BLUE, GREY, ORANGE, RED
 from phaseplane.picture.text import bracketed
 
 from .style import COLOURS, PLAIN, Look, Palette, Printed, name_up, styled
 
 Values: TypeAlias = Sequence[float] | Sequence[str]
 Quantities = Mapping[str, tuple[str, Values]]
+Pair = tuple[npt.ArrayLike, npt.ArrayLike]
 _MOST = 6  # measures
 _LEVELS = 14
 _FAMILY = len(COLOURS)  # curves that can still be distinguished
@@ -77,6 +78,10 @@ def _lines(abscissa: str, varied: Quantities, measured: Quantities, look: Look) 
     others = {key: column for key, column in varied.items() if key != abscissa}
     family = list(_family(others, len(x)))
     palette, figure = look.palette, look.blank(7.5, 0.6 + 1.8 * len(measured))
+    styles = [palette.curve(k) for k in range(len(family))]
+    if len(family) > _FAMILY:  # colours of a continuous scale
+        scale = colormaps[_map_of(palette)]
+        styles = [{"color": scale(0.92 * k / (len(family) - 1))} for k in range(len(family))]
     panels = figure.subplots(len(measured), 1, sharex=True, squeeze=False)[:, 0]
     texts = list(dict.fromkeys(x)) if _are_texts(x) else []
     places = np.array([texts.index(value) for value in x] if texts else x, float)
@@ -87,12 +92,14 @@ def _lines(abscissa: str, varied: Quantities, measured: Quantities, look: Look) 
             axes.plot(
                 places[ordered] + beside, np.array(y, float)[ordered], linewidth=1.3,
                 markersize=5, marker="o" if texts else ".", label=label, clip_on=False, zorder=3,
-                **_style(palette, k, len(family)) | ({"linestyle": ""} if texts else {}),
+                **styles[k] | ({"linestyle": ""} if texts else {}),
             )  # fmt: skip
         name_up(axes, _words(name, measure_unit))
         _plain(axes, counted=measure_unit == "count")
     if texts:
-        panels[-1].set_xticks(range(len(texts)), [_wrapped(str(text)) for text in texts])
+        panels[-1].set_xticks(
+            range(len(texts)), [fill(_short(str(text)), _LONGEST // 2) for text in texts]
+        )
         panels[-1].set_xlim(-0.5, len(texts) - 0.5)
     panels[-1].set_xlabel(_words(abscissa, unit, broken=False))
     if len(family) > 1:
@@ -112,13 +119,6 @@ def _family(others: Quantities, runs: int) -> Iterator[tuple[str, npt.NDArray[np
             _short(value) if isinstance(value, str) else f"{value:.5g}" for value in found
         )
         yield label, np.array([k for k, c in enumerate(combinations) if c == found])
-
-
-def _style(palette: Palette, number: int, count: int) -> dict[str, Any]:
-    """Return the style of one of several curves; colours of a continuous scale if there are many."""
-    if count <= _FAMILY:
-        return palette.curve(number)
-    return {"color": colormaps[_map_of(palette)](0.92 * number / (count - 1))}
 
 
 def _map_of(palette: Palette) -> str:
@@ -191,11 +191,59 @@ def _short(text: str) -> str:
     return (text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}...") or "none"
 
 
-def _wrapped(text: str) -> str:
-    return fill(_short(text), _LONGEST // 2)
-
-
 def _plain(axes: Axes, *, counted: bool = False) -> None:
     if counted:
         axes.yaxis.set_major_locator(MaxNLocator(5, integer=True))
     axes.ticklabel_format(scilimits=(-3, 5), useMathText=True)  # so that labels stay short
+
+
+@styled
+def pareto(
+    runs: Pair,
+    labels: tuple[str, str],
+    *,
+    front: Pair = ((), ()),
+    marked: Mapping[str, tuple[float, float]] | None = None,
+    limits: tuple[Sequence[float], Sequence[float]] = ((), ()),
+    title: str = "",
+    look: Look = PLAIN,
+) -> Figure:
+    """Draw one measure against another for many runs, with the front that no run beats.
+
+    Parameters
+    ----------
+    runs : both measures of every run, shape (n,) each; NaN where a run has none
+    front : both measures along the front, in order
+    marked : single runs by their labels
+    limits : bounds of each measure
+
+    Raises
+    ------
+    ValueError : if there are no runs.
+    """
+    x, y = (np.asarray(column, float) for column in runs)
+    if not np.isfinite(x + y).any():
+        raise ValueError("no run has both measures")
+    figure = look.blank(7.0, 5.4)
+    axes = figure.subplots()
+    grey, blue, orange, red = map(look.palette.chart, (GREY, BLUE, ORANGE, RED))
+    axes.plot(x, y, ".", color=grey, markersize=3.5, alpha=0.55, label="runs", zorder=2)
+    if np.size(front[0]):
+        axes.plot(
+            *front, ".-", color=blue, linewidth=1.6, markersize=5, label="trade-off", zorder=3
+        )
+    looks = zip((orange, red), "s*", strict=True)
+    for (label, at), (colour, marker) in zip((marked or {}).items(), looks, strict=False):
+        axes.plot(*at, marker, color=colour, markersize=8, label=label, zorder=4)
+    for line, several in zip((axes.axvline, axes.axhline), limits, strict=True):
+        for limit in several:
+            line(limit, color=red, linewidth=1.0, linestyle="--", zorder=1)
+    axes.set(xlabel=labels[0], ylabel=labels[1])
+    # what is far off, such as runs with the wheel in the air, does not flatten the rest
+    for k, values in enumerate((x, y)):
+        near = [*np.ravel(front[k]), *(at[k] for at in (marked or {}).values()), *limits[k]]
+        usual = [*np.nanpercentile(values, [0.0, 90.0]), *near]
+        margin = 0.06 * (max(usual) - min(usual)) or 1.0
+        axes.set(**{("xlim", "ylim")[k]: (min(usual) - margin, max(usual) + margin)})
+    axes.legend()
+    return figure.finished(title)

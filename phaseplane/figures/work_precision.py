@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import cycle
 from math import ceil
@@ -11,7 +11,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
+from matplotlib.ticker import EngFormatter, FixedLocator, NullFormatter
 
 from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, VIOLET
 
@@ -85,25 +85,20 @@ def work_precision(
             axes.set_ylabel("run time")
         if k + columns >= len(panels):
             axes.set_xlabel("largest error, relative to the peak")
-    _legends(figure, lines)
-    return figure.finished(title)
-
-
-def _legends(figure: Printed, lines: Mapping[tuple[str, str], Lines]) -> None:
-    """Put legends of the groups side by side below the panels."""
-    made = []
-    for place, (heading, families) in zip(_PLACES, _GROUPS.items(), strict=True):
+    legends = []  # of the groups side by side below the panels
+    for place, (group, families) in zip(_PLACES, _GROUPS.items(), strict=True):
         handles = [
             Line2D([], [], label=f"FMU: {name}" if family == "FMU" else name, **line)
             for (name, family), line in lines.items()
             if family in families
         ]
         if handles:
-            made.append(figure.legend(
-                handles=handles, loc=place, fontsize=7, handlelength=3.2,
-                title=heading, alignment="left",
+            legends.append(figure.legend(
+                handles=handles, loc=place, fontsize=7, handlelength=3.2, title=group,
+                alignment="left",
             ))  # fmt: skip
-    figure.grow(max(legend.get_window_extent().height for legend in made) / figure.dpi)
+    figure.grow(max(legend.get_window_extent().height for legend in legends) / figure.dpi)
+    return figure.finished(title)
 
 
 def _lines(names: Sequence[tuple[str, str]], palette: Palette) -> dict[tuple[str, str], Lines]:
@@ -149,16 +144,8 @@ def _style(axes: Axes, palette: Palette) -> None:
     axes.xaxis.set_major_locator(FixedLocator([10.0**k for k in range(-12, 1, 2)]))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_minor_locator(FixedLocator([10.0**k for k in range(-13, 1, 2)]))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda seconds, _: _time(seconds)))
+    axes.yaxis.set_major_formatter(EngFormatter("s"))
     axes.yaxis.set_minor_formatter(NullFormatter())
-
-
-def _time(seconds: float) -> str:
-    """Return a time as text, such as 10 µs, 1 ms or 2 s."""
-    for unit, size in (("s", 1.0), ("ms", 1e-3)):
-        if seconds >= 0.999 * size:
-            return f"{seconds / size:g} {unit}"
-    return f"{seconds * 1e6:g} µs"
 
 
 def _draw(axes: Axes, curve: Curve, line: Lines) -> None:

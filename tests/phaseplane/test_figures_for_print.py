@@ -27,7 +27,7 @@ from phaseplane.constructions import (
 )
 from phaseplane.figures import Look, save
 from phaseplane.figures.canvas import Sheet, new_page
-from phaseplane.figures.style import PLAIN, heading_lines
+from phaseplane.figures.style import PLAIN, Printed, heading_lines
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.page import Arrow
 from phaseplane.picture.styles import ROLES
@@ -76,7 +76,7 @@ def test_a_heading_can_be_left_to_the_caption(drawing: Drawing, tmp_path: Path) 
 
 def test_dashes_distinguish_black_lines() -> None:
     """Roles with the same words in the legend are one kind of line."""
-    sheet = Sheet(Look(mono=True))
+    sheet = Sheet(Printed(Look(mono=True), 1.0, 1.0))
     kinds = {style.words: str(sheet.dashes(role)) for role, style in ROLES.items() if style.words}
     assert len(set(kinds.values())) == len(kinds)
 
