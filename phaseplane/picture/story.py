@@ -31,6 +31,7 @@ from .text import (
     control_text,
     event_text,
     format_time,
+    is_laid_over,
     markdown,
     number,
     protocol,
@@ -139,7 +140,7 @@ def story_of(
         "them.",
         *_drift(stays),
         control_text(drawing, quantities),
-        readings_table(told_here, quantities),
+        readings_table(told_here, quantities, is_laid_over(drawing)),
     ]
     said = "\n\n".join(filter(None, told))
     yield Tick(page, arms.following(), said, caption, count, last.time + last.duration)
@@ -169,6 +170,7 @@ def _drift(stays: Page) -> list[str]:
     """Return how far a construction gets from a motion with which it is compared, and whether it follows.
 
     It does not if the drift over all steps is more than half as large as the state; at impacts it may be.
+    One that is laid over the motion cannot leave it.
     """
     frames, found, follows = stays.drawing.frames, [], True
     for plane in stays.drawing.planes:
@@ -181,6 +183,8 @@ def _drift(stays: Page) -> list[str]:
         largest = drift.max() if drift.max() > _ROUNDED * state.max() else 0.0
         found.append(f"{typeset(axis.label)} {number(factor * largest, 3)} {unit}".rstrip())
         follows = follows and bool((drift**2).mean() < _MOST_DRIFT**2 * (state**2).mean())
+    if is_laid_over(stays.drawing):
+        return [f"A step misses the motion by at most {', '.join(found)}."]
     words = [f"Largest drift from the run: {', '.join(found)}."]
     return words if follows else [*words, _LEFT]
 

@@ -29,7 +29,7 @@ _EVENTS = {
 # characters of a row and rows of a protocol in the pane of the text in a window of 1366x768
 _ROW, _MOST_ROWS = 68, 20
 _NOTHING = 1e-12  # a smaller reading is one of rounding
-_DRIFTS = 0.1  # of the largest displacement of a body: a drift of its control that is told
+_DIFFERS = 0.1  # of the largest displacement of a body: a difference of its control that is told
 LETTER_OF_EVENT = {"lift_off": "U", "touchdown": "V", "jolt": "J", "sticking": "F"}
 
 
@@ -101,18 +101,26 @@ def _row(name: str) -> str:
     return markdown(in_words(name.removeprefix("control_")) + ", from its forces" * control)
 
 
-def readings_table(readings: Mapping[str, float], quantities: Mapping[str, Quantity | None]) -> str:
+def is_laid_over(drawing: Drawing) -> bool:
+    """Whether each step starts from a known motion and misses it, so that no drift accumulates."""
+    return not drawing.frames[0].mode
+
+
+def readings_table(
+    readings: Mapping[str, float], quantities: Mapping[str, Quantity | None], over: bool = False
+) -> str:
     """Return the readings as a Markdown table, a displacement and its rates in a row."""
     if not readings:
         return ""
-    head, form, order, factors = _table_form(tuple((n, quantities.get(n)) for n in readings))
+    known = tuple((n, quantities.get(n)) for n in readings)
+    head, form, order, factors = _table_form(known, "missed by" if over else "drift")
     values = (f * readings[name] for f, name in zip(factors, order, strict=True))
     return head + _printed(form % tuple(map(_seen, values)))
 
 
 @lru_cache
 def _table_form(
-    known: tuple[tuple[str, Quantity | None], ...],
+    known: tuple[tuple[str, Quantity | None], ...], apart: str
 ) -> tuple[str, str, list[str], list[float]]:
     """Return head and rows of the table, with a place for each value, and names and factors of these."""
     quantities = dict(known)
@@ -126,7 +134,7 @@ def _table_form(
     columns = [i for i in range(4) if any(row[i] for row in rows)]
     heads = [next(units[row[i]] for row in rows if all(row[: i + 1])) for i in columns]
     if 3 in columns:
-        heads[-1] = f"drift, {heads[0]}".rstrip(", ")
+        heads[-1] = f"{apart}, {heads[0]}".rstrip(", ")
     lines = []
     for row in rows:
         cells = [
@@ -159,7 +167,7 @@ def step_text(
 ) -> str:
     """Return the description of a step, a note on all steps, and the readings, in Markdown."""
     head = " ".join(filter(None, (step_head(drawing, frame), note)))
-    return f"{head}\n\n{readings_table(frame.readings, quantities)}"
+    return f"{head}\n\n{readings_table(frame.readings, quantities, is_laid_over(drawing))}"
 
 
 def end_text(drawing: Drawing, quantities: Mapping[str, Quantity | None], run: float = 0.0) -> str:
@@ -169,21 +177,21 @@ def end_text(drawing: Drawing, quantities: Mapping[str, Quantity | None], run: f
     longer = run > end + 0.5 * drawing.frames[0].duration
     more = f"; the run goes on to {run:.4g} s, in violet" if longer else ""
     told = f"**The construction ends** at t = {end:.5f} s{more}."
-    read = readings_table((drawing.end or last).readings, quantities)
+    read = readings_table((drawing.end or last).readings, quantities, is_laid_over(drawing))
     return "\n\n".join(filter(None, (told, read, control_text(drawing, quantities))))
 
 
 def control_text(drawing: Drawing, quantities: Mapping[str, Quantity | None]) -> str:
-    """Return how far a body's motion from its forces drifts from the planes; empty if little."""
+    """Return how far a body's motion from its forces differs from the planes; empty if little."""
     known = drawing.frames[0].readings
     names = [n for n in known if n.startswith("control_") and n.endswith("displacement")]
     quantity = quantities.get(names[0]) if names else None
     planes = readings(drawing.frames, [name.removeprefix("control_") for name in names])
     apart = abs(readings(drawing.frames, names) - planes)
-    if quantity is None or (apart.max(axis=0) <= _DRIFTS * abs(planes).max(axis=0)).all():
+    if quantity is None or (apart.max(axis=0) <= _DIFFERS * abs(planes).max(axis=0)).all():
         return ""
     largest = f"{number(quantity.factor * apart.max(), 2)} {quantity.unit}"
-    return f"The body from its forces drifts by up to {largest}: it is integrated twice."
+    return f"The body from its forces differs by up to {largest}: it is integrated twice."
 
 
 def protocol(

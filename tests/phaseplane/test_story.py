@@ -11,14 +11,21 @@ from phaseplane.scenarios.scene.loading import load_scene
 from recorded import PLANES, content, drawing, frame, sheet_and_story
 from worked_example import ap57
 
-from phaseplane.constructions import EquationPlane, compare_with_motion, construct_motion, delta
+from phaseplane.constructions import (
+    EquationPlane,
+    compare_with_motion,
+    construct_motion,
+    delta,
+    overlay,
+)
 from phaseplane.constructions.letters import typeset
 from phaseplane.picture import subject
 from phaseplane.picture.frames import readings
 from phaseplane.picture.page import Arrow, Dots, Lines
 from phaseplane.picture.story import arms_page, story_of, told_steps
 from phaseplane.picture.styles import MOVING_POINT
-from phaseplane.picture.text import markdown
+from phaseplane.picture.subject import read_off
+from phaseplane.picture.text import markdown, step_text
 from phaseplane.recording import Content
 from phaseplane.recording.motion import pages_of
 
@@ -73,6 +80,20 @@ def test_a_story_tells_at_its_end_whether_the_construction_follows_the_run(
     _, (*_, last) = sheet_and_story(compared, 12)
     assert "Largest drift from the run: y₁ " in last.text
     assert ("has left the run" in last.text) is not follows
+
+
+def test_a_story_laid_over_a_motion_tells_by_how_much_a_step_misses_it() -> None:
+    """It starts anew from the motion in every step, so that there is no drift."""
+    made = construct_motion(ap57(), delta, step=0.0025, steps=30)
+    of_body = ("suspension_deflection", "suspension_deflection_rate")
+    names = (*of_body, "wheel_displacement", "wheel_velocity")
+    laid = overlay(ap57(), list(made.frames.times), *readings(made.frames, names).T.tolist())
+    _, (*_, last) = sheet_and_story(laid, 12)
+    assert "A step misses the motion by at most y₁ 0 cm, y₂ 0 cm." in last.text
+    beside = step_text(laid, laid.frames[5], read_off(laid))
+    for text in (last.text, beside):
+        assert "drift" not in text
+        assert "missed by" in text
 
 
 def test_the_empty_sheet_tells_scales_and_frequencies() -> None:

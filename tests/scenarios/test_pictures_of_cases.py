@@ -417,14 +417,14 @@ def test_events_of_a_kind_that_are_close_together_share_a_letter() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "told"), [("stiff_stop", True), ("ap57", False)])
-def test_it_is_said_if_a_body_from_its_forces_drifts(name: str, told: bool) -> None:
+def test_it_is_said_if_a_body_from_its_forces_differs(name: str, told: bool) -> None:
     drawing = drawing_of(name, 10.0)
     quantities = read_off(drawing)
     *_, last = story_of(pages_of(Content(name, drawing))[0], arms_page(drawing), quantities)
     note = control_text(drawing, quantities)
     beside = step_text(drawing, drawing.frames[5], quantities, note)
     for text in (last.text, beside, end_text(drawing, quantities)):
-        assert ("The body from its forces drifts by up to " in text) is told
+        assert ("The body from its forces differs by up to " in text) is told
 
 
 @pytest.mark.sampled
