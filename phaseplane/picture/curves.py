@@ -41,7 +41,10 @@ def draw_curves(page: Page, roles: Sequence[str] | None = CURVES) -> None:
         if curve.role == "line":
             _name_line(page, curve, levels)
         elif curve.role not in (*CURVES, "axis") and curve.label:
-            _name_at_end(page, curve, words_at_end(curve, chosen))
+            name = Text(curve.role, words_at_end(curve, chosen), 0j)
+            beside = curve.vertices[-1] + name.box(page.em).half.real + 0.5 * page.em
+            ups = (0.0, 0.4, 0.8, 1.2, 1.4) if name.text else ()  # on the right, or a little higher
+            page.write_first(replace(name, centre=beside + up * 1j * page.em) for up in ups)
     for curve in chosen:
         if curve.role == "auxiliary" and curve.label:
             _along(page, curve)
@@ -97,14 +100,6 @@ def _name_line(page: Page, curve: Curve, levels: Set[float]) -> None:
     page.write_first(replace(name, centre=complex(z)) for z in centres[~struck])
 
 
-def _name_at_end(page: Page, curve: Curve, words: str) -> None:
-    """Write words on the right of the end of a curve, or a little higher."""
-    name = Text(curve.role, words, 0j)
-    beside = curve.vertices[-1] + name.box(page.em).half.real + 0.5 * page.em
-    ups = (0.0, 0.4, 0.8, 1.2, 1.4) if words else ()
-    page.write_first(replace(name, centre=beside + up * 1j * page.em) for up in ups)
-
-
 def words_at_end(curve: Curve, curves: Sequence[Curve]) -> str:
     """Return the names of all curves of its role that end with a curve; empty if it is not the first."""
     end = curve.vertices[-1]
@@ -115,7 +110,9 @@ def words_at_end(curve: Curve, curves: Sequence[Curve]) -> str:
 
 def _along(page: Page, curve: Curve) -> None:
     """Write the label of a curve beyond its end, or else on it, as near to its end as there is room."""
-    words = level_text(curve.label, *page.units[_plane_of(page, curve).name])
+    named, planes = curve.label.partition(" =")[0], page.drawing.planes
+    plane = next((p for p in planes if p.displacement.label == named), planes[0])
+    words = level_text(curve.label, *page.units[plane.name])
     ends = np.asarray(curve.vertices, complex)
     part = np.linspace(0.0, 1.0, _PLACES)[:, None]
     places = ends[:-1] + part * (ends[1:] - ends[:-1])
@@ -125,13 +122,6 @@ def _along(page: Page, curve: Curve) -> None:
     beyond = ends[-1] + way * away(plate, way)
     backwards = reversed(places.T.ravel().tolist())
     page.write_first(replace(text, centre=complex(z)) for z in (beyond, *backwards))
-
-
-def _plane_of(page: Page, curve: Curve) -> Plane:
-    """Return the plane whose displacement a curve's label names, else the first."""
-    named = curve.label.partition(" =")[0]
-    planes = page.drawing.planes
-    return next((p for p in planes if p.displacement.label == named), planes[0])
 
 
 def draw_trails(

@@ -16,8 +16,11 @@ def replace_file(target: Path) -> Iterator[Path]:
     ------
     OSError : if the folder does not exist, or the file cannot be written; the target is as it was.
     """
+    if target.is_dir():
+        raise IsADirectoryError(f"{target} is a folder; give the name of a file in it")
     if not target.parent.is_dir():
-        raise FileNotFoundError(f"{target}: the folder {target.parent} does not exist")
+        folder = target.parent
+        raise FileNotFoundError(f"{target}: the folder {folder} does not exist; create it first")
     temporary = target.with_name(f".{token_hex(8)}{target.suffix}")
     try:
         temporary.touch(exist_ok=False)

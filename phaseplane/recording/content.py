@@ -100,7 +100,7 @@ class Content:
             yield f"view {view!r} is unknown; views are {', '.join(VIEWS)}"
         if self.drawing is not None:
             yield from self._problems_of(self.drawing)
-        elif not len(self.histories) > 1:
+        elif len(self.histories) < 2:
             yield f"{self.title!r} has neither steps nor columns: nothing to record"
         if self.histories and "time" not in self.histories:
             yield f"histories need a column 'time'; given: {', '.join(self.histories)}"

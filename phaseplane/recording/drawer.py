@@ -10,8 +10,8 @@ import os
 import pickle
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import BinaryIO
 from uuid import uuid4
 
 import numpy as np
@@ -52,7 +52,10 @@ class Drawer:
         self.recording.send_blueprint(blueprint(self.recorder))
         self.recorder.begin()
         self.recording.flush()
-        self.viewer = _viewer_at(order.url)
+        self.viewer: ViewerClient | None = None
+        if order.url:
+            with suppress(RuntimeError, ConnectionError, ValueError):  # if none answers there
+                self.viewer = ViewerClient(order.url)
         self.shown = True
         self.last: dict[str, Reals] = {}
         self.reach: dict[str, Reals] = {}
@@ -75,16 +78,11 @@ class Drawer:
         self.recorder.run(columns)
         self._construct(float(columns["time"][-1]))
         self.recording.flush()
-        self._await_viewer()
-
-    def _await_viewer(self) -> None:
-        """Wait until the viewer has drawn, so that late rows are skipped, not queued."""
-        if self.viewer is None:
-            return
-        try:
-            self.viewer.get_state()
-        except (RuntimeError, ConnectionError):  # a server of recordings draws nothing
-            self.viewer = None
+        if self.viewer is not None:  # until it has drawn, so that late rows are skipped, not queued
+            try:
+                self.viewer.get_state()
+            except (RuntimeError, ConnectionError):  # a server of recordings draws nothing
+                self.viewer = None
 
     def _construct(self, time: float) -> None:
         """Draw the steps that have ended by a time: nothing that has not happened."""
@@ -143,22 +141,14 @@ class Drawer:
             self.shown = False
 
 
-def _viewer_at(url: str) -> ViewerClient | None:
-    """Return the viewer at an address; None if none answers there."""
-    if not url:
-        return None
-    try:
-        return ViewerClient(url)
-    except (RuntimeError, ConnectionError, ValueError):
-        return None
-
-
-def follow(orders: BinaryIO, answers: int) -> None:
-    """Follow orders until the last one, or until the input ends."""
+def main() -> None:
+    """Follow orders until the last one, or until the input ends; only answers go to standard output."""
+    answers = os.dup(1)
+    os.dup2(2, 1)
     drawer: Drawer | None = None
     while True:
         try:
-            order = pickle.load(orders)
+            order = pickle.load(sys.stdin.buffer)
         except EOFError:
             return
         if isinstance(order, Begin):
@@ -171,10 +161,3 @@ def follow(orders: BinaryIO, answers: int) -> None:
             drawer.complete(order)
             os.write(answers, DONE if drawer.shown else FILED)
             return
-
-
-def main() -> None:
-    """Run the process; only its answers go to standard output."""
-    answers = os.dup(1)
-    os.dup2(2, 1)
-    follow(sys.stdin.buffer, answers)

@@ -86,16 +86,12 @@ def panels(content: Content) -> list[Panel]:
             "energies" if quantity.name == "energy" else "histories"
         ):
             found.setdefault(quantity, []).append(name)
-    split = _by_part if drawing is None else _together
     return [
         Panel(of, tuple(several), tuple(name for name in several if name in known))
         for quantity, names in found.items()
-        for of, several in split(quantity, names)
+        if names
+        for of, several in (_by_part(quantity, names) if drawing is None else [(quantity, names)])
     ]
-
-
-def _together(quantity: Quantity, names: list[str]) -> list[tuple[Quantity, list[str]]]:
-    return [(quantity, names)] if names else []
 
 
 def _by_part(quantity: Quantity, names: list[str]) -> list[tuple[Quantity, list[str]]]:
@@ -105,7 +101,7 @@ def _by_part(quantity: Quantity, names: list[str]) -> list[tuple[Quantity, list[
         part = "_".join(word for word in name.split("_") if word not in _PLACES)
         parts.setdefault(in_words(part), []).append(name)
     if len(names) <= MOST_NAMED or len(parts) > len(names) / 2:
-        return _together(quantity, names)
+        return [(quantity, names)]
     largest = sorted(parts.items(), key=lambda item: -len(item[1]))
     return [(replace(quantity, name=part), several) for part, several in largest]
 

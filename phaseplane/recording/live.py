@@ -13,7 +13,7 @@ import re
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from queue import Empty, Queue
@@ -74,6 +74,7 @@ class Live:
         self.problem = "" if path else self._absent
         self.filed = False  # whether the file is written
         self.rows_drawn = 0
+        self._taken = 0  # rows of the run
         self.behind = 0.0  # longest time that the drawing was behind the run, s
         self._child: subprocess.Popen[bytes] | None = None
         self._noise: IO[bytes] | None = None
@@ -82,8 +83,6 @@ class Live:
         self._over = threading.Event()
         self._answers: Queue[bytes] = Queue()
         self._pending = False  # whether the drawer is still drawing the last rows
-        self._source: Callable[[], tuple[Sequence[str], RowsSoFar]] | None = None
-        self._taken = 0
 
     def __enter__(self) -> Live:
         if not self.problem:
@@ -102,35 +101,29 @@ class Live:
     def watch(self, names: Sequence[str], rows: RowsSoFar) -> None:
         """Announce the columns and the rows so far, to which the run adds, without waiting."""
         if not self.watching and not self.problem:
-            self._source = lambda: (names, rows)
-            self._thread = threading.Thread(target=self._pump, daemon=True)
+            self._thread = threading.Thread(target=self._pump, args=(names, rows), daemon=True)
             self._thread.start()
 
     @property
     def watching(self) -> bool:
         """Whether the rows of a run have been announced."""
-        return self._source is not None
+        return self._thread is not None
 
-    def _pump(self) -> None:
+    def _pump(self, names: Sequence[str], rows: RowsSoFar) -> None:
+        """Send the drawer the new rows, thinned, and wait until it has drawn them, again and again."""
         while not self._over.wait(_INTERVAL) and not self.problem:
-            self._hand_over()
-
-    def _hand_over(self) -> None:
-        """Send the drawer the new rows, thinned, and wait until it has drawn them."""
-        assert self._source is not None
-        names, rows = self._source()
-        new = rows[self._taken : len(rows)]
-        if not len(new):
-            return
-        self._taken += len(new)
-        table = np.array([new[i] for i in sampled(len(new), _MOST_ROWS)], float)
-        self._order(dict(zip(names, table.T.copy(), strict=True)))
-        self.rows_drawn += len(table)
-        self._pending = True
-        begun = monotonic()
-        while self._pending and not self.problem and not self._over.is_set():
-            self._pending = not self._answer(TAKEN, _INTERVAL)
-        self.behind = max(self.behind, monotonic() - begun)
+            new = rows[self._taken : len(rows)]
+            if not len(new):
+                continue
+            self._taken += len(new)
+            table = np.array([new[i] for i in sampled(len(new), _MOST_ROWS)], float)
+            self._order(dict(zip(names, table.T.copy(), strict=True)))
+            self.rows_drawn += len(table)
+            self._pending = True
+            begun = monotonic()
+            while self._pending and not self.problem and not self._over.is_set():
+                self._pending = not self._answer(TAKEN, _INTERVAL)
+            self.behind = max(self.behind, monotonic() - begun)
 
     # -- before and after --------------------------------------------------------------------------
 
@@ -211,18 +204,16 @@ class Live:
         return f"the viewer at {self.url} no longer answers"
 
     def _fail_early(self) -> None:
-        words = self._last_words()
-        silent = self.url and not listens(self.url)
-        self._fail(self._silent if silent else words or "the drawing process ended early")
-
-    def _last_words(self) -> str:
+        """Say why the drawer has ended: in its last words, unless the viewer is gone."""
         assert self._child is not None
         assert self._noise is not None
         with suppress(subprocess.TimeoutExpired):
             self._child.wait(1.0)
         self._noise.seek(0)
         lines = self._noise.read().decode(errors="replace").strip().splitlines()
-        return re.sub(r"\x1b\[[0-9;]*m", "", lines[-1]) if lines else ""
+        words = re.sub(r"\x1b\[[0-9;]*m", "", lines[-1]) if lines else ""
+        silent = self.url and not listens(self.url)
+        self._fail(self._silent if silent else words or "the drawing process ended early")
 
     def _fail(self, problem: str) -> None:
         self.problem = self.problem or problem

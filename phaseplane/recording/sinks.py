@@ -69,10 +69,8 @@ def record(content: Drawing | Content, path: str | os.PathLike[str]) -> None:
     """
     if not isinstance(content, Content):
         content = Content(content.title, content)
-    target = Path(path)
-    _check_target(target)
     content.check()
-    with strict(), _written(target) as draft:
+    with strict(), _written(Path(path)) as draft:
         recording = new_recording(content)
         recording.save(draft)
         recorder = Recorder(recording, content)
@@ -92,13 +90,6 @@ def strict() -> Iterator[None]:
         rr.set_strict_mode(before)
 
 
-def _check_target(target: Path) -> None:
-    if target.is_dir():
-        raise IsADirectoryError(f"{target} is a folder; give the name of a file in it")
-    if not target.parent.is_dir():
-        raise FileNotFoundError(f"no folder {target.parent}; create it first")
-
-
 @contextmanager
 def _written(target: Path) -> Iterator[Path]:
     """Yield a file that replaces the target if it can be written; rerun does not say why it cannot."""
@@ -106,13 +97,10 @@ def _written(target: Path) -> Iterator[Path]:
         try:
             yield draft
         except RuntimeError as error:
-            raise OSError(_why_unwritable(draft)) from error
-
-
-def _why_unwritable(draft: Path) -> str:
-    try:
-        with draft.open("ab") as file:
-            file.write(bytes(1 << 16))
-    except OSError as error:
-        return error.strerror or str(error)
-    return "rerun's writer has ended"
+            why = "rerun's writer has ended"
+            try:
+                with draft.open("ab") as file:
+                    file.write(bytes(1 << 16))
+            except OSError as unwritable:
+                why = unwritable.strerror or str(unwritable)
+            raise OSError(why) from error

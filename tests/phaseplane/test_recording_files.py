@@ -148,12 +148,14 @@ def test_an_existing_file_is_replaced(tmp_path: Path) -> None:
 
 
 def test_unusable_paths(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError, match=r"no folder .*missing"):
+    with pytest.raises(FileNotFoundError, match=r"the folder .*missing does not exist"):
         record(drawing(5), tmp_path / "missing" / "f.rrd")
     with pytest.raises(IsADirectoryError, match="is a folder"):
         record(drawing(5), tmp_path)
     (tmp_path / "file").touch()
-    with pytest.raises(FileNotFoundError, match=r"no folder .*file; create it first"):
+    with pytest.raises(
+        FileNotFoundError, match=r"the folder .*file does not exist; create it first"
+    ):
         record(drawing(5), tmp_path / "file" / "f.rrd")
     (tmp_path / "file").unlink()
     assert list(tmp_path.iterdir()) == []
