@@ -25,7 +25,8 @@ from worked_example import ap57
 
 from phaseplane.constructions import construct_motion, delta
 from phaseplane.constructions.primitives import Drawing, Frame
-from phaseplane.picture.layers import layers_at
+from phaseplane.constructions.storage import StoredFrames
+from phaseplane.picture.layers import layers_of
 from phaseplane.picture.subject import read_off
 from phaseplane.picture.text import step_text
 from phaseplane.recording import DETAILS, Content, new_recording, record, serving
@@ -70,7 +71,7 @@ def _log_frame(recording: rr.RecordingStream, drawing: Drawing, frame: Frame) ->
         segment = [frame.points[plane.state], frame.points[plane.state + "'"]]
         recording.log(f"/sheet/trail/{plane.name}", rr.LineStrips2D([xy(segment)]))
     recording.log("/words", rr.TextDocument(step_text(drawing, frame, quantities)))
-    for layer in layers_at(drawing, frame):
+    for layer in layers_of(drawing.schemes[frame.scheme], StoredFrames([frame])):
         path = f"/sheet/steps/{frame.scheme}/{layer.stage + 1}/{layer.kind}"
         if layer.kind == "points":
             recording.log(path, rr.Points2D(xy(layer.vertices[0, :, 0])))

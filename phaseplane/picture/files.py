@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from errno import EISDIR
 from pathlib import Path
 from secrets import token_hex
 
@@ -16,14 +17,14 @@ def replace_file(target: Path) -> Iterator[Path]:
     ------
     OSError : if the folder does not exist, or the file cannot be written; the target is as it was.
     """
-    if target.is_dir():
-        raise IsADirectoryError(f"{target} is a folder; give the name of a file in it")
     if not target.parent.is_dir():
         folder = target.parent
         raise FileNotFoundError(f"{target}: the folder {folder} does not exist; create it first")
     temporary = target.with_name(f".{token_hex(8)}{target.suffix}")
     try:
         temporary.touch(exist_ok=False)
+        if target.is_dir():
+            raise IsADirectoryError(EISDIR, "it is a folder; give the name of a file in it")
         yield temporary
         temporary.replace(target)
     except OSError as error:

@@ -14,7 +14,7 @@ import numpy as np
 
 from phaseplane.constructions.construction import FLIGHT
 from phaseplane.constructions.letters import typeset
-from phaseplane.constructions.primitives import Axis, Drawing, Plane
+from phaseplane.constructions.primitives import Drawing, Plane
 
 from .frames import reach_of
 from .letters import NEAR, place, text_box
@@ -124,12 +124,11 @@ class Page:
     @cached_property
     def units(self) -> dict[str, tuple[str, float]]:
         """The display unit of each plane's displacement, as on its axis, and its number in one unit."""
-        return {p.name: self.unit_of(p, p.displacement) for p in self.drawing.planes}
-
-    def unit_of(self, plane: Plane, axis: Axis) -> tuple[str, float]:
-        """Return the display unit of an axis, which follows the range of the displacement."""
-        low, high = reach_of(plane.displacement, self.motion(plane))
-        return display_unit(axis.unit, high - low)
+        found = {}
+        for plane in self.drawing.planes:
+            low, high = reach_of(plane.displacement, self.motion(plane))
+            found[plane.name] = display_unit(plane.displacement.unit, high - low)
+        return found
 
     def motion(self, plane: Plane) -> Points:
         """Return the state points of a plane, with those in view of the motions from other starts."""

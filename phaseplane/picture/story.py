@@ -16,7 +16,7 @@ from phaseplane.constructions.sheet import events_of
 from phaseplane.constructions.storage import StoredFrames
 from phaseplane.suspension.units import counted
 
-from . import dimensions
+from . import dimensions, text
 from .curves import CURVES, curve_through, draw_curves, draw_trails, words_at_end
 from .frames import readings, table
 from .layers import Part
@@ -27,17 +27,6 @@ from .quantities import Quantity, rate_unit
 from .step import draw_step, mark_events, write_letters
 from .styles import MOVING_POINT, style_of
 from .subject import Subject
-from .text import (
-    control_text,
-    event_text,
-    format_time,
-    is_laid_over,
-    markdown,
-    number,
-    protocol,
-    readings_table,
-    step_head,
-)
 from .views import room_for_letters, with_arm
 
 VERTICES = 16_000  # most vertices of a motion in a plane
@@ -121,9 +110,9 @@ def story_of(
         for event in events_of(frame, drawing.planes):
             page = _page(stays, index)
             mark_events(page, index + 1)
-            happened = event_text(event)
-            said = f"{step_head(drawing, frame)}\n\n# {markdown(happened)}"
-            caption = f"{format_time(frame.time)}: {happened}"
+            happened = text.event_text(event)
+            said = f"{text.step_head(drawing, frame)}\n\n# {text.markdown(happened)}"
+            caption = f"{text.format_time(frame.time)}: {happened}"
             yield Tick(page, arms.following(), said, caption, index, frame.time)
         yield from staged(stays, arms, index)
     count = len(drawing.frames)
@@ -139,8 +128,8 @@ def story_of(
         f"**The whole motion**: {counted(count, 'step')}. The timelines *step* and *t* go through all of "
         "them.",
         *_drift(stays),
-        control_text(drawing, quantities),
-        readings_table(told_here, quantities, is_laid_over(drawing)),
+        text.control_text(drawing, quantities),
+        text.readings_table(told_here, quantities, text.is_laid_over(drawing)),
     ]
     said = "\n\n".join(filter(None, told))
     yield Tick(page, arms.following(), said, caption, count, last.time + last.duration)
@@ -160,7 +149,7 @@ def staged(stays: Page, arms: Page, index: int) -> Iterator[Tick]:
         beside = arms.following()
         draw_step(beside, frame, ["turn"], stage=stage)
         beside.items = [item for item in beside.items if item.role == "arc"]
-        said = f"{step_head(drawing, frame)}\n\n{protocol(drawing, frame, stage, stays.units)}"
+        said = f"{text.step_head(drawing, frame)}\n\n{text.protocol(drawing, frame, stage, stays.units)}"
         caption = f"Step {frame.step}, {stage + 1} of {len(scheme.stages)}: {typeset(words)}"
         page = _stage(stays, lettered, index, stage)
         yield Tick(page, beside, said, caption, index, frame.time)
@@ -181,9 +170,9 @@ def _drift(stays: Page) -> list[str]:
         state = abs(table(frames, [plane.state])[:, 0] - axis.origin) / axis.scale
         unit, factor = stays.units[plane.name]
         largest = drift.max() if drift.max() > _ROUNDED * state.max() else 0.0
-        found.append(f"{typeset(axis.label)} {number(factor * largest, 3)} {unit}".rstrip())
+        found.append(f"{typeset(axis.label)} {text.number(factor * largest, 3)} {unit}".rstrip())
         follows = follows and bool((drift**2).mean() < _MOST_DRIFT**2 * (state**2).mean())
-    if is_laid_over(stays.drawing):
+    if text.is_laid_over(stays.drawing):
         return [f"A step misses the motion by at most {', '.join(found)}."]
     words = [f"Largest drift from the run: {', '.join(found)}."]
     return words if follows else [*words, _LEFT]
@@ -254,7 +243,7 @@ def _introduction(drawing: Drawing, title: str) -> str:
     lines = [c for c in drawing.curves if c.role == "line"]
     top = drawing.planes[0].displacement.origin.imag
     words = [
-        f"# {markdown(typeset(title or drawing.title))}",
+        f"# {text.markdown(typeset(title or drawing.title))}",
         f"The empty sheet: the axes of the phase plane{'s' * (len(drawing.planes) > 1)}",
     ]
     curves = [curve.label for curve in drawing.curves if curve.role == "auxiliary"]

@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from phaseplane.constructions.primitives import Drawing, Plane, Scheme
-from phaseplane.constructions.storage import Frame
+from phaseplane.constructions.storage import Frame, StoredFrames
 
 from .frames import columns, motions_of, reach_of
-from .layers import Layer, layers_at
+from .layers import Layer, layers_of
 from .paper import Points, arcs, telling_vertices
 from .quantities import CENTIMETRES, QUANTITIES, Quantity, by_ending, display_unit, rate_unit
 
@@ -26,8 +26,8 @@ class Subject:
 
     drawing: Drawing
     motions: list[Points] = field(default_factory=list)
-    _few: list[tuple[Points, npt.NDArray[np.int64]]] = field(default_factory=list)
-    _last: list[tuple[Frame, list[Layer]]] = field(default_factory=list)
+    _few: list[tuple[Points, npt.NDArray[np.int64]]] = field(default_factory=list, init=False)
+    _last: tuple[Frame, list[Layer]] | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         self.motions = self.motions or motions_of(self.drawing)
@@ -62,9 +62,10 @@ class Subject:
 
     def layers(self, frame: Frame) -> list[Layer]:
         """Return the layers of a step; pages that follow each other draw the same one several times."""
-        if not self._last or self._last[0][0] != frame:
-            self._last[:] = [(frame, layers_at(self.drawing, frame))]
-        return self._last[0][1]
+        if self._last is None or self._last[0] != frame:
+            scheme = self.drawing.schemes[frame.scheme]
+            self._last = frame, layers_of(scheme, StoredFrames([frame]))
+        return self._last[1]
 
 
 def paths_of(drawing: Drawing, motions: Sequence[Points]) -> list[Points]:

@@ -12,7 +12,7 @@ from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.sheet import TURN, longest_normal, turn_angles, with_turn_angles_at
 from phaseplane.constructions.storage import Frame, StoredFrames
 
-from .axes import ticks_of
+from .axes import graduation_of
 from .frames import columns, motions_of, reach_of, table
 from .layers import is_main
 from .paper import Box, Lengths, Points, around, bounds, corners
@@ -105,7 +105,7 @@ def _framed(drawing: Drawing, planes: Sequence[Plane], motions: Mapping[Plane, P
         motion = motion[np.isfinite(motion)]
         points += [motion, np.array([plane.displacement.origin])]
         points.append(np.array([axis.at(v) for axis in (plane.displacement, plane.scaled_velocity)
-                       for v in ticks_of(axis, motion)], complex))  # fmt: skip
+                       for v in graduation_of(axis, motion).values], complex))  # fmt: skip
     known = corners(np.concatenate([*points, _others(drawing, np.concatenate(points))]))
     size = float(np.ptp(known.real) + np.ptp(known.imag)) or _AT_REST
     feet = columns(drawing.frames, [plane.foot for plane in planes])
@@ -163,7 +163,7 @@ def motion_points(drawing: Drawing) -> Points:
     points = []
     for plane, motion in zip(drawing.planes, motions_of(drawing), strict=True):
         axis = plane.scaled_velocity
-        values = [axis.at(value) for value in ticks_of(axis, motion)]
+        values = [axis.at(value) for value in graduation_of(axis, motion).values]
         points += [motion, np.array([plane.displacement.origin, *values])]
     own = np.concatenate(points)
     return np.append(own, _others(drawing, own))

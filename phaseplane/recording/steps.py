@@ -51,7 +51,8 @@ def send_steps(
         left = np.append(False, drawn[:-1]) & (schemes != key)
         rows = np.flatnonzero(drawn | left)
         columns = clock.columns(first + rows)
-        layers = layers_of(drawing, key, first, last)
+        frames = drawing.frames.at((first + np.flatnonzero(drawn)).tolist())
+        layers = layers_of(drawing.schemes[key], frames)
         for root, name, style, column, items in chain(_parts(layers), _letters(layers, room)):
             counts = np.zeros(len(rows), np.int64)
             counts[drawn[rows]] = items

@@ -19,7 +19,7 @@ from phaseplane.constructions import Axis, Drawing, EquationPlane, construct_mot
 from phaseplane.constructions.letters import typeset
 from phaseplane.figures.planes import step_lines, step_page
 from phaseplane.figures.style import PLAIN
-from phaseplane.picture.axes import ticks_of
+from phaseplane.picture.axes import graduation_of
 from phaseplane.picture.page import PLATE, Lines
 from phaseplane.picture.paper import Box, arcs, around, segments_of, telling_vertices
 from phaseplane.picture.quantities import display_unit
@@ -44,15 +44,17 @@ def test_ticks_stand_where_their_label_says(
     reach = max(low + span, 0.0) - min(low, 0.0)
     least = part * reach * scale
     motion = np.array([axis.at(low), axis.at(low + span)])
-    factor = display_unit(unit, reach)[1]
-    ticks = ticks_of(axis, motion, factor, least)
-    steps = np.diff(sorted([*ticks, 0.0])) * factor
+    graduation = graduation_of(axis, motion, least)
+    assert (graduation.unit, graduation.factor) in {
+        display_unit(unit, reach * (1.0 + e)) for e in (-1e-9, 0.0, 1e-9)
+    }
+    steps = np.diff(sorted([*graduation.values, 0.0])) * graduation.factor
     if len(steps):
         assert steps == pytest.approx(np.full(len(steps), steps[0]), rel=1e-3)
         assert f"{steps[0]:.1e}"[:3] in ("1.0", "2.0", "5.0")
-        assert 0.999 * least <= steps[0] / factor * scale
-        assert min([*ticks, 0.0]) >= min(low, 0.0) - steps[0] / factor
-        assert max([*ticks, 0.0]) <= max(low + span, 0.0) + steps[0] / factor
+        assert 0.999 * least <= steps[0] / graduation.factor * scale
+        assert min([*graduation.values, 0.0]) >= min(low, 0.0) - steps[0] / graduation.factor
+        assert max([*graduation.values, 0.0]) <= max(low + span, 0.0) + steps[0] / graduation.factor
 
 
 angles = st.floats(-pi + 1e-3, pi - 1e-3)
