@@ -69,6 +69,7 @@ VARIABLES = ("v", "x", "t")
 _CONSTANTS = {"pi": math.pi}
 _BINARY = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
 _UNARY = (ast.USub, ast.UAdd)
+_BEYOND = "_at_least_zero"  # no name of a formula begins with _
 _LONGEST = 1000
 _TOKEN = re.compile(r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[^\W\d]\w*|\S")
 _MOST_SWITCHES = 40
@@ -174,7 +175,7 @@ class Formula:
         pieces = _Pieces()
         smooth = pieces.visit(_copied(self._tree))
         function, *guards = (
-            _guarded(self._made(part, (*VARIABLES, "s"), _NUMBERS))
+            _guarded(self._made(part, (*VARIABLES, "s"), {**_NUMBERS, _BEYOND: _at_least_zero}))
             for part in (smooth, *pieces.guards)
         )
         return Switching(function, tuple(guards), self.autonomous, pieces.jumps)
@@ -272,11 +273,37 @@ def _read(text: str, names: tuple[str, ...], section: str) -> ast.expr:
     try:
         tree = ast.parse(text.strip().replace("^", "**"), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        hint = _with_products(text)
-        hint = f"did you mean {hint!r}?" if hint else "write one such as '(x^2 - 1)*v + x'"
-        raise ValueError(f"equation = {text!r}: not a formula; {hint}") from None
+        raise ValueError(f"equation = {text!r}: not a formula; {_hint(text)}") from None
     body = _checked(tree.body, text, names, section)
     return ast.fix_missing_locations(ast.Expression(body)).body
+
+
+_HABITS = (  # other notations, and what to write
+    (
+        r"[<>]|\b(if|else|and|or|not)\b",
+        "write cases by sign, abs, max, min, dead_zone or saturation",
+    ),
+    (r"['\u2019=\u0307\u0308ẋẍ]", "write f of x'' + f = 0 alone, with v for x'"),
+    (r"\d,\d", "write numbers with a point, such as 1.5"),
+    (r"[²³]", "write powers with ^, such as x^2"),
+    (r"\|", "write abs(x) for |x|"),
+    (rf"\b({'|'.join(FUNCTIONS)})\s+\w", "write arguments in brackets, such as sin(x)"),
+    (r"\blambda\b", "lambda is reserved: write λ"),
+)
+_SYNONYMS = {
+    "ln": "log", "sgn": "sign", "signum": "sign", "arctan": "atan", "arcsin": "asin",
+    "arccos": "acos", "heaviside": "0.5*(1 + sign(...))", "step": "0.5*(1 + sign(...))",
+    "e": "exp(1)", "ẋ": "v", "cot": "1/tan(...)", "cbrt": "sign(x)*abs(x)^(1/3)",
+}  # fmt: skip
+
+
+def _hint(text: str) -> str:
+    """Return what to try in place of a text that is no formula."""
+    products = _with_products(text)
+    if products:
+        return f"did you mean {products!r}?"
+    habits = (words for pattern, words in _HABITS if re.search(pattern, text))
+    return next(habits, "write one such as '(x^2 - 1)*v + x'")
 
 
 def _with_products(text: str) -> str:
@@ -324,7 +351,12 @@ def _checked(node: ast.expr, text: str, names: tuple[str, ...], section: str) ->
         if hint:
             raise ValueError(f"equation = {text!r}: not a formula; did you mean {hint!r}?")
     part = ast.unparse(node)
-    hint = nearest(part.split("(")[0], (*names, *FUNCTIONS))
+    name = part.split("(")[0]
+    hint = nearest(name, (*names, *FUNCTIONS)) if len(name) > 1 else ""
+    if name.lower() in _SYNONYMS:
+        hint = f"; did you mean {_SYNONYMS[name.lower()]!r}?"
+    elif not isinstance(node, ast.Name | ast.Call):
+        hint = f"; {_hint(text)}"
     allowed = f"allowed are numbers, + - * / ^, {', '.join(names)} and {', '.join(FUNCTIONS)}"
     if isinstance(node, ast.Name) and part not in FUNCTIONS:
         give = f"give its value in [{section}], such as {part} = 1.0"
@@ -369,6 +401,7 @@ class _Pieces(ast.NodeTransformer):
         """Replace a call of a piece; its arguments first."""
         name = node.func.id  # type: ignore[attr-defined]
         self.jumps = self.jumps or name in ("sign", "relay", "copysign")
+        given = [_copied(argument) for argument in node.args]
         arguments = [self.visit(argument) for argument in node.args]
         match name, arguments:
             case "sign", [u]:
@@ -391,14 +424,17 @@ class _Pieces(ast.NodeTransformer):
             case "backlash", [u, gap]:
                 return _difference(u, self._saturation(u, _half(gap)))
         if name in ("sqrt", "log"):
-            arguments = [_within_domain(argument) for argument in arguments]
+            arguments = [
+                _within_domain(a, plain) for a, plain in zip(arguments, given, strict=True)
+            ]
         return ast.Call(node.func, arguments, [])
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
         """Replace the pieces in both operands."""
+        given = _copied(node.left)
         base, exponent = self.visit(node.left), self.visit(node.right)
         if isinstance(node.op, ast.Pow) and not _is_whole(exponent):
-            base = _within_domain(base)
+            base = _within_domain(base, given)
         return ast.BinOp(base, node.op, exponent)
 
     def _sign(self, u: ast.expr) -> ast.expr:
@@ -424,10 +460,19 @@ class _Pieces(ast.NodeTransformer):
         return _half(_difference(above, below))
 
 
-def _within_domain(u: ast.expr) -> ast.expr:
-    """Return an argument that must not be negative: slightly beyond a guard |u| is."""
+def _within_domain(u: ast.expr, given: ast.expr) -> ast.expr:
+    """Return an argument that must not be negative: slightly beyond a guard |u| is.
+
+    Parameters
+    ----------
+    given : the same without the signs, which may be negative itself
+    """
     signs = any(isinstance(node, ast.Subscript) for node in ast.walk(u))
-    return ast.Call(ast.Name("max", ast.Load()), [u, ast.Constant(0.0)], []) if signs else u
+    return ast.Call(ast.Name(_BEYOND, ast.Load()), [u, given], []) if signs else u
+
+
+def _at_least_zero(u: float, given: float) -> float:
+    return max(u, 0.0) if given >= 0.0 else given
 
 
 def _is_whole(node: ast.expr) -> bool:
@@ -499,6 +544,8 @@ def _spelled(
             return f"({'-' if isinstance(operator, ast.USub) else ''}{part(operand)})"
         case ast.BinOp(left, operator, right):
             return f"({part(left)} {_OPERATORS[type(operator)]} {part(right)})"
+        case ast.Call(ast.Name(name), [u, _]) if name == _BEYOND:
+            return f"max({part(u)}, 0)"
         case ast.Call(ast.Name("hypot"), [a, b]):
             return f"sqrt({part(a)}^2 + {part(b)}^2)"
         case ast.Call(ast.Name(name), arguments):

@@ -23,6 +23,9 @@ _LEAST, _MOST = 0.2, 5.0  # factors by which a step may change
 _MOST_STEPS = 4_000_000
 # so many switches in so small a part of the motion: it has come to rest
 _CROWD, _CROWDED = 60, 1e-6
+_CREEP = (
+    1e-3  # of the state: velocity, and distance from the guards, of a motion that comes to rest so
+)
 
 
 class MotionError(ArithmeticError):
@@ -164,6 +167,7 @@ def steps(
     mode = system.settled(v, x, t)
     h = min(longest, end - time)
     recent: list[float] = []
+    left: int | None = None  # the guard at which the mode has just begun
     rounding = _ROUNDING
     a = _acceleration(system, mode, t, x, v)
     h = min(h, _first(t, x, v, a, end))
@@ -182,13 +186,14 @@ def steps(
         step = _ended(system, mode, t, (x, v, a), made, h)
         if end - t <= h * (1.0 + 1e-12):
             step = step._replace(end=end)
-        met = _first_end(system, step, rounding) if mode else None
+        met = _first_end(system, step, rounding, left) if mode else None
         if met is not None:
             k, part = met
             made = _step(system, mode, t, x, v, a, part)
             step = _ended(system, mode, t, (x, v, a), made, part)
         yield step
         t, (x, v, a) = step.end, step.last
+        left = None
         if met is None:
             h *= min(_MOST, 0.9 * error**-0.2) if error > 0.0 else _MOST
             continue
@@ -198,7 +203,7 @@ def steps(
             near = {
                 k
                 for k, g in enumerate(system.guards)
-                if abs(g(v, x, t, mode)) < 1e-3 * (1.0 + abs(x))
+                if abs(g(v, x, t, mode)) < _CREEP * (1.0 + abs(x))
             }
             mode = tuple(0 if k in near else sign for k, sign in enumerate(mode))
             recent = []
@@ -209,12 +214,12 @@ def steps(
                 if rounding > _COARSEST or None in system.sides(mode, v, x, t):
                     raise MotionError(t)
                 v, x = system.project(mode, v, x, t)
-            elif system.rests(mode, x, t):
+            elif abs(v) <= _CREEP * (1.0 + abs(x)) and system.rests(mode, x, t):
                 v = 0.0
             else:
                 raise MotionError(t)
         else:
-            mode = system.settled(v, x, t, [k], mode)
+            mode, left = system.settled(v, x, t, [k], mode), k
             if 0 in mode:
                 v, x = system.project(mode, v, x, t)
         a = _acceleration(system, mode, t, x, v)
@@ -294,8 +299,15 @@ def _error(made: tuple[float, float, float, float], x: float, v: float, toleranc
     )
 
 
-def _first_end(system: Switching, step: Step, rounding: float) -> tuple[int, float] | None:
-    """Return the guard at which the mode ends first within a step, and when, s from its start."""
+def _first_end(
+    system: Switching, step: Step, rounding: float, left: int | None
+) -> tuple[int, float] | None:
+    """Return the guard at which the mode ends first within a step, and when, s from its start.
+
+    Parameters
+    ----------
+    left : a guard that the motion has just left, on which it begins to rounding
+    """
     mode, start = step.mode, step.start
     h = step.end - start
 
@@ -310,7 +322,9 @@ def _first_end(system: Switching, step: Step, rounding: float) -> tuple[int, flo
         here = margins(high)
         ended = [k for k, m in enumerate(here) if m < -rounding * size and m < before[k]]
         if ended:
-            part, k = min((root(partial(_one, margins, k), low, high), k) for k in ended)
+            ends = sorted((root(partial(_one, margins, k), low, high), k) for k in ended)
+            later = [(part, k) for part, k in ends if k != left or part * h > _ROUNDING * size]
+            part, k = min(later or ends)
             return k, part * h
         before, low = here, high
     return None

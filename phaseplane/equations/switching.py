@@ -191,9 +191,10 @@ class Switching:
         if len(free) > 1:  # each may depend on what the others have become
             for k in free:
                 found[k] = self._side(k, tuple(found), v, x, t, before)
-            if abs(v) <= _REST * (1.0 + abs(x)):
-                rest = tuple(0 if k in free else sign for k, sign in enumerate(found))
-                if self._held(rest, free, x, t):
+            held = [k for k in free if self._depends_on_state(k, found, v, x, t)]
+            if len(held) > 1 and abs(v) <= _REST * (1.0 + abs(x)):
+                rest = tuple(0 if k in held else sign for k, sign in enumerate(found))
+                if self._held(rest, held, x, t):
                     return rest
         sliding = [k for k in free if not found[k]]
         for k in sliding[1:]:  # two guards that coincide: the first holds the motion
@@ -209,6 +210,17 @@ class Switching:
             if all(signs[k] * self.guards[k](*ahead, signs) > 0.0 for k in free):
                 return False
         return True
+
+    def _depends_on_state(self, k: int, signs: Signs, v: float, x: float, t: float) -> bool:
+        """Return whether a guard can hold a motion; one of time alone goes on with it."""
+        g_v, g_x, _ = self.gradient(k, signs, v, x, t)
+        return g_v != 0.0 or g_x != 0.0
+
+    def _beside(self, signs: Mode, v: float, x: float, t: float) -> float:
+        """Return x'' on a side of a guard: along another switch, if that holds the motion."""
+        if signs.count(0) == 1:
+            return self.acceleration(signs, v, x, t)
+        return -self.function(v, x, t, signs)
 
     def _steepness(self, k: int, signs: Signs, v: float, x: float, t: float) -> float:
         g_v, g_x, _ = self.gradient(k, signs, v, x, t)
@@ -228,7 +240,7 @@ class Switching:
         outwards: dict[int, float] = {}
         for side in (-1, 1):
             signs = _with(mode, k, side)
-            a = -self.function(v, x, t, signs)
+            a = self._beside(signs, v, x, t)
             g_v, g_x, g_t = self.gradient(k, signs, v, x, t)
             rate = g_x * v + g_v * a + g_t
             size = abs(g_x * v) + abs(g_v * a) + abs(g_t)

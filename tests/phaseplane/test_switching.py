@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import acos, cos, exp, pi, sqrt
+from itertools import pairwise
+from math import acos, cos, exp, isnan, pi, sqrt
 
 import numpy as np
 import pytest
@@ -83,6 +84,17 @@ def test_pieces_by_their_signs_are_the_pieces(text, x, v):
         ("saturation(x)", "saturation takes 2 values, not 1"),
         ("max(x)", "max takes at least 2 values, not 1"),
         ("sin()", "sin takes 1 value, not 0"),
+        ("x'' + x = 0", "not a formula; write f of x'' . f = 0 alone, with v for x'"),
+        ("ẋ + x", "did you mean 'v'?"),
+        ("x if x > 0 else 0", "write cases by sign, abs, max"),
+        ("1,5*x", "write numbers with a point"),
+        ("x² + v", "write powers with"),
+        ("v*|v| + x", "write abs.x. for"),
+        ("sin x", "write arguments in brackets"),
+        ("lambda*x", "lambda is reserved: write λ"),
+        ("ln(x + 2)", "did you mean 'log'?"),
+        ("heaviside(x)", r"did you mean '0.5\*\(1 \+ sign"),
+        ("e^x", r"did you mean 'exp\(1\)'.*Otherwise give its value"),
     ],
 )
 def test_what_is_wrong_with_a_formula_is_said(text, message):
@@ -201,6 +213,64 @@ def test_negative_widths_are_refused(text: str):
 def test_widths_beyond_all_numbers_are_refused(width: str):
     with pytest.raises(ValueError, match=r"value of saturation is (inf|nan); it must be .* finite"):
         Formula(f"saturation(x, {width})", {"d": 0.1})
+
+
+@pytest.mark.parametrize("text", ["min(x, 2)^1.5", "saturation(x, 1)^0.5", "sqrt(max(x, 2*x))"])
+def test_a_root_of_pieces_is_undefined_where_it_is(text: str):
+    """Beyond a guard |u| is slightly negative, and its root 0; where u itself is, there is none."""
+    formula = Formula(text)
+    assert isnan(formula.function(0.0, -0.3, 0.0))
+    assert isnan(formula.switching.value(0.0, -0.3, 0.0))
+    assert "not a number" in motion(formula.switching, (0.5, -1.0), [0.0, 2.0]).complaint
+
+
+def test_a_switch_of_time_alone_is_no_part_of_rest():
+    """Friction holds x while the drive helps; it starts when the sign of the drive changes, at pi."""
+    formula = Formula("sign(x) + R*sign(v) - 0.5*sign(sin(t))", {"R": 0.667})
+    found = motion(formula.switching, (1.761, 0.0), [0.0, 3.0, 4.0, 4.5])
+    for t, x in zip(found.times, found.displacements, strict=True):
+        fallen = 0.5 * (1.5 - 0.667) * max(0.0, t - pi) ** 2
+        assert x == pytest.approx(1.761 - fallen, abs=1e-9)
+
+
+def test_a_drive_that_begins_with_the_motion_moves_it_from_rest():
+    """x'' + x + c x' max(1, |x|) = F max(0, sin t): the drive is zero at the start, and grows."""
+    text = "0.5*v*max(1, abs(x)) + relay(x + 0.2*v, 0.3) - 0.3*max(0, sin(t))"
+    found = motion(Formula(text).switching, (0.0, 0.0), [0.0, 0.5, 1.0])
+    known = solve_ivp(
+        lambda t, y: (y[1], 0.3 * np.sin(t) - 0.5 * y[1]), (0.0, 1.0), (0.0, 0.0),
+        t_eval=[0.0, 0.5, 1.0], rtol=1e-11, atol=1e-13,
+    )  # fmt: skip
+    assert found.displacements == pytest.approx(known.y[0], abs=1e-9)
+
+
+def test_a_slide_goes_on_where_it_meets_another_switch():
+    """On x + T x' = 0 the motion slides past x' = -0.2, where the relay lets go."""
+    lag, speed = 0.3, 0.2
+    found = motion(
+        Formula("0.767*relay(v, 0.2) + sign(x + T*v)", {"T": lag}).switching, (0.108, 0.0),
+        np.linspace(0.0, 3.0, 301).tolist(),
+    )  # fmt: skip
+    sliding = [(t, x) for t, x, v in zip(*found[:3], strict=True) if -0.95 * speed < v and t > 0.3]
+    (first, start) = sliding[0]
+    for t, x in sliding:
+        assert x == pytest.approx(start * exp(-(t - first) / lag), abs=1e-9)
+    assert found.complaint == ""
+
+
+def test_a_motion_through_the_corner_of_two_switches_goes_on():
+    """x' = 0.2 and x = 0 are met together to rounding; nothing holds the motion there."""
+    text, start = "R*relay(v, 0.2) + copysign(R, x) + k*x", (0.341, 0.0)
+    times = np.linspace(0.0, 8.0, 81).tolist()
+    found = motion(Formula(text, {"R": 0.689, "k": 0.795}).switching, start, times)
+    late = [abs(v) for t, v in zip(found.times, found.velocities, strict=True) if t > 3.3]
+    assert max(late) > 0.1
+    # the relay at x' = 0.2 takes energy, the spring with its preload keeps it
+    energy = [
+        0.5 * v * v + 0.689 * abs(x) + 0.3975 * x * x for x, v in zip(*found[1:3], strict=True)
+    ]
+    assert all(b <= a + 1e-9 for a, b in pairwise(energy))
+    assert energy[-1] == pytest.approx(energy[40], abs=1e-9)
 
 
 def test_two_relays_come_to_rest_in_finite_time():
