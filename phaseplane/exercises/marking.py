@@ -1,9 +1,10 @@
-"""Marking a construction made by hand: every step is judged from the student's previous point.
+"""Marking a construction made by hand: every reading is judged by what follows from the ones before.
 
-An error therefore counts once, where it was made. A point is right within a tolerance for reading. A
-point farther off is compared with the results of known mistakes: the one that leads there names the rule
-that was broken. A point slightly off that no mistake explains is a reading error, and so is a point if
-the next step continues from its correct place, and not from the reading.
+D is judged from the student's point, and the next point from that and the student's own D. An error
+therefore counts once, where it was made. A reading is right within a tolerance. One farther off is
+compared with the results of known mistakes: the one that leads there names the rule that was broken. A
+point slightly off that no mistake explains is a reading error, and so is a point or D that is wrong on
+record alone: the construction goes on from its correct place.
 """
 
 from __future__ import annotations
@@ -136,10 +137,10 @@ def mark(
             own = step._replace(states=origin.states + memory)
             own = _ended(construction, rule, own, nominal)
             found.append(_judged(construction, rule, own, origin, after, tolerance))
-        if found[0].verdict != RIGHT and found[-1].verdict == RIGHT:
+        best, _ = min(found, key=lambda one: (one[1], one[0].verdict != RIGHT))
+        if best is not found[0][0]:
             marks[-1] = _misread(marks[-1], before, planes, tolerance)
-            found.reverse()
-        marks.append(found[0])
+        marks.append(best)
         if step.switches and memory:  # the spring has yielded up to the student's point
             memory = construction.remembered((*after.states, *memory), None)[len(planes) :]
     last = readings[-1]
@@ -183,44 +184,92 @@ def _judged(
     before: Reading,
     after: Reading,
     tolerance: float,
-) -> Mark:
-    stepper = Stepper(construction, rule)
-    count = len(construction.planes)
-    points, successors = _stepped(stepper, step)
-    expected = successors[:count]
-    known = foot_said = ""
+) -> tuple[Mark, int]:
+    """Return the mark of a point, and how far off it is: 0 within the tolerance, 1 slightly beyond, 2."""
+    points, expected = _stepped(Stepper(construction, rule), step)
+    expected = expected[: len(construction.planes)]
+    for_foot, for_point = _carried(construction, rule, step, tolerance)
+    verdict, said = RIGHT, ""
     if before.feet is not None:
-        feet = tuple(points[plane.foot] for plane in construction.planes)
-        if _apart(before.feet, feet) > tolerance:
-            known = _named(
-                _feet_by_mistake(construction, step, points), before.feet, feet, tolerance
-            )
-            foot_said = known or (
-                f"D is {1e3 * _apart(before.feet, feet):.2g} mm off: read the auxiliary curve again"
-            )
-            own = _with_feet(stepper, step, before.feet)
-            if own is not None:
-                expected = own[:count]
+        verdict, said = _judged_foot(construction, step, points, before.feet, tolerance, for_foot)
+        own = _with_feet(construction, points, before.feet)
+        followed = _made(Stepper(own, rule), step) if said else None
+        if followed is not None:
+            if _apart(after.states, expected) <= tolerance < _apart(after.states, followed):
+                verdict = READING
+                said = "the step was made with the right D: only its reading is wrong"
+            else:
+                construction, expected = own, followed
+        said = said and f"D of point {before.number}: {said}"
     distance = _apart(after.states, expected)
-    said = ""
-    if distance > tolerance:
-        mistakes = _mistakes(construction, rule, step)
-        said = _named(mistakes, after.states, successors[:count], tolerance)
-    if foot_said:
-        verdict = METHOD if known or distance > tolerance else READING
-        said = "; ".join(filter(None, (f"D of point {before.number}: {foot_said}", said)))
-    elif distance <= tolerance:
-        verdict = RIGHT
-    elif said:
-        verdict = METHOD
-    else:
-        verdict = READING if distance <= _DOUBTFUL * tolerance else METHOD
-        said = (
-            "slightly off: measure again"
-            if verdict == READING
-            else f"not explained by a known mistake; construct the step from point {before.number} again"
-        )
-    return Mark(after.number, verdict, 1e3 * distance, typeset(said), expected)
+    beyond = (distance - for_point > tolerance) + (distance - for_point > _DOUBTFUL * tolerance)
+    if beyond:
+        mistake = _named(_mistakes(construction, rule, step), after.states, expected, tolerance)
+        slight = beyond == 1 and not mistake
+        verdict = READING if slight and verdict != METHOD else METHOD
+        again = f"construct the step from point {before.number} again"
+        unknown = f"not explained by a known mistake; {again}"
+        words = "slightly off: measure again" if slight else mistake or unknown
+        said = "; ".join(filter(None, (said, words)))
+    return Mark(after.number, verdict, 1e3 * distance, typeset(said), expected), beyond
+
+
+def _carried(
+    construction: Construction, rule: Rule, step: _Step, tolerance: float
+) -> tuple[float, float]:
+    """Return how far D and the next point move with errors of reading in the point before, m of paper.
+
+    These are a quarter of the tolerance in every plane. Where D follows steeply from the point, as in the
+    plane of a soft spring beside a stiff tyre, a careful student's D is farther off than the point.
+    """
+    stepper = Stepper(construction, rule)
+    planes = construction.planes
+
+    def made(states: States) -> tuple[States, States]:
+        points, ends = _stepped(stepper, step._replace(states=states))
+        return tuple(points[plane.foot] for plane in planes), ends[: len(planes)]
+
+    states, found = step.states, [0.0, 0.0]
+    try:
+        right = made(states)
+        for k in range(len(planes)):
+            for way in (0.25 * tolerance, 0.25j * tolerance):
+                moved = made((*states[:k], states[k] + way, *states[k + 1 :]))
+                for i in (0, 1):
+                    found[i] += max(0.0, _apart(moved[i], right[i]) - abs(way) * i)
+    except (OverflowError, ValueError, ZeroDivisionError):
+        return 0.0, 0.0
+    most = _DOUBTFUL * tolerance
+    return min(found[0], most), min(found[1], most)
+
+
+def _judged_foot(
+    construction: Construction,
+    step: _Step,
+    points: Points,
+    read: States,
+    tolerance: float,
+    carried: float,
+) -> tuple[str, str]:
+    """Return the verdict on the feet D that were read, and what is wrong with them, or empty.
+
+    Parameters
+    ----------
+    carried : how far off they may be in addition, with the point before
+    """
+    planes = construction.planes
+    feet = tuple(points[plane.foot] for plane in planes)
+    off = _apart(read, feet)
+    if off <= tolerance + carried:
+        return RIGHT, ""
+    wrong = (
+        (words, tuple(change(points)[plane.foot] for plane in planes))
+        for words, change in _wrong_feet(construction, step)
+    )
+    mistake = _named(wrong, read, feet, tolerance)
+    if mistake:
+        return METHOD, mistake
+    return READING, f"D is {1e3 * off:.2g} mm off: read the auxiliary curve again"
 
 
 def _named(
@@ -246,40 +295,40 @@ def _named(
 def _mistakes(construction: Construction, rule: Rule, step: _Step) -> Iterator[tuple[str, States]]:
     """Yield known mistakes of a step, with the state points to which they lead."""
     planes = construction.planes
-    count = len(planes)
-    right = Stepper(construction, rule)
 
-    def turned(*factors: float) -> States | None:
-        other = Stepper(construction, rule)
-        other.rates = tuple(f * rate for f, rate in zip(factors, other.rates, strict=True))
-        return _made(other, step)
+    def turned(*factors: float) -> Stepper:
+        stepper = Stepper(construction, rule)
+        stepper.rates = tuple(f * rate for f, rate in zip(factors, stepper.rates, strict=True))
+        return stepper
 
-    cases: list[tuple[str, Callable[[], States | None]]] = [
-        ("the normal was turned in the wrong direction", partial(turned, *count * [-1.0])),
-        ("the turn angle was laid off twice", partial(turned, *count * [2.0])),
-        ("only half of the turn angle was laid off", partial(turned, *count * [0.5])),
-        ("the point was not moved", lambda: step.states[:count]),
-    ]
-    cases += [
-        (f"the step follows the rule {name.replace('_', ' ')}, not {rule.name.replace('_', ' ')}",
-         partial(_made, Stepper(construction, other), step))
-        for name, other in RULES.items()
-        if name != rule.name
-    ]  # fmt: skip
-    cases += [
-        (words, partial(_moved, right, step, changed))
-        for words, changed in _wrong_feet(construction, step)
-    ]
-    if count > 1:
-        cases += [
+    def turned_backwards(wrong: Sequence[Plane]) -> Stepper:
+        return turned(*(-1.0 if plane in wrong else 1.0 for plane in planes))
+
+    cases = [
+        ("the normal was turned in the wrong direction", turned_backwards(planes)),
+        ("the turn angle was laid off twice", turned(*len(planes) * [2.0])),
+        ("only half of the turn angle was laid off", turned(*len(planes) * [0.5])),
+        *(
+            (f"the step follows the rule {name.replace('_', ' ')}, not {rule.name.replace('_', ' ')}",
+             Stepper(construction, other))
+            for name, other in RULES.items()
+            if name != rule.name
+        ),
+        *(
+            (words, Stepper(_changed(construction, change), rule))
+            for words, change in _wrong_feet(construction, step)
+        ),
+        *(
             (f"the normal of plane {plane.number} was turned in the wrong direction",
-             partial(turned, *(-1.0 if other is plane else 1.0 for other in planes)))
-            for plane in planes
-        ]  # fmt: skip
-    for words, find in cases:
-        if (found := find()) is not None:
+             turned_backwards([plane]))
+            for plane in planes[: len(planes) if planes[1:] else 0]
+        ),
+    ]  # fmt: skip
+    yield "the point was not moved", step.states[: len(planes)]
+    for words, stepper in cases:
+        if (found := _made(stepper, step)) is not None:
             yield words, found
-    if (found := _made(right, step)) is not None:
+    if (found := _made(Stepper(construction, rule), step)) is not None:
         yield from _misreadings(planes, found)
 
 
@@ -353,14 +402,6 @@ def _other_branch(construction: Construction, step: _Step) -> Callable[[Points],
     return changed
 
 
-def _feet_by_mistake(
-    construction: Construction, step: _Step, points: Points
-) -> Iterator[tuple[str, States]]:
-    for words, changed in _wrong_feet(construction, step):
-        found = changed(points)
-        yield words, tuple(found[plane.foot] for plane in construction.planes)
-
-
 class _Changed:
     """A construction whose points are changed by a mistake."""
 
@@ -376,10 +417,18 @@ class _Changed:
         return self.change(self.inner.points(mode, states, window))
 
 
-def _moved(stepper: Stepper, step: _Step, change: Callable[[Points], Points]) -> States | None:
-    """Return the state points after a step whose points are changed by a mistake."""
-    wrong = cast("Construction", _Changed(stepper.construction, change))
-    return _made(Stepper(wrong, stepper.rule), step)
+def _changed(construction: Construction, change: Callable[[Points], Points]) -> Construction:
+    return cast("Construction", _Changed(construction, change))
+
+
+def _with_feet(construction: Construction, right: Points, feet: States) -> Construction:
+    """Return a construction whose feet D are beside the right ones by as much as those that were read."""
+    names = [plane.foot for plane in construction.planes]
+    offsets = {name: foot - right[name] for name, foot in zip(names, feet, strict=True)}
+    return _changed(
+        construction,
+        lambda points: {**points, **{name: points[name] + off for name, off in offsets.items()}},
+    )
 
 
 def _made(stepper: Stepper, step: _Step) -> States | None:
@@ -388,19 +437,6 @@ def _made(stepper: Stepper, step: _Step) -> States | None:
         return _stepped(stepper, step)[1][: len(stepper.construction.planes)]
     except (OverflowError, ValueError, ZeroDivisionError, KeyError):
         return None
-
-
-def _with_feet(stepper: Stepper, step: _Step, feet: States) -> States | None:
-    """Return the successors that follow from the student's own D."""
-    planes = stepper.construction.planes
-    first = dict(zip((plane.foot for plane in planes), feet, strict=True))
-    right = stepper.construction.points(step.mode, step.states, step.window)
-    offsets = {name: first[name] - right[name] for name in first}
-
-    def changed(points: Points) -> Points:
-        return {**points, **{name: points[name] + off for name, off in offsets.items()}}
-
-    return _moved(stepper, step, changed)
 
 
 def _apart(one: States, other: States) -> float:
