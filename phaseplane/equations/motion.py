@@ -9,13 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from math import inf, isfinite, nan
+from math import inf, isfinite, nan, sqrt
 from typing import NamedTuple
 
 from phaseplane.equations.roots import root
 from phaseplane.equations.switching import Mode, Switching
 
-_RELATIVE, _ABSOLUTE = 1e-10, 1e-12
+_TOLERANCE = 1e-10
+_LEAST_SIZE = (
+    1e-2  # of the largest displacement and velocity so far: errors are relative to no less
+)
 _SAMPLES = (0.2, 0.4, 0.6, 0.8, 1.0)  # parts of a step at which guards are read
 _ROUNDING = 1e-13  # of the state: margins no further below zero do not end a mode
 _COARSEST = 1e-6  # the same, where motions chatter
@@ -146,7 +149,7 @@ def steps(
     end: float,
     *,
     longest: float = inf,
-    tolerance: float = _RELATIVE,
+    tolerance: float = _TOLERANCE,
 ) -> Iterator[Step]:
     """Yield the steps of a motion one after another.
 
@@ -170,13 +173,14 @@ def steps(
     left: int | None = None  # the guard at which the mode has just begun
     rounding = _ROUNDING
     a = _acceleration(system, mode, t, x, v)
+    largest = abs(x), max(abs(v), sqrt(abs(x * a)) if isfinite(a) else 0.0)
     h = min(h, _first(t, x, v, a, end))
     for _ in range(_MOST_STEPS):
         if end - t <= least:
             return
         h = min(h, end - t, longest)
         made = _step(system, mode, t, x, v, a, h)
-        error = _error(made, x, v, tolerance)
+        error = _error(made, largest, (x, v), tolerance)
         if not error <= 1.0:
             factor = max(_LEAST, 0.9 * error**-0.2) if isfinite(error) else _LEAST
             h *= factor
@@ -193,6 +197,7 @@ def steps(
             step = _ended(system, mode, t, (x, v, a), made, part)
         yield step
         t, (x, v, a) = step.end, step.last
+        largest = max(largest[0], abs(x)), max(largest[1], abs(v))
         left = None
         if met is None:
             h *= min(_MOST, 0.9 * error**-0.2) if error > 0.0 else _MOST
@@ -288,14 +293,19 @@ def _lack(h: float, k1: float, k3: float, k4: float, k5: float, k6: float, k7: f
     )  # fmt: skip
 
 
-def _error(made: tuple[float, float, float, float], x: float, v: float, tolerance: float) -> float:
-    x1, v1, dx, dv = made
-    if not isfinite(dx) or not isfinite(dv):
+def _error(
+    made: tuple[float, float, float, float],
+    largest: tuple[float, float],
+    state: tuple[float, float],
+    tolerance: float,
+) -> float:
+    """Return the error of a step in tolerances, relative to the state or to a part of the largest."""
+    if not all(map(isfinite, made)):
         return inf
-    least = _ABSOLUTE * tolerance / _RELATIVE
+    errors = zip(made[2:], made[:2], state, largest, strict=True)
     return max(
-        abs(dx) / (least + tolerance * max(abs(x), abs(x1))),
-        abs(dv) / (least + tolerance * max(abs(v), abs(v1))),
+        abs(off) / (tolerance * max(abs(before), abs(after), _LEAST_SIZE * (most or 1.0)))
+        for off, after, before, most in errors
     )
 
 

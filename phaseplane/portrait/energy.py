@@ -10,7 +10,7 @@ from scipy.integrate import cumulative_simpson
 
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
 
-_ROUNDING = 1e-12  # of force times velocity: below it nothing is dissipated
+_ROUNDING = 1e-12  # of the force: below it nothing is dissipated
 
 
 def potential(system: PhaseSystem, x: Grid, most: float = inf) -> Grid:
@@ -35,7 +35,8 @@ def power(system: PhaseSystem, x: npt.ArrayLike, v: npt.ArrayLike) -> Grid:
     moving, still = system.forces(x, v), system.forces(x, 0.0 * v)
     lost = (moving - still) * v
     with np.errstate(invalid="ignore"):
-        return np.where(np.abs(moving - still) <= _ROUNDING * (1.0 + np.abs(moving)), 0.0, lost)
+        rounding = _ROUNDING * (np.abs(moving) + np.abs(still))
+        return np.where(np.abs(moving - still) <= rounding, 0.0, lost)
 
 
 def conserves(system: PhaseSystem, window: Window) -> bool:

@@ -14,7 +14,7 @@ from phaseplane.portrait.system import Grid, PhaseSystem, Window
 from phaseplane.portrait.trajectories import traced
 
 _PARTS = 2000  # into which the window is divided in the search
-_STEP = 1e-6  # of the window's width, for differences
+_STEP = 1e-6  # of the window's sides, for differences
 _SAME = 1e-9  # of the window's width
 _AWAY = 1e-4  # of the window's sides: distance of a separatrix's start from its saddle
 _FAR = 1e-2  # the same for a saddle without a linear part; also the range of tests by f itself
@@ -168,15 +168,15 @@ def _classified(
     steepest : largest f over the window's width, 1/s^2, the scale of slopes
     room : distance within which there is no other equilibrium
     """
-    h = _STEP * window.width
+    dx, dv = _STEP * window.width, _STEP * window.height
     sides = [(sx, sv) for sx in (1.0, -1.0) for sv in (1.0, -1.0)]
     values, kinds = [], []
     far = system.forces(x + np.array([room, -room]), np.zeros(2))
     restores = dict(zip((1.0, -1.0), (far * [1.0, -1.0] > 0.0).tolist(), strict=True))
     linear = True
     for sx, sv in sides:
-        stiffness = _slope(system, x, sx * h, 0.0) / (sx * h)
-        damping = _slope(system, x, 0.0, sv * h) / (sv * h)
+        stiffness = _slope(system, x, sx * dx, 0.0) / (sx * dx)
+        damping = _slope(system, x, 0.0, sv * dv) / (sv * dv)
         if abs(stiffness) <= _NO_SLOPE * steepest:
             stiffness, linear = 0.0, False
         if abs(damping) <= _NO_SLOPE * sqrt(steepest):

@@ -487,3 +487,19 @@ def test_a_window_ends_at_a_pole_across_the_plane() -> None:
     assert np.ptp(seen.points, axis=0) == pytest.approx(0.0, abs=0.5)
     ((attractor,),) = seen.attractors
     assert attractor == pytest.approx([-0.11405, 0.155082], abs=1e-4)
+
+
+@pytest.mark.parametrize(("length", "time"), [(1e-9, 1.0), (1e6, 1.0), (1.0, 1e-4), (1.0, 1e4)])
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [("X + V^3", "stable focus"), ("X - 0.001*V^3", "unstable focus"), ("X", "centre"),
+     ("X + V*abs(V)", "stable focus"), ("0.1*V - 0.3*sign(V) + X", "degenerate"),
+     ("X + 3*V", "stable node"), ("X*abs(X) + 0.2*V", "stable node")],
+)  # fmt: skip
+def test_the_kind_of_an_equilibrium_does_not_depend_on_the_units(text, kind, length, time):
+    scaled = text.replace("X", "(x/L)").replace("V", "(v*T/L)")
+    formula = Formula(f"L/T^2*({scaled})", {"L": length, "T": time})
+    system = PhaseSystem(formula.function, on_arrays=formula.on_arrays)
+    height = 6.0 * length / time
+    (found,) = equilibria(system, Window(-4.0 * length, 4.0 * length, -height, height))
+    assert (found.kind, found.x) == (kind, 0.0)

@@ -304,6 +304,26 @@ def test_motions_are_those_of_scipy(text):
     assert found.velocities == pytest.approx(known.y[1], abs=3e-7)
 
 
+@pytest.mark.parametrize(("length", "time"), [(1e-9, 1.0), (1e6, 1.0), (1.0, 1e-4), (1e-6, 1e4)])
+@pytest.mark.parametrize(
+    ("text", "start"),
+    [("(X^2 - 1)*V + X", (0.5, 0.0)), ("X + 20*dead_zone(X, 1) + 0.1*V", (1.5, 0.0)),
+     ("X + 0.3*sign(V) - 0.5*cos(t/T)", (0.5, 0.0))],
+)  # fmt: skip
+def test_a_motion_does_not_depend_on_the_units(text, start, length, time):
+    """With x in units of L and t in units of T: to nine digits, though x is as small as 1e-9."""
+
+    def moved(length: float, time: float) -> list[float]:
+        scaled = text.replace("X", "(x/L)").replace("V", "(v*T/L)")
+        formula = Formula(f"L/T^2*({scaled})", {"L": length, "T": time})
+        x, v = start
+        times = [time * s for s in np.linspace(0.0, 12.0, 25).tolist()]
+        found = motion(formula.switching, (x * length, v * length / time), times)
+        return [displacement / length for displacement in found.displacements]
+
+    assert moved(length, time) == pytest.approx(moved(1.0, 1.0), abs=1e-7)
+
+
 def test_a_motion_that_cannot_go_on_says_until_when():
     found = motion(Formula("-v^2 - 1").switching, (0.0, 0.0), np.linspace(0, 3, 301).tolist())
     assert "grows without bound" in found.complaint
