@@ -1,8 +1,8 @@
+from .axle import AxleData as AxleData
 from .construction import Construction as Construction
 from .construction import Window as Window
 from .equation import EquationPlane as EquationPlane
 from .families import family as family
-from .four_planes import AxleData as AxleData
 from .four_planes import HalfCarPlanes as HalfCarPlanes
 from .inertial import HalfCarRigidTyresPlanes as HalfCarRigidTyresPlanes
 from .laws import Strut as Strut

@@ -13,17 +13,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import sqrt
+from math import isfinite, sqrt
 
 from phaseplane.constructions.construction import Window
 from phaseplane.constructions.control import Before, added, controlled, deflected, moved
 from phaseplane.constructions.coupling import Lines, lines_across
-from phaseplane.constructions.laws import Epsilon, Jumps, Strut
+from phaseplane.constructions.laws import (
+    LEVEL_ROAD,
+    Damper,
+    Epsilon,
+    Jumps,
+    Strut,
+    check_number,
+    check_positive,
+)
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.primitives import Curve
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import StoredFrames
+from phaseplane.suspension.characteristics import Characteristic, linear
 from phaseplane.suspension.roads import Signal
 
 _WINDOWS = 8  # for which the excitation is kept: a step asks several times for each of its own
@@ -50,48 +59,100 @@ class Place:
 
 
 @dataclass(frozen=True)
+class AxleData:
+    """Parameters and initial state of one axle.
+
+    Parameters
+    ----------
+    unsprung_mass : m, kg
+    spring : F(y), N
+    damper : Phi(y', y), N
+    tyre_stiffness, tyre_damping : N/m and N s/m
+    static_load : load of the tyre at rest, N; 0 without weight
+    road : xi(t), m
+    tyre : a nonlinear tyre, in place of stiffness and damping
+    initial : y, y', x2 and x2' at time 0, m and m/s
+    friction : dry friction R between body and wheel, N
+    auxiliary_levels : y_i of the suspension's auxiliary curves, m; empty: round values
+    """
+
+    unsprung_mass: float
+    spring: Characteristic
+    damper: Damper
+    tyre_stiffness: float = 0.0
+    tyre_damping: float = 0.0
+    static_load: float = 0.0
+    road: Signal = LEVEL_ROAD
+    tyre: Strut | None = None
+    initial: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    friction: float = 0.0
+    auxiliary_levels: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        check_positive(self, ("unsprung_mass",))
+        if self.tyre is None:
+            check_positive(self, ("tyre_stiffness",))
+        elif self.tyre_stiffness or self.tyre_damping:
+            raise ValueError("give either tyre_stiffness and tyre_damping or a tyre, not both")
+        for name in ("tyre_damping", "static_load", "friction"):
+            check_number(name, getattr(self, name), 0.0)
+        if not all(map(isfinite, self.initial)):
+            raise ValueError(f"initial = {self.initial}: must be four finite numbers")
+
+
+@dataclass(frozen=True)
 class Axle:
     """One axle: its forces, and its position on the sheet.
 
     Parameters
     ----------
-    strut : spring and damper between body and wheel
-    tyre : the tyre as spring f and damper phi
-    linear_tyre : whether f and phi are linear; if so, plane 2 shows x2 and the road enters as h2;
-        otherwise it shows y2 = x2 - xi and the road enters as xi''
-    unsprung_mass : m, kg
+    data : its parameters
     body_compliance : 1/M, acceleration of the body above the strut per unit of its force, 1/kg
-    static_load : load of the tyre at rest, N
-    road : xi(t), m
-    lift_off : whether the wheel may leave the road
+    place : position on the sheet
+    may_lift_off : whether the wheel may leave the road, if there is weight
     contact : contact rule: `gap`, contact ends at the tyre's free length; or `force`, contact lasts
         while the tyre's spring and damper together press, even across a gap (AP57 eq. 28 for U, V)
-    place : position on the sheet
     prefix : of the names of its readings
     foot : letter of the foot of the normals in the suspension's plane
-    auxiliary_levels : y_i of the suspension's auxiliary curves, m; empty: round values
-    friction : dry friction R between body and wheel, N
     """
 
-    strut: Strut
-    tyre: Strut
-    linear_tyre: bool
-    unsprung_mass: float
+    data: AxleData
     body_compliance: float
-    static_load: float
-    road: Signal
-    lift_off: bool
-    contact: str
     place: Place
+    may_lift_off: bool
+    contact: str
     prefix: str = ""
     foot: str = "D"
-    auxiliary_levels: tuple[float, ...] = ()
-    friction: float = 0.0
+
+    @cached_property
+    def strut(self) -> Strut:
+        """Spring and damper between body and wheel."""
+        return Strut(self.data.spring, self.data.damper)
+
+    @cached_property
+    def tyre(self) -> Strut:
+        """The tyre as spring f and damper phi."""
+        data = self.data
+        return data.tyre or Strut(linear(data.tyre_stiffness), linear(data.tyre_damping))
+
+    @property
+    def linear_tyre(self) -> bool:
+        """Whether f and phi are linear: plane 2 then shows x2, and the road enters as h2.
+
+        Otherwise it shows y2 = x2 - xi, and the road enters as xi''.
+        """
+        return self.data.tyre is None
+
+    @property
+    def lift_off(self) -> bool:
+        """Whether the wheel may leave the road."""
+        return self.may_lift_off and self.data.static_load > 0.0
 
     @cached_property
     def angular_frequencies(self) -> tuple[float, float]:
         """Omega1^2 = c1 (1/M + 1/m), Omega2^2 = c2 / m, rad/s (AP57 eqs. 16 and 17)."""
-        wheel = 1.0 / self.unsprung_mass
+        wheel = 1.0 / self.data.unsprung_mass
         return (
             sqrt(self.strut.rate * (self.body_compliance + wheel)),
             sqrt(self.tyre.rate * wheel),
@@ -100,17 +161,17 @@ class Axle:
     @cached_property
     def coupling(self) -> float:
         """kappa = c2 / (m Omega1^2), the weight of plane 2 in plane 1 (AP57 eq. 18)."""
-        return self.tyre.rate / (self.unsprung_mass * self.angular_frequencies[0] ** 2)
+        return self.tyre.rate / (self.data.unsprung_mass * self.angular_frequencies[0] ** 2)
 
     @cached_property
     def static_tyre_deflection(self) -> float:
         """x2st, the static deflection of the tyre, m (AP57 eq. 27)."""
-        return self.static_load / self.tyre.rate
+        return self.data.static_load / self.tyre.rate
 
     @cached_property
     def free_length(self) -> float:
         """Deflection of the unloaded tyre, m; for a linear tyre x2st."""
-        return self.tyre.spring.argument(self.static_load)
+        return self.tyre.spring.argument(self.data.static_load)
 
     @cached_property
     def lines(self) -> Lines:
@@ -132,8 +193,10 @@ class Axle:
         plane = plane_at(
             f"{self.prefix}suspension_deflection", n, omega, origin, place.sense, scale, self.foot
         )
-        guards = (_scaled_velocity,) if self.friction else ()
-        return Lienard.of_strut(plane, self.strut, self.auxiliary_levels, self.friction, guards)
+        guards = (_scaled_velocity,) if self.data.friction else ()
+        return Lienard.of_strut(
+            plane, self.strut, self.data.auxiliary_levels, self.data.friction, guards
+        )
 
     def epsilon_of(self, sense: int) -> Epsilon:
         """Return the branch of the auxiliary curves for y' > 0 (1) or < 0 (-1); without friction, 0."""
@@ -142,7 +205,7 @@ class Axle:
     @property
     def reach(self) -> float:
         """R / c1, by which dry friction moves the auxiliary curves to either side, m."""
-        return self.friction / self.strut.rate
+        return self.data.friction / self.strut.rate
 
     @cached_property
     def wheel(self) -> Lienard:
@@ -168,19 +231,21 @@ class Axle:
         """k2 / c2 of a linear tyre, s."""
         return self.tyre.damping(1.0, 0.0) / self.tyre.rate
 
-    def wheel_state(self, height: float, velocity: float, time: float) -> complex:
-        """Return P2 for the wheel's displacement, m, and velocity, m/s, at a time."""
+    @property
+    def initial(self) -> tuple[complex, complex]:
+        """The state points at time 0."""
+        y, rate, height, velocity = self.data.initial
         if not self.linear_tyre:
-            elevation, rise, _, _ = self.road.derivatives(time)
+            elevation, rise, _, _ = self.data.road.derivatives(0.0)
             height, velocity = height - elevation, velocity - rise
-        return self.wheel.state(height, velocity)
+        return self.suspension.state(y, rate), self.wheel.state(height, velocity)
 
     # The road.
 
     @cached_property
     def jumps(self) -> Jumps:
         """The jumps of the road."""
-        return Jumps(self.road)
+        return Jumps(self.data.road)
 
     @cached_property
     def excitation(self) -> Callable[[Window], float]:
@@ -188,7 +253,7 @@ class Axle:
         return lru_cache(_WINDOWS)(self._excitation)
 
     def _excitation(self, window: Window) -> float:
-        road = self.road
+        road = self.data.road
         if window.duration == 0.0:
             elevation, velocity, _, _ = road.derivatives(window.start)
             return elevation + self.lag * velocity
@@ -202,7 +267,7 @@ class Axle:
         table = self.jumps.table
         return tuple(t for t, (height, _) in table.items() if height or not self.linear_tyre)
 
-    def jolted(self, flies: bool, states: States, time: float) -> States:
+    def jolted(self, states: States, time: float) -> States:
         """Return the states after a kerb, which pushes the wheel through the tyre's damper.
 
         The damper does not pull if the wheel can lift off. Below a gap, only the part of the kerb
@@ -215,22 +280,13 @@ class Axle:
             if self.contact == "gap" and way > 0.0:
                 way = max(0.0, way - max(0.0, self.gap(states[1], time) + height))
         rate = self.tyre.damping_rate(-height) if way else 0.0
-        push = rate * way / self.unsprung_mass
+        push = rate * way / self.data.unsprung_mass
         one = self.suspension.state(0.0, -push) - self.suspension.state(0.0, 0.0)
         moved = (0.0, push) if self.linear_tyre else (-height, push - kink)
         two = self.wheel.state(*moved) - self.wheel.state(0.0, 0.0)
         return states[0] + one, states[1] + two
 
     # The construction.
-
-    @cached_property
-    def _letters(self) -> tuple[str, ...]:
-        one, two = self.place.numbers
-        return (
-            *(letter + n for letter in "PQA" for n in (one, two)),
-            f"A{one}*", f"A{two}*", f"B{two}", f"B{two[:-1]}0",
-            f"C{one}", f"C{two}", f"D{one}", f"D{two}", f"H{two}",
-        )  # fmt: skip
 
     def points(
         self, flies: bool, p1: complex, p2: complex, window: Window, sense: int = 0
@@ -247,37 +303,36 @@ class Axle:
         with a nonlinear tyre A2* in place of B2, and H2 in addition to D2
         """
         a, b = self.place.scales
-        way = self.place.sense
-        n_p1, n_p2, n_q1, n_q2, n_a1, n_a2, n_f1, n_f2, n_b2, n_b0, *n_rest = self._letters
-        n_c1, n_c2, n_d1, n_d2, n_h2 = n_rest
+        way, (i, j) = self.place.sense, self.place.numbers
         q2, a2, foot2 = self.wheel.raised(p2)
-        points = {n_p1: p1, n_p2: p2, n_q2: q2, n_a2: a2, n_f2: foot2}
+        points = {f"P{i}": p1, f"P{j}": p2, f"Q{j}": q2, f"A{j}": a2, f"A{j}*": foot2}
         bracket = foot2
         if self.linear_tyre:
-            points[n_b2] = bracket = foot2 - way * b * self.excitation(window)
-        points[n_b0] = without_contact = q2 + way * b * self.static_tyre_deflection
+            points[f"B{j}"] = bracket = foot2 - way * b * self.excitation(window)
+        without_contact = q2 + way * b * self.static_tyre_deflection
+        points[f"B{j[:-1]}0"] = without_contact
         weight = way * a * self.coupling * self.static_tyre_deflection
         if flies:
             bracket = without_contact
-        if self.friction and not sense:
-            q1 = points[n_d1] = complex(p1.real, self.place.heights[0])
+        if self.data.friction and not sense:
+            q1 = points[f"D{i}"] = complex(p1.real, self.place.heights[0])
             if flies:
                 foot1 = q1 - weight
             else:
-                points[n_c2], foot1 = self.lines.from_plane_1(q1, bracket, q2)
+                points[f"C{j}"], foot1 = self.lines.from_plane_1(q1, bracket, q2)
             a1 = complex(foot1.real, p1.imag)
         else:
             q1, a1, foot1 = self.suspension.raised(p1, self.epsilon_of(sense) if sense else None)
             if flies:
-                points[n_d1] = foot1 + weight
+                points[f"D{i}"] = foot1 + weight
             else:
-                points[n_c2], points[n_d1] = self.lines.to_plane_1(foot1, bracket, q2)
-        points |= {n_q1: q1, n_a1: a1, n_f1: foot1}
-        points[n_c1], d2 = self.lines.to_plane_2(foot1, bracket, q1)
-        points[n_d2] = d2
+                points[f"C{j}"], points[f"D{i}"] = self.lines.to_plane_1(foot1, bracket, q2)
+        points |= {f"Q{i}": q1, f"A{i}": a1, f"A{i}*": foot1}
+        points[f"C{i}"], d2 = self.lines.to_plane_2(foot1, bracket, q1)
+        points[f"D{j}"] = d2
         if not self.linear_tyre:
             acceleration = self.jumps.mean_acceleration(window.start, window.duration)
-            points[n_h2] = d2 + way * b * acceleration / self.angular_frequencies[1] ** 2
+            points[f"H{j}"] = d2 + way * b * acceleration / self.angular_frequencies[1] ** 2
         return points
 
     # Lift-off U and touchdown V.
@@ -286,7 +341,7 @@ class Axle:
         """Return the gap between the unloaded tyre and the road, m: x2 - xi - x2st."""
         deflection = self.wheel.displacement(p2)
         if self.linear_tyre:
-            deflection -= self.road.value(time)
+            deflection -= self.data.road.value(time)
         return deflection - self.free_length
 
     def clearance(self, p2: complex, time: float) -> float:
@@ -308,7 +363,7 @@ class Axle:
         """Return the friction that would hold the strut at an instant, over c1, m: -R/c1 to R/c1."""
         points = self.points(flies, states[0], states[1], Window(time))
         y, _ = self.suspension.values(states[0])
-        foot = points[self._letters[6]]
+        foot = points[f"A{self.place.numbers[0]}*"]
         return -self.suspension.displacement(foot) - self.epsilon_of(0)(0.0, y)
 
     def sense_of(self, flies: bool, states: States, time: float, *, stopped: bool = False) -> int:
@@ -337,39 +392,36 @@ class Axle:
         ----------
         by_force : the body's acceleration from the forces of the struts, m/s^2
         """
-        _, _, _, n_q2, _, _, _, n_f2, n_b2, *_ = self._letters
+        j = self.place.numbers[1]
         deflection, wheel = self.suspension.motion(points), self.wheel.motion(points)
-        road = self.road.derivatives(time)[:3]
+        road = self.data.road.derivatives(time)[:3]
         if not self.linear_tyre:
             wheel = added(wheel, road)
-        bracket = (points[n_q2] - points[n_b2 if self.linear_tyre else n_f2]).real
+        bracket = (points[f"Q{j}"] - points[f"B{j}" if self.linear_tyre else f"A{j}*"]).real
         tyre = -self.place.sense * self.tyre.rate * bracket / self.place.scales[1]
         prefix = self.prefix
         return {
             **deflected(prefix, deflection),
             **moved(f"{prefix}wheel_", wheel),
             f"{prefix}road_elevation": road[0],
-            f"{prefix}contact_force": 0.0 if flies else self.static_load - tyre,
+            f"{prefix}contact_force": 0.0 if flies else self.data.static_load - tyre,
             **controlled(prefix, added(wheel, deflection), by_force, before),
         }
 
     def strut_force(self, points: Points) -> float:
         """Return the strut's force S = Phi + F = c1 AP / a, N."""
-        n_p1, _, _, _, n_a1, *_ = self._letters
-        return self.strut.rate * self.suspension.displacement_between(points[n_a1], points[n_p1])
+        i = self.place.numbers[0]
+        way = self.suspension.displacement_between(points[f"A{i}"], points[f"P{i}"])
+        return self.strut.rate * way
 
     # Fixed curves.
 
     def curves(self, frames: StoredFrames) -> tuple[Curve, ...]:
         """Return the auxiliary curves of both planes, and lines I and II."""
-        return (
-            *self.suspension.curves(frames),
-            *self.wheel.curves(frames),
-            *lines_across(
-                self.lines, self.place.lines, (self.suspension.plane, self.wheel.plane), frames,
-                (self._letters[4], self._letters[8]),
-            ),
-        )  # fmt: skip
+        i, j = self.place.numbers
+        pair = self.suspension.plane, self.wheel.plane
+        across = lines_across(self.lines, self.place.lines, pair, frames, (f"A{i}", f"B{j}"))
+        return *self.suspension.curves(frames), *self.wheel.curves(frames), *across
 
 
 def _scaled_velocity(y_bar: float, _y: float) -> float:

@@ -89,16 +89,13 @@ class Construction(Protocol):
         """Return the margin to each limit of the mode, which ends when a margin falls below zero."""
         return ()
 
-    def succeeding(self, mode: str, limit: int) -> str:
-        """Return the mode that follows when a limit, numbered as in `margins`, is reached."""
-        return mode
+    def mode_after(self, mode: str, limits: Sequence[int], states: States, time: float) -> str:
+        """Return the mode that follows when these states have reached limits of the mode.
 
-    def mode_after(self, mode: str, limit: int, states: States, time: float) -> str:
-        """Return the mode that follows when these states have reached a limit of the mode."""
-        return self.succeeding(mode, limit)
-
-    def mode_with(self, mode: str, limit: int) -> str:
-        """Return the mode if an independent limit has been reached at the same time."""
+        Parameters
+        ----------
+        limits : numbered as in `margins`; after the first those that are reached at the same time
+        """
         return mode
 
     def scheme_of(self, mode: str) -> str:

@@ -14,10 +14,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import isfinite
 from typing import ClassVar
 
-from phaseplane.constructions.axle import Axle, Place
+from phaseplane.constructions.axle import Axle, AxleData, Place
 from phaseplane.constructions.body import AXLES, BodyMasses
 from phaseplane.constructions.construction import (
     CONTACT,
@@ -30,20 +29,10 @@ from phaseplane.constructions.construction import (
 from phaseplane.constructions.control import Before
 from phaseplane.constructions.coupling import Lines, lines_across
 from phaseplane.constructions.four_planes_schemes import half_car_scheme
-from phaseplane.constructions.laws import (
-    LEVEL_ROAD,
-    Damper,
-    Strut,
-    check_contact,
-    check_number,
-    check_pairs,
-    check_positive,
-)
+from phaseplane.constructions.laws import check_contact, check_pairs, check_positive
 from phaseplane.constructions.primitives import Curve, Plane, Scheme
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import StoredFrames
-from phaseplane.suspension.characteristics import Characteristic, linear
-from phaseplane.suspension.roads import Signal
 
 MODES = {
     CONTACT: (False, False),
@@ -53,62 +42,6 @@ MODES = {
 }
 """Whether the front and the rear wheel are off the road, by mode."""
 _MODE_OF = {flying: mode for mode, flying in MODES.items()}
-
-
-@dataclass(frozen=True)
-class AxleData:
-    """Parameters and initial state of one axle of a half car.
-
-    Parameters
-    ----------
-    unsprung_mass : kg
-    spring : F(y), N
-    damper : Phi(y', y), N
-    tyre_stiffness, tyre_damping : N/m and N s/m
-    static_load : load of the tyre at rest, N; 0 without weight
-    road : xi(t), m
-    tyre : a nonlinear tyre, in place of stiffness and damping
-    initial : y, y', x2 and x2' at time 0, m and m/s
-    """
-
-    unsprung_mass: float
-    spring: Characteristic
-    damper: Damper
-    tyre_stiffness: float = 0.0
-    tyre_damping: float = 0.0
-    static_load: float = 0.0
-    road: Signal = LEVEL_ROAD
-    tyre: Strut | None = None
-    initial: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        check_positive(
-            self, ("unsprung_mass",) if self.tyre else ("unsprung_mass", "tyre_stiffness")
-        )
-        check_number("tyre_damping", self.tyre_damping, 0.0)
-        check_number("static_load", self.static_load, 0.0)
-        if not all(map(isfinite, self.initial)):
-            raise ValueError(f"initial = {self.initial}: must be four finite numbers")
-
-    def drawn(
-        self, compliance: float, place: Place, prefix: str, *, lift_off: bool, contact: str
-    ) -> Axle:
-        """Return the axle with its two planes on the sheet."""
-        return Axle(
-            strut=Strut(self.spring, self.damper),
-            tyre=self.tyre or Strut(linear(self.tyre_stiffness), linear(self.tyre_damping)),
-            linear_tyre=self.tyre is None,
-            unsprung_mass=self.unsprung_mass,
-            body_compliance=compliance,
-            static_load=self.static_load,
-            road=self.road,
-            lift_off=lift_off and self.static_load > 0.0,
-            contact=contact,
-            place=place,
-            prefix=prefix,
-            foot="H",
-        )
 
 
 @dataclass(frozen=True)
@@ -147,7 +80,7 @@ class HalfCarPlanes(Construction):
         check_positive(self, ("plane_distance",))
         check_contact(self.contact)
         check_pairs(self, ("plane_scales",), positive=True)
-        _ = self.masses, self.axles
+        _ = self.masses, [(axle.strut, axle.tyre) for axle in self.axles]
 
     # Derived quantities.
 
@@ -166,7 +99,7 @@ class HalfCarPlanes(Construction):
             ("21", "22"), self.plane_scales, (-l, -2.0 * l), sense=sense, lines=("I2", "II2")
         )
         one, two = (
-            data.drawn(own, place, f"{axle}_", lift_off=self.lift_off, contact=self.contact)
+            Axle(data, own, place, self.lift_off, self.contact, f"{axle}_", "H")
             for data, own, place, axle in zip(
                 (self.front, self.rear), self.masses.compliances, (front, rear), AXLES, strict=True
             )
@@ -205,11 +138,7 @@ class HalfCarPlanes(Construction):
     @cached_property
     def initial(self) -> States:
         """The state points at time 0."""
-        states: list[complex] = []
-        for axle, data in zip(self.axles, (self.front, self.rear), strict=True):
-            y, rate, height, velocity = data.initial
-            states += (axle.suspension.state(y, rate), axle.wheel_state(height, velocity, 0.0))
-        return tuple(states)
+        return tuple(state for axle in self.axles for state in axle.initial)
 
     @cached_property
     def protractor(self) -> complex:
@@ -260,14 +189,10 @@ class HalfCarPlanes(Construction):
             ]
         )
 
-    def succeeding(self, mode: str, limit: int) -> str:
-        """Return the mode after one wheel lifts off or touches down."""
+    def mode_after(self, mode: str, limits: Sequence[int], states: States, time: float) -> str:
+        """Return the mode after one wheel, or both, have lifted off or touched down."""
         front, rear = MODES[mode]
-        return _MODE_OF[(not front, rear) if limit == 0 else (front, not rear)]
-
-    def mode_with(self, mode: str, limit: int) -> str:
-        """Return the mode if the other wheel lifts off or touches down at the same time."""
-        return self.succeeding(mode, limit)
+        return _MODE_OF[front != (0 in limits), rear != (1 in limits)]
 
     def event(self, mode: str, successor: str) -> str:
         """Return the event of each wheel that has lifted off or touched down."""
@@ -287,11 +212,7 @@ class HalfCarPlanes(Construction):
     def jolted(self, mode: str, states: States, time: float) -> States:
         """Return the state points after a kerb under either wheel."""
         front, rear = self.axles
-        flies = MODES[mode]
-        return (
-            *front.jolted(flies[0], states[:2], time),
-            *rear.jolted(flies[1], states[2:], time),
-        )
+        return *front.jolted(states[:2], time), *rear.jolted(states[2:], time)
 
     # Readings.
 

@@ -20,7 +20,6 @@ from phaseplane.constructions.body import AXLES, BodyMasses
 from phaseplane.constructions.construction import CONTACT, Construction, Window
 from phaseplane.constructions.control import Before, added, controlled, deflected
 from phaseplane.constructions.coupling import Lines, lines_across
-from phaseplane.constructions.inertial_scheme import inertial_scheme
 from phaseplane.constructions.laws import (
     LEVEL_ROAD,
     Damper,
@@ -31,11 +30,34 @@ from phaseplane.constructions.laws import (
 )
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.primitives import Curve, Plane, Scheme
+from phaseplane.constructions.schemes import marks, on_both_axes, scheme, strokes, turns
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import StoredFrames
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.roads import Signal
+
+_SCHEME = scheme(
+    *on_both_axes(),
+    (
+        "A1*A2* cuts line I in C1 and line II in C2. Q1 through C1 gives D2, Q2 through C2 gives "
+        "D1.",
+        marks("projection", "C1 C2 D1 D2"),
+        strokes("projection", "A1*-A2* Q1-D2 Q2-D1"),
+    ),
+    (
+        "From D1, D2 against the y axes by xi''/Omega^2 of their roads, averaged over the step: "
+        "H1, H2.",
+        marks("normal", "H1 H2"),
+        strokes("excitation", "D1-H1 D2-H2"),
+    ),
+    (
+        "H1P1 and H2P2 are the normals of the integral curves.",
+        strokes("normal", "H1-P1 H2-P2"),
+    ),
+    turns("1", "2"),
+)
+"""AP57 figure 12 in the order of drawing."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +98,7 @@ class HalfCarRigidTyresPlanes(Construction):
     auxiliary_levels: tuple[float, ...] = ()
 
     title: ClassVar[str] = "Half car on rigid tyres in two phase planes"
-    schemes: ClassVar[Mapping[str, Scheme]] = {CONTACT: inertial_scheme()}
+    schemes: ClassVar[Mapping[str, Scheme]] = {CONTACT: _SCHEME}
 
     def __post_init__(self) -> None:
         """Check the parameters."""

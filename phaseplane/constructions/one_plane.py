@@ -18,16 +18,20 @@ from phaseplane.constructions.schemes import feet, marks, raised, scheme, stroke
 from phaseplane.constructions.storage import StoredFrames
 
 
-def one_plane_scheme(excitation: str, letter: str = "y") -> Scheme:
+def one_plane_scheme(excitation: str, letter: str = "y", also: str = "") -> Scheme:
     """Return AP57 figure 2 in the order of drawing.
 
     Parameters
     ----------
     excitation : describes the step from A* to D
     letter : of the axis of displacement
+    also : a point that is marked from the start
     """
     return scheme(
-        feet(f"The state point P and its foot Q on the {letter} axis.", ""),
+        (
+            *feet(f"The state point P and its foot Q on the {letter} axis.", ""),
+            marks("excitation", also),
+        ),
         raised(
             f"From P parallel to the {letter} axis to the auxiliary curve: A. Down to the axis: A*.",
             "",

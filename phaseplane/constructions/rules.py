@@ -1,17 +1,30 @@
-"""Step rules: ways to step along the integral curves, and their drawings (AP57 figure 4)."""
+"""Step rules: ways to step along the integral curves, and their drawings (AP57 figure 4).
+
+Every rule works on any number of coupled planes at once: where it repeats the construction within the
+step, all planes are predicted before any is corrected.
+"""
 
 from __future__ import annotations
 
+from cmath import exp
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import copysign, sin
 from typing import TypeVar
 
-from phaseplane.constructions import steps
+from phaseplane.constructions.geometry import meet, seen, turned
 from phaseplane.constructions.primitives import Arc, Mark, Plane, Scheme, Stroke
-from phaseplane.constructions.steps import Construct, Move, States
+from phaseplane.constructions.steps import Construct, Move, Points, States, Step, along_tangent
 
 REPEATED = "~"
 """Suffix of the points' names in a construction that a rule repeats within the step."""
+
+_STEEP = 0.05  # sine of the angle between tangent and y-bar axis below which they are near parallel
+_TOO_DIFFERENT = 0.1  # relative change of a normal above which the mean of both is taken
+
+
+def _end_of_tangent(p: complex, d: complex, turn: float) -> complex:
+    return p + along_tangent(p, d, turn)
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +35,9 @@ class Rule:
     ----------
     name : as in this module
     order : of the error after a given time, in powers of the step
-    move : (states, feet, turn angles in rad, construction) -> Move
+    end : the successor P' of a step in one plane, and the points that help to find it
+    helpers : their names; {n} is replaced by the plane's number
+    predicted : where the construction is repeated, from P, D and the turn angle
     stages, marks, strokes, arcs : its drawing; {n} is replaced by a plane's number, {foot} by the
         letter of the foot of its normal; stages count from 0
     repeats : the stage in which the construction is repeated, or None
@@ -30,12 +45,36 @@ class Rule:
 
     name: str
     order: int
-    move: Callable[[States, States, Sequence[float], Construct], Move] = field(repr=False)
+    end: Callable[[Step], tuple[complex, ...]] = field(repr=False)
     stages: tuple[str, ...] = field(repr=False)
     marks: tuple[Mark, ...] = field(default=(), repr=False)
     strokes: tuple[Stroke, ...] = field(default=(), repr=False)
     arcs: tuple[Arc, ...] = field(default=(), repr=False)
     repeats: int | None = field(default=None, repr=False)
+    helpers: tuple[str, ...] = field(default=(), repr=False)
+    predicted: Callable[[complex, complex, float], complex] = field(
+        default=_end_of_tangent, repr=False
+    )
+
+    def move(
+        self, states: States, feet: States, turns: Sequence[float], construct: Construct
+    ) -> Move:
+        """Return a step in all planes.
+
+        Parameters
+        ----------
+        states, feet : the state points P and the feet D of their normals
+        turns : the signed angles through which the normals turn, rad
+        construct : repeats the construction at other state points
+        """
+        ends, new_feet = states, feet
+        repeated: Points = {}
+        if self.repeats is not None:
+            ends = tuple(map(self.predicted, states, feet, turns))
+            new_feet, repeated = construct(ends)
+        steps = map(Step, states, feet, turns, ends, new_feet)
+        successors, *helpers = zip(*map(self.end, steps), strict=True)
+        return Move(successors, dict(zip(self.helpers, helpers, strict=True)), repeated)
 
     def drawn_after(self, scheme: Scheme, planes: Sequence[Plane]) -> Scheme:
         """Return the scheme of a construction followed by the stages of this rule in these planes."""
@@ -101,17 +140,28 @@ def _successor(stage: int) -> Mark:
 tangent = Rule(
     "tangent",
     1,
-    steps.tangent,
+    lambda step: (step.p + step.along_tangent,),
     ("The lengths of the arcs on the tangents: the successors P'.",),
     (_successor(0),),
     (Stroke(SUCCESSOR, "P{n}", "P{n}'", 0),),
 )
 """P' on the tangent at the distance DP dtau (AP57 eq. 8)."""
 
+
+def _above_q(step: Step) -> tuple[complex, complex]:
+    """P' where the tangent crosses the parallel to the y-bar axis through Q', and Q'."""
+    normal = step.p - step.d
+    q = complex(step.p.real - step.turn * normal.imag, step.d.imag)
+    crossing = None
+    if abs(normal.imag) > _STEEP * abs(normal):
+        crossing = meet(step.p, step.p + 1j * normal, q, q + 1j)
+    return step.p + step.along_tangent if crossing is None else crossing, q
+
+
 velocity = Rule(
     "velocity",
     1,
-    steps.velocity,
+    _above_q,
     ("Along the y axis by y-bar dtau: Q'. Above it on the tangents: the successors P'.",),
     (Mark("foot", "Q{n}'", 0, "Q{n}'"), _successor(0)),
     (
@@ -119,6 +169,7 @@ velocity = Rule(
         Stroke("construction", "Q{n}'", "P{n}'", 0),
         Stroke(SUCCESSOR, "P{n}", "P{n}'", 0),
     ),
+    helpers=("Q{n}'",),
 )
 """P' on the tangent where y has changed by y-bar dtau (AP57 section 3): the point of `tangent`, found
 without measuring a normal, unless the tangent is too steep for a clear intersection."""
@@ -126,7 +177,7 @@ without measuring a normal, unless the tangent is too steep for a clear intersec
 mean_normal = Rule(
     "mean_normal",
     1,
-    steps.mean_normal,
+    lambda step: (step.p + step.mean_share * step.along_tangent,),
     (
         _PREDICTION,
         _REPETITION,
@@ -138,10 +189,17 @@ mean_normal = Rule(
 )
 """P' on the tangent at the mean of the distances DP and `D'*P'*`, times dtau (AP57 figure 4a)."""
 
+
+def _by_their_difference(step: Step) -> tuple[complex]:
+    share = step.mean_share
+    differ = abs(2.0 * (share - 1.0)) > _TOO_DIFFERENT
+    return (step.p + share * step.along_tangent if differ else step.p_new,)
+
+
 auto_mean_normal = replace(
     mean_normal,
     name="auto_mean_normal",
-    move=steps.auto_mean_normal,
+    end=_by_their_difference,
     stages=(
         _PREDICTION,
         _REPETITION,
@@ -152,10 +210,44 @@ auto_mean_normal = replace(
 """`mean_normal` where the distance DP changes by more than a tenth within the step, `tangent` elsewhere,
 as AP57 takes the mean where the difference is too large."""
 
+
+def _seen_from_d(step: Step) -> tuple[complex, complex]:
+    """P' and S; the tangent where there is no circle."""
+    return _on_circle(step, step.d) or (step.p_new, step.far_centre)
+
+
+def _seen_from_midway(step: Step) -> tuple[complex, complex, complex]:
+    """P', S and E, midway between both feet."""
+    eye = 0.5 * (step.d + step.d_new)
+    return (*(_on_circle(step, eye) or (turned(step.p, eye, step.turn), eye)), eye)
+
+
+def _on_circle(step: Step, eye: complex) -> tuple[complex, complex] | None:
+    """Return P' on the circle about S seen from an eye under the turn angle, and S."""
+    centre = step.centre
+    end = None if centre is None else seen(eye, centre, step.p, step.turn)
+    return None if centre is None or end is None else (end, centre)
+
+
+def _by_mean_arc(step: Step) -> tuple[complex, complex]:
+    """P' at an arc from P given by the mean of both normals, and S."""
+    centre = step.centre
+    if centre is None:
+        centre = step.far_centre
+    radius = step.p - centre
+    if radius == 0.0:
+        return step.p_new, centre
+    normal = step.p - step.d
+    inwards = (radius * normal.conjugate()).real  # negative where S lies beyond P
+    angle = copysign(step.mean_share * abs(normal) / abs(radius), inwards) * step.turn
+    # the chord, which is accurate for any distance of the centre
+    return step.p + 2j * sin(0.5 * angle) * exp(0.5j * angle) * radius, centre
+
+
 osculating_circle = Rule(
     "osculating_circle",
     1,
-    steps.osculating_circle,
+    _seen_from_d,
     (
         _PREDICTION,
         _REPETITION,
@@ -167,13 +259,14 @@ osculating_circle = Rule(
     (_ON_TANGENT, _NEW_NORMAL, Stroke("construction", "{foot}{n}", "P{n}'", 3)),
     (_ON_CIRCLE,),
     repeats=1,
+    helpers=("S{n}",),
 )
 """P' on the osculating circle, seen from D under dtau (AP57 figure 4b)."""
 
 midpoint_circle = Rule(
     "midpoint_circle",
     2,
-    steps.midpoint_circle,
+    _seen_from_midway,
     (
         _PREDICTION,
         _REPETITION,
@@ -190,6 +283,7 @@ midpoint_circle = Rule(
     ),
     (_ON_CIRCLE,),
     repeats=1,
+    helpers=("S{n}", "E{n}"),
 )
 """P' on the circle about S through P, seen from the midpoint of D and D'* under dtau. Not in AP57:
 a second-order variant of its osculating circle."""
@@ -198,7 +292,7 @@ mean_arc_circle = replace(
     osculating_circle,
     name="mean_arc_circle",
     order=2,
-    move=steps.mean_arc_circle,
+    end=_by_mean_arc,
     stages=(
         *osculating_circle.stages[:3],
         "On the circles, an arc given by the mean of both normals: the successors P'.",
@@ -211,7 +305,7 @@ dtau. Not in AP57: the other second-order variant of its osculating circle."""
 delta = Rule(
     "delta",
     2,
-    steps.delta,
+    lambda step: (turned(step.p, step.d_new, step.turn),),
     (
         "P turned about {foot} by half the turn angle: the mean state M of the step.",
         "The construction repeated at M: the mean foot {foot}m.",
@@ -231,22 +325,17 @@ delta = Rule(
         Arc("arc", "{foot}{n}~", "P{n}", "P{n}'", 2),
     ),
     repeats=1,
+    predicted=lambda p, d, turn: turned(p, d, 0.5 * turn),
 )
 """P turned about D of the mean state of the step (Jacobsen's delta method, AP57 section 1)."""
 
 RULES: Mapping[str, Rule] = {
     rule.name: rule
     for rule in (
-        tangent,
-        velocity,
-        mean_normal,
-        auto_mean_normal,
-        osculating_circle,
-        midpoint_circle,
-        mean_arc_circle,
-        delta,
+        tangent, velocity, mean_normal, auto_mean_normal, osculating_circle, midpoint_circle,
+        mean_arc_circle, delta,
     )
-}
+}  # fmt: skip
 """All rules by name."""
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 from phaseplane.constructions.primitives import Arc, Mark, Scheme, Stroke
 
@@ -79,8 +78,3 @@ def scheme(*stages: Stage) -> Scheme:
         tuple(Stroke(p.role, p.start, p.end, i) for i, p in placed if isinstance(p, Stroke)),
         tuple(Arc(p.role, p.centre, p.start, p.end, i) for i, p in placed if isinstance(p, Arc)),
     )
-
-
-def with_mark(scheme: Scheme, role: str, letter: str) -> Scheme:
-    """Return the scheme with one more lettered point from its first stage on."""
-    return replace(scheme, marks=(*scheme.marks, Mark(role, letter, 0, letter)))

@@ -113,9 +113,7 @@ def _frames(
         time, states, event = target, successors, ""
         old_mode = mode
         if found:
-            mode = construction.mode_after(mode, found.limit, states, time)
-            for limit in found.others:
-                mode = construction.mode_with(mode, limit)
+            mode = construction.mode_after(mode, found.limits, states, time)
             states = construction.remembered(states, states)
         if time == jolt:
             jolt, before, event = next(jolts), None, JOLT

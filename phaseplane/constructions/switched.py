@@ -26,10 +26,23 @@ _SIGNS = {-1: "-", 0: "0", 1: "+"}
 _NUMBERS = {text: sign for sign, text in _SIGNS.items()}
 
 
-def on_switch_schemes() -> dict[str, Scheme]:
-    """Return the schemes of steps along a switch, and of rest on it."""
+def schemes_with_switches(plain: Scheme) -> Mapping[str, Scheme]:
+    """Return the schemes of steps off the switches, which is `plain`, along a switch, and of rest."""
+
+    def on_switch(*rest: Stage) -> Scheme:
+        return scheme(
+            feet("The state point P, on the switch, and its foot Q on the axis.", ""),
+            raised(
+                "Both branches of the auxiliary curve lead back to the switch: A on the jump between "
+                "them. Down to the axis: A*.",
+                "",
+            ),
+            *rest,
+        )
+
     return {
-        SLIDING: _on_switch(
+        CONTACT: plain,
+        SLIDING: on_switch(
             (
                 "The normal DP is perpendicular to the switch: D.",
                 marks("normal", "D"),
@@ -38,7 +51,7 @@ def on_switch_schemes() -> dict[str, Scheme]:
             ("DP is the normal of the integral curve.", strokes("normal", "D-P")),
             turns(""),
         ),
-        REST: _on_switch(
+        REST: on_switch(
             (
                 "The forces are in balance: D is Q, where P is. There is no normal, and P stays: P'.",
                 marks("normal", "D"),
@@ -47,19 +60,6 @@ def on_switch_schemes() -> dict[str, Scheme]:
             ),
         ),
     }
-
-
-def _on_switch(*rest: Stage) -> Scheme:
-    """Return the drawing of a step on a switch, from the stage that finds D."""
-    return scheme(
-        feet("The state point P, on the switch, and its foot Q on the axis.", ""),
-        raised(
-            "Both branches of the auxiliary curve lead back to the switch: A on the jump between "
-            "them. Down to the axis: A*.",
-            "",
-        ),
-        *rest,
-    )
 
 
 class SwitchedPlane(OnePlane):
@@ -112,10 +112,10 @@ class SwitchedPlane(OnePlane):
         x, v = self.lienard.values(states[0])
         return tuple(self.switching.margins(_mode(mode), v, x, time))
 
-    def mode_after(self, mode: str, limit: int, states: States, time: float) -> str:
+    def mode_after(self, mode: str, limits: Sequence[int], states: States, time: float) -> str:
         """Return the mode beyond a guard, or on it."""
         x, v = self.lienard.values(states[0])
-        return _text(self.switching.settled(v, x, time, [limit], _mode(mode)))
+        return _text(self.switching.settled(v, x, time, limits[:1], _mode(mode)))
 
     def remembered(self, states: States, before: States | None) -> States:
         """Return the state point, on the axis if it is there to rounding."""
@@ -158,11 +158,6 @@ class SwitchedPlane(OnePlane):
             )
 
         return tuple(of(k) for k in range(len(switching.guards)))
-
-
-def schemes_with_switches(plain: Scheme) -> Mapping[str, Scheme]:
-    """Return the schemes of a plane with switches; `plain` is that of a step off them."""
-    return {CONTACT: plain, **on_switch_schemes()}
 
 
 def _mode(text: str) -> Mode:

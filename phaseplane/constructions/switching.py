@@ -20,14 +20,12 @@ class End(NamedTuple):
 
     Parameters
     ----------
-    limit : the limit that is reached
     part : time from the start of the window, s
-    others : further limits that are reached at the same time
+    limits : the limit that is reached, and others that are reached at the same time
     """
 
-    limit: int
     part: float
-    others: tuple[int, ...] = ()
+    limits: tuple[int, ...]
 
 
 def first_end(
@@ -59,7 +57,7 @@ def first_end(
         return margins(mode, at, window.start + part * window.duration)
 
     rows = (margins(mode, states, window.start), *map(between, _SAMPLES), last)
-    found: list[End] = []
+    found: list[tuple[float, int]] = []
     for limit, course in enumerate(zip(*rows, strict=True)):
 
         def left(part: float, limit: int = limit) -> float:
@@ -69,13 +67,12 @@ def first_end(
 
         part = _end_of(course, left, window.duration, fresh=fresh)
         if part is not None:
-            found.append(End(limit, part))
+            found.append((part, limit))
     if not found:
         return None
-    first = min(found, key=lambda end: end.part)
-    at_once = first.part + _AT_ONCE * window.duration
-    others = tuple(end.limit for end in found if end is not first and end.part <= at_once)
-    return first._replace(others=others)
+    first = min(found)[0]
+    at_once = first + _AT_ONCE * window.duration
+    return End(first, tuple(limit for part, limit in sorted(found) if part <= at_once))
 
 
 def _end_of(

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-from phaseplane.constructions.axle import Axle, Place
+from phaseplane.constructions.axle import Axle, AxleData, Place
 from phaseplane.constructions.construction import (
     CONTACT,
     FLIGHT,
@@ -39,7 +39,7 @@ from phaseplane.constructions.primitives import Curve, Plane, Scheme
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import StoredFrames
 from phaseplane.constructions.two_planes_schemes import axle_scheme
-from phaseplane.suspension.characteristics import Characteristic, linear
+from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.roads import Signal
 
 STUCK = "_sticking"
@@ -113,39 +113,28 @@ class QuarterCarPlanes(Construction):
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        check_positive(self, ("sprung_mass", "unsprung_mass", "plane_distance"))
+        check_positive(self, ("sprung_mass", "plane_distance"))
         check_contact(self.contact)
-        if self.tyre is None:
-            check_positive(self, ("tyre_stiffness",))
-        elif self.tyre_stiffness or self.tyre_damping:
-            raise ValueError("give either tyre_stiffness and tyre_damping or a tyre, not both")
         check_pairs(self, ("plane_scales",), positive=True)
-        check_number("tyre_damping", self.tyre_damping, 0.0)
-        check_number("friction", self.friction, 0.0)
         check_number("gravity", self.gravity, 0.0, exclusive=self.lift_off)
         initial = ("deflection", "deflection_rate", "wheel_displacement", "wheel_velocity")
         check_finite(self, tuple(f"initial_{name}" for name in initial))
-        _ = self.axle
+        _ = self.axle.strut, self.axle.tyre
 
     # What follows from the data.
 
     @cached_property
     def axle(self) -> Axle:
         """Both planes with the forces in them."""
-        return Axle(
-            strut=Strut(self.spring, self.damper),
-            tyre=self.tyre or Strut(linear(self.tyre_stiffness), linear(self.tyre_damping)),
-            linear_tyre=self.tyre is None,
-            unsprung_mass=self.unsprung_mass,
-            body_compliance=1.0 / self.sprung_mass,
-            static_load=(self.sprung_mass + self.unsprung_mass) * self.gravity,
-            road=self.road,
-            lift_off=self.lift_off,
-            contact=self.contact,
-            place=Place(("1", "2"), self.plane_scales, (0.0, -self.plane_distance)),
-            auxiliary_levels=self.auxiliary_levels,
-            friction=self.friction,
-        )
+        data = AxleData(
+            self.unsprung_mass, self.spring, self.damper, self.tyre_stiffness, self.tyre_damping,
+            (self.sprung_mass + self.unsprung_mass) * self.gravity, self.road, self.tyre,
+            (self.initial_deflection, self.initial_deflection_rate,
+             self.initial_wheel_displacement, self.initial_wheel_velocity),
+            self.friction, self.auxiliary_levels,
+        )  # fmt: skip
+        place = Place(("1", "2"), self.plane_scales, (0.0, -self.plane_distance))
+        return Axle(data, 1.0 / self.sprung_mass, place, self.lift_off, self.contact)
 
     # The sheet.
 
@@ -169,11 +158,7 @@ class QuarterCarPlanes(Construction):
     @cached_property
     def initial(self) -> States:
         """The state points at time 0."""
-        height, velocity = self.initial_wheel_displacement, self.initial_wheel_velocity
-        return (
-            self.axle.suspension.state(self.initial_deflection, self.initial_deflection_rate),
-            self.axle.wheel_state(height, velocity, 0.0),
-        )
+        return self.axle.initial
 
     @cached_property
     def protractor(self) -> complex:
@@ -231,9 +216,9 @@ class QuarterCarPlanes(Construction):
                 found += [most - needed, most + needed]
         return tuple(found)
 
-    def mode_after(self, mode: str, limit: int, states: States, time: float) -> str:
+    def mode_after(self, mode: str, limits: Sequence[int], states: States, time: float) -> str:
         """Return the mode that follows: flight after contact, contact after flight, and with friction."""
-        flies, sense = _flies(mode), _sense(mode)
+        flies, sense, limit = _flies(mode), _sense(mode), limits[0]
         if self.lift_off and limit == 0:
             flies = not flies
             if sense:
@@ -267,7 +252,7 @@ class QuarterCarPlanes(Construction):
 
     def jolted(self, mode: str, states: States, time: float) -> States:
         """Return the state points after a kerb."""
-        return self.axle.jolted(_flies(mode), states, time)
+        return self.axle.jolted(states, time)
 
     # Readings.
 

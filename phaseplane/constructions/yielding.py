@@ -21,7 +21,6 @@ from phaseplane.constructions.laws import check_finite, check_number, check_posi
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.one_plane import OnePlane, one_plane_scheme
 from phaseplane.constructions.primitives import Curve, Scheme
-from phaseplane.constructions.schemes import with_mark
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import StoredFrames
@@ -70,10 +69,8 @@ class ElastoplasticPlane(OnePlane):
 
     title: ClassVar[str] = "Oscillator with a spring that yields in its phase plane"
     schemes: ClassVar[Mapping[str, Scheme]] = {
-        mode: with_mark(
-            one_plane_scheme("From A* along the u axis by f/k, averaged over the step: D.", "u"),
-            "excitation",
-            "R",
+        mode: one_plane_scheme(
+            "From A* along the u axis by f/k, averaged over the step: D.", "u", also="R"
         )
         for mode in (ELASTIC, *FLOWS)
     }
@@ -188,9 +185,9 @@ class ElastoplasticPlane(OnePlane):
         )
         return next(flowing, ELASTIC)
 
-    def succeeding(self, mode: str, limit: int) -> str:
+    def mode_after(self, mode: str, limits: Sequence[int], states: States, time: float) -> str:
         """Return the next mode: yielding up or down, or unloading."""
-        return tuple(FLOWS)[limit] if mode == ELASTIC else ELASTIC
+        return tuple(FLOWS)[limits[0]] if mode == ELASTIC else ELASTIC
 
     def event(self, mode: str, successor: str) -> str:
         """Return the event: yielding or unloading."""

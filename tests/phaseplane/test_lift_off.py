@@ -131,7 +131,7 @@ class Touching(OneDofPlane):
     def scheme_of(self, mode):
         return "contact"
 
-    def mode_after(self, mode, limit, states, time):
+    def mode_after(self, mode, limits, states, time):
         return "flight" if mode == "contact" else "contact"
 
     def event(self, mode, successor):
