@@ -54,14 +54,14 @@ class Lienard:
         guards: tuple[Epsilon, ...] = (),
     ) -> Lienard:
         """Return the plane of a strut: epsilon = (Phi(Omega y-bar, y_i) + G(y_i) +- R) / c."""
-        omega, rate, force = plane.angular_frequency, strut.rate, strut.force
+        omega, moved = plane.angular_frequency, friction / strut.rate
         corners = tuple(corner / omega for corner in strut.corners)
+        epsilon = strut.epsilon(omega, 0.0)
 
-        def epsilon(y_bar: float, y: float) -> float:
-            dry = copysign(friction, y_bar) if friction and y_bar else 0.0
-            return (force(omega * y_bar, y) + dry) / rate - y
+        def with_friction(y_bar: float, y: float) -> float:
+            return epsilon(y_bar, y) + (copysign(moved, y_bar) if y_bar else 0.0)
 
-        return cls(plane, epsilon, corners, levels, guards)
+        return cls(plane, with_friction if friction else epsilon, corners, levels, guards)
 
     def state(self, displacement: float, velocity: float) -> complex:
         """Return P for a displacement, m, and its rate, m/s."""
@@ -106,10 +106,11 @@ class Lienard:
         # off the grid, since many guards vanish at y-bar = 0, which is on it
         places = [height + 1e3 * beside for height in heights]
         for guard in self.guards:
-            values = [guard(place, y) for place in places]
+            course = partial(_along, guard, y)
+            values = [course(place) for place in places]
             for i, (low, high) in enumerate(pairwise(places)):
                 if values[i] * values[i + 1] < 0.0:
-                    at = root(partial(_at_level, guard, y), low, high)
+                    at = root(course, low, high)
                     yield from (at - beside, at + beside)
 
     def displacement(self, q: complex) -> float:
@@ -182,7 +183,7 @@ class Lienard:
         )
 
 
-def _at_level(guard: Epsilon, y: float, y_bar: float) -> float:
+def _along(guard: Epsilon, y: float, y_bar: float) -> float:
     return guard(y_bar, y)
 
 

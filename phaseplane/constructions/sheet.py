@@ -43,9 +43,7 @@ def plane_at(
 
 def state_point(plane: Plane, displacement: float, velocity: float) -> complex:
     """Return P of a displacement, m, and its rate, m/s: y-bar = y' / Omega (AP57 eq. 4)."""
-    foot = plane.displacement.at(displacement)
-    axis = plane.scaled_velocity
-    return foot + axis.direction * axis.scale * velocity / plane.angular_frequency
+    return plane.at(displacement, velocity / plane.angular_frequency)
 
 
 def plane_of(planes: Sequence[Plane], point: str) -> Plane:

@@ -1,5 +1,3 @@
-from .formula import FUNCTIONS as FUNCTIONS
-from .formula import VARIABLES as VARIABLES
 from .formula import Formula as Formula
 from .formula import check_name as check_name
 from .motion import Motion as Motion
@@ -7,5 +5,7 @@ from .motion import MotionError as MotionError
 from .motion import Step as Step
 from .motion import motion as motion
 from .motion import steps as steps
+from .pieces import VARIABLES as VARIABLES
+from .reading import FUNCTIONS as FUNCTIONS
 from .switching import Mode as Mode
 from .switching import Switching as Switching

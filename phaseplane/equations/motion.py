@@ -8,7 +8,6 @@ step ends on the first guard that it meets; there the motion goes through, slide
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
 from math import inf, isfinite, nan, sqrt
 from typing import NamedTuple
 
@@ -71,6 +70,10 @@ class Step(NamedTuple):
         x = x0 + h * s * (v0 + 0.5 * h * s * a0) + s**3 * (c3 + s * (c4 + s * c5))
         v = v0 + h * s * a0 + s * s * (3.0 * c3 + s * (4.0 * c4 + 5.0 * s * c5)) / h
         return x, v
+
+    def velocity(self, time: float) -> float:
+        """Return x' at a time within the step."""
+        return self.at(time)[1]
 
 
 class Motion(NamedTuple):
@@ -325,6 +328,9 @@ def _first_end(
         x, v = step.at(start + part * h) if part < 1.0 else step.last[:2]
         return system.margins(mode, v, x, start + part * h)
 
+    def margin(k: int) -> Callable[[float], float]:
+        return lambda part: margins(part)[k]
+
     # beside a guard just passed a margin is zero to rounding
     size = 1.0 + max(map(abs, (*step.first, *step.last)))
     before, low = margins(0.0), 0.0
@@ -332,13 +338,9 @@ def _first_end(
         here = margins(high)
         ended = [k for k, m in enumerate(here) if m < -rounding * size and m < before[k]]
         if ended:
-            ends = sorted((root(partial(_one, margins, k), low, high), k) for k in ended)
+            ends = [(root(margin(k), low, high), k) for k in ended]
             later = [(part, k) for part, k in ends if k != left or part * h > _ROUNDING * size]
             part, k = min(later or ends)
             return k, part * h
         before, low = here, high
     return None
-
-
-def _one(margins: Callable[[float], list[float]], k: int, part: float) -> float:
-    return margins(part)[k]

@@ -14,12 +14,13 @@ from pathlib import Path
 from xml.etree import ElementTree
 from zipfile import ZIP_DEFLATED, ZipFile
 
-from phaseplane.constructions.geometry import meet
+from phaseplane.constructions.geometry import seen
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.rules import REPEATED, Rule
 from phaseplane.constructions.stepping import signed_frequency
+from phaseplane.constructions.steps import Step
 from phaseplane.constructions.storage import Frame
-from phaseplane.equations.formula import spelled_number
+from phaseplane.equations.spelling import spelled_number
 
 _FORMAT = {"format": "5.0", "app": "classic"}
 _VIEW = 500.0, 450.0  # pixels, which a small window has beside the list of objects
@@ -100,7 +101,7 @@ def _of_step(plane: Plane, rule: Rule, frame: Frame, law: Law | None) -> list[Co
             made += repeated()
             return [*made, Command(following, "Rotate", (p, angle, foot))]
     made += [*tangent(again, angle), *repeated()]
-    return [*made, *_on_circle(plane, rule, frame, n, angle)]
+    return [*made, *_on_circle(rule, frame, n, angle)]
 
 
 def _mean(n: str, angle: str) -> str:
@@ -109,22 +110,22 @@ def _mean(n: str, angle: str) -> str:
     return f"{angle} ({first} + {second}) / (2 {first})"
 
 
-def _on_circle(plane: Plane, rule: Rule, frame: Frame, n: str, angle: str) -> list[Command]:
+def _on_circle(rule: Rule, frame: Frame, n: str, angle: str) -> list[Command]:
     """Return the commands of the rules that step along the circle about S."""
     p, d, again, foot, s = f"P{n}", f"D{n}", f"P'{n}", f"D'{n}", f"S{n}"
     following = f"P_{{{frame.step + 1}}}"
-    points = frame.points
-    turn = float(angle)
-    eye, at = d, points["D"]
+    points, turn = frame.points, float(angle)
+    step = Step(points["P"], points["D"], turn, points["P" + REPEATED], points["D" + REPEATED])
+    centre, eye, at = step.centre, d, step.d
     made: list[Command] = []
     if rule.name == "midpoint_circle":
-        eye, at = f"E{n}", 0.5 * (points["D"] + points["D" + REPEATED])
+        eye, at = f"E{n}", 0.5 * (step.d + step.d_new)
         made.append(Command(eye, "Midpoint", (d, foot)))
-    centre = meet(points["P"], points["D"], points["P" + REPEATED], points["D" + REPEATED])
-    ends = points["P'"]
-    if centre is None:  # parallel normals: the rule's own way out
-        turned = abs(ends - (at + exp(1j * turn) * (points["P"] - at))) < 1e-9 * abs(ends - at)
-        if rule.name == "midpoint_circle" and turned:
+    if centre is None or (
+        rule.name != "mean_arc_circle" and seen(at, centre, step.p, turn) is None
+    ):
+        # parallel normals, or a ray that misses the circle: the rule's own way out
+        if rule.name == "midpoint_circle":
             return [*made, Command(following, "Rotate", (p, angle, eye))]
         factor = _mean(n, angle) if rule.name == "mean_arc_circle" else angle
         return [*made, Command(following, "Dilate", (f"T{n}", factor, p))]
@@ -134,22 +135,15 @@ def _on_circle(plane: Plane, rule: Rule, frame: Frame, n: str, angle: str) -> li
         Command(s, "Intersect", (f"n{n}", f"m{n}")),
     ]
     if rule.name == "mean_arc_circle":
-        radius = points["P"] - centre
-        inwards = (radius * (points["P"] - points["D"]).conjugate()).real
+        inwards = ((step.p - centre) * (step.p - step.d).conjugate()).real
         sign = "-" if inwards < 0.0 else ""
         arc = (
             f"{sign}({angle}) (Distance({p}, {d}) + Distance({again}, {foot})) / "
             f"(2 Distance({s}, {p}))"
         )
         return [*made, Command(following, "Rotate", (p, arc, s))]
-    ray = exp(1j * turn) * (points["P"] - at)
-    offset = (centre - at) / (ray / abs(ray))
-    if offset.imag**2 > abs(points["P"] - centre) ** 2:  # the ray misses the circle
-        if rule.name == "midpoint_circle":
-            return [*made, Command(following, "Rotate", (p, angle, eye))]
-        return [*made, Command(following, "Dilate", (f"T{n}", angle, p))]
-    along = ((ends - at) / (ray / abs(ray))).real - offset.real
-    sign = "-" if along < 0.0 else ""
+    ray = exp(1j * turn) * (step.p - at)
+    sign = "-" if ((points["P'"] - centre) / ray).real < 0.0 else ""
     made += [
         Command(f"R{n}", "Rotate", (p, angle, eye)),
         Command(f"r{n}", "Line", (eye, f"R{n}")),

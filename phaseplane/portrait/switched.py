@@ -6,7 +6,6 @@ Across a jump of f, and on a switch that holds a motion, only a step that ends t
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
 from itertools import islice
 from math import hypot, inf, isnan, nan
 
@@ -111,7 +110,7 @@ def turn(
             into.append((x1, mirrored * v1))
         # in reversed time the velocity on record is -x'
         if (mirrored * v1) * beyond < 0.0 and (mirrored * v0) * beyond >= 0.0 and step.start > 0.0:
-            at = root(partial(_velocity, step), step.start, step.end)
+            at = root(step.velocity, step.start, step.end)
             x = step.at(at)[0]
             if not isnan(far):
                 return far, x, at
@@ -168,7 +167,3 @@ def _way(step: Step, window: Window) -> float:
 
 def _rests(step: Step) -> bool:
     return 0 in step.mode and step.first[1] == step.last[1] == 0.0
-
-
-def _velocity(step: Step, time: float) -> float:
-    return step.at(time)[1]

@@ -1,0 +1,155 @@
+"""Pieces of a formula: |u|, max, relay, ... as smooth expressions of the signs of their guards.
+
+|u| = u s(u)                                 max(a, b) = (a + b + (a - b) s(a - b)) / 2
+relay(u, d) = (s(u - d) + s(u + d)) / 2      saturation(u, l) = (|u + l| - |u - l|) / 2
+dead_zone(u, d) = u - saturation(u, d)       backlash(u, g) = dead_zone(u, g / 2)
+"""
+
+from __future__ import annotations
+
+import ast
+import functools
+
+VARIABLES = ("v", "x", "t")
+"""The variables of a formula: v = x', x and the time t."""
+
+BEYOND = "_at_least_zero"
+"""The function of `at_least_zero`; no name of a formula begins with _."""
+
+_MOST_SWITCHES = 40
+
+
+class Pieces(ast.NodeTransformer):
+    """Replaces each piece by a smooth expression of the signs s[0], s[1], ... of its guards.
+
+    A guard may contain the signs of guards before it.
+    """
+
+    def __init__(self) -> None:
+        self.guards: list[ast.expr] = []
+        self.jumps = False
+        self._numbers: dict[str, int] = {}
+
+    def visit_Call(self, node: ast.Call) -> ast.expr:
+        """Replace a call of a piece; its arguments first."""
+        name = node.func.id  # type: ignore[attr-defined]
+        self.jumps = self.jumps or name in ("sign", "relay", "copysign")
+        given = [copied(argument) for argument in node.args]
+        arguments = [self.visit(argument) for argument in node.args]
+        match name, arguments:
+            case "sign", [u]:
+                return self._sign(u)
+            case "abs", [u]:
+                return self._size(u)
+            case "copysign", [a, b]:
+                return _product(self._size(a), self._sign(b))
+            case "max" | "min", [first, *others]:
+                larger = functools.partial(self._larger, name)
+                return functools.reduce(larger, others, first)
+            case "relay", [u]:
+                return self._sign(u)
+            case "relay", [u, d]:
+                return _half(_sum(self._sign(_difference(u, d)), self._sign(_sum(u, d))))
+            case "saturation", [u, limit]:
+                return self._saturation(u, limit)
+            case "dead_zone", [u, d]:
+                return _difference(u, self._saturation(u, d))
+            case "backlash", [u, gap]:
+                return _difference(u, self._saturation(u, _half(gap)))
+        if name in ("sqrt", "log"):
+            arguments = [
+                _within_domain(a, plain) for a, plain in zip(arguments, given, strict=True)
+            ]
+        return ast.Call(node.func, arguments, [])
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
+        """Replace the pieces in both operands."""
+        given = copied(node.left)
+        base, exponent = self.visit(node.left), self.visit(node.right)
+        if isinstance(node.op, ast.Pow) and not _is_whole(exponent):
+            base = _within_domain(base, given)
+        return ast.BinOp(base, node.op, exponent)
+
+    def _sign(self, u: ast.expr) -> ast.expr:
+        if not any(mentions(u, name) for name in VARIABLES):
+            # a number, or one that follows from the signs of other guards
+            return ast.Call(ast.Name("sign", ast.Load()), [u], [])
+        number = self._numbers.setdefault(ast.dump(u), len(self.guards))
+        if number == len(self.guards):
+            if number >= _MOST_SWITCHES:
+                raise ValueError(f"equation: more than {_MOST_SWITCHES} switches")
+            self.guards.append(u)
+        return ast.Subscript(ast.Name("s", ast.Load()), ast.Constant(number), ast.Load())
+
+    def _size(self, u: ast.expr) -> ast.expr:
+        return u if _is_never_negative(u) else _product(u, self._sign(u))
+
+    def _larger(self, name: str, a: ast.expr, b: ast.expr) -> ast.expr:
+        size = self._size(_difference(a, b))
+        return _half(_sum(_sum(a, b), size) if name == "max" else _difference(_sum(a, b), size))
+
+    def _saturation(self, u: ast.expr, limit: ast.expr) -> ast.expr:
+        above, below = self._size(_sum(u, limit)), self._size(_difference(u, limit))
+        return _half(_difference(above, below))
+
+
+def _within_domain(u: ast.expr, given: ast.expr) -> ast.expr:
+    """Return an argument that must not be negative: slightly beyond a guard |u| is.
+
+    Parameters
+    ----------
+    given : the same without the signs, which may be negative itself
+    """
+    signs = any(isinstance(node, ast.Subscript) for node in ast.walk(u))
+    return ast.Call(ast.Name(BEYOND, ast.Load()), [u, given], []) if signs else u
+
+
+def at_least_zero(u: float, given: float) -> float:
+    return max(u, 0.0) if given >= 0.0 else given
+
+
+def _is_whole(node: ast.expr) -> bool:
+    """Return whether an exponent is a whole number."""
+    if isinstance(node, ast.UnaryOp):
+        return _is_whole(node.operand)
+    return isinstance(node, ast.Constant) and float(node.value).is_integer()  # type: ignore[arg-type]
+
+
+def _is_never_negative(u: ast.expr) -> bool:
+    """Return whether an expression is recognised as one without a change of sign, such as a square."""
+    match u:
+        case ast.Constant(float() as value):
+            return value >= 0.0
+        case ast.BinOp(_, ast.Pow(), ast.Constant(float() as exponent)):
+            return exponent % 2.0 == 0.0
+        case ast.BinOp(a, ast.Mult(), b) if ast.dump(a) == ast.dump(b):
+            return True
+        case ast.BinOp(a, ast.Add() | ast.Mult() | ast.Div(), b):
+            return _is_never_negative(a) and _is_never_negative(b)
+        case ast.Call(ast.Name("sqrt" | "exp" | "cosh" | "hypot")):
+            return True
+    return False
+
+
+def _product(a: ast.expr, b: ast.expr) -> ast.expr:
+    return ast.BinOp(a, ast.Mult(), b)
+
+
+def _sum(a: ast.expr, b: ast.expr) -> ast.expr:
+    return ast.BinOp(a, ast.Add(), b)
+
+
+def _difference(a: ast.expr, b: ast.expr) -> ast.expr:
+    return ast.BinOp(a, ast.Sub(), b)
+
+
+def _half(a: ast.expr) -> ast.expr:
+    return ast.BinOp(ast.Constant(0.5), ast.Mult(), a)
+
+
+def copied(tree: ast.expr) -> ast.expr:
+    return ast.parse(ast.unparse(tree), mode="eval").body
+
+
+def mentions(tree: ast.AST, name: str) -> bool:
+    return any(isinstance(node, ast.Name) and node.id == name for node in ast.walk(tree))
