@@ -50,6 +50,8 @@ def _wide(
 
 _WIDE = _wide(_sign, min, max)
 _CONSTANTS = {"pi": math.pi}
+_STATES = (0.3, 0.7), (-0.5, 1.2), (2.1, -0.4)  # x and v at which an argument is looked at
+_TIMES = (0.0, 1.0, 2.0, 3.7)
 _MOST_PERIODS = 100  # of the slowest term of the forcing, until all terms have repeated
 _NUMBERS: dict[str, Any] = {
     "__builtins__": {},
@@ -182,8 +184,8 @@ class Formula:
     def period(self) -> float | None:
         """The period of f in t, s; 0 if f does not depend on t, None if no period is found.
 
-        A period is found if t occurs only in sines and cosines of a constant times t plus a constant,
-        with commensurable frequencies.
+        A period is found if t occurs only in sines, cosines and tangents of a constant times t plus any
+        function of v and x, with commensurable frequencies.
         """
         return _period(self._tree, {**_NUMBERS, **self.parameters})
 
@@ -244,7 +246,7 @@ def _period(tree: ast.expr, scope: Mapping[str, Any]) -> float | None:
     turning = [
         node for node in ast.walk(tree)
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
-        and node.func.id in ("sin", "cos") and len(node.args) == 1 and mentions(node, "t")
+        and node.func.id in ("sin", "cos", "tan") and len(node.args) == 1 and mentions(node, "t")
     ]  # fmt: skip
     inner = [n for n in turning if not any(m is not n and m in ast.walk(n) for m in turning)]
     known = {id(part) for node in inner for part in ast.walk(node)}
@@ -263,17 +265,17 @@ def _period(tree: ast.expr, scope: Mapping[str, Any]) -> float | None:
 
 
 def _frequency(argument: ast.expr, scope: Mapping[str, Any]) -> float | None:
-    """Return the factor of t in an argument a + b t, or None if it is not of that form."""
-    if mentions(argument, "x") or mentions(argument, "v"):
-        return None
+    """Return the factor b of t in an argument a + b t, where a may depend on x and v; else None."""
     code = compile(ast.Expression(argument), "equation", "eval")
-    times = (0.0, 1.0, 2.0, 3.7)
-    try:
-        at = [float(eval(code, dict(scope), {"t": t})) for t in times]
-    except (ValueError, ArithmeticError, TypeError):
-        return None
-    slope = at[1] - at[0]
-    straight = all(
-        abs(a - at[0] - slope * t) <= 1e-9 * (1.0 + abs(a)) for a, t in zip(at, times, strict=True)
-    )
-    return slope if straight else None
+    slopes = []
+    for x, v in _STATES:
+        try:
+            at = [float(eval(code, dict(scope), {"t": t, "x": x, "v": v})) for t in _TIMES]
+        except (ValueError, ArithmeticError, TypeError):
+            return None
+        slope = at[1] - at[0]
+        slopes.append(slope)
+        for a, t in zip(at, _TIMES, strict=True):
+            if not abs(a - at[0] - slope * t) <= 1e-9 * (1.0 + abs(a)):
+                return None
+    return slopes[0] if max(slopes) - min(slopes) <= 1e-9 * (1.0 + abs(slopes[0])) else None

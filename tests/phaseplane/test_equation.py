@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import cos, inf, log2, sin
+from math import cos, inf, log2, pi, sin
 
 import numpy as np
 import pytest
@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 from worked_example import column
 
 from phaseplane.constructions import RULES, EquationPlane, Window, construct_motion, family, overlay
+from phaseplane.equations import Formula
 
 
 def van_der_pol(velocity: float, x: float, t: float) -> float:
@@ -190,3 +191,16 @@ def test_curves_from_further_starts_are_drawn_as_the_rule_steps(rule: str):
     radius = abs(curve.vertices[0] - still.planes[0].displacement.origin)
     assert abs(np.array(curve.vertices)) == pytest.approx(radius)
     assert max(ways) <= 0.1 * radius
+
+
+@pytest.mark.parametrize(
+    ("text", "period"),
+    [("sin(x + t)", 2.0 * pi), ("x*cos(2*t - v^2) + cos(3*t)", 2.0 * pi), ("tan(t/2) + x", 4.0 * pi),
+     ("sin(x*t)", None), ("cos(t^2)", None), ("x + t", None), ("sin(t + 1/x)*x", 2.0 * pi)],
+)  # fmt: skip
+def test_the_period_of_a_drive_is_found_whatever_else_its_phase_depends_on(text, period):
+    formula = Formula(text)
+    assert formula.period == (period and pytest.approx(period))
+    if period:
+        values = [formula.function(0.4, 1.3, t) for t in (0.7, 0.7 + period)]
+        assert values[1] == pytest.approx(values[0], abs=1e-9)
