@@ -28,6 +28,9 @@ _BESIDE = 0.05  # of the width between two poles: what lies nearer to one is no 
 _SHORT = 1e-3  # of the distance between two poles across the plane: a window ends before them
 _MARGIN, _LENGTH, _PART = 3.0, 30.0, 0.05  # windows: how far and how closely motions are followed
 
+_ROUNDS, _GROWN = 5, 1.02  # how often, and as long as the window grows by so much
+_ASIDE = 0.02  # of the width: a start beside an equilibrium that repels
+
 Line = Callable[[Grid], Grid]
 """|f| along a line of the plane, of the places on it."""
 
@@ -93,17 +96,44 @@ def _of_width(system: PhaseSystem, reach: float, places: Grid) -> Window:
     if len(at_rest) > 1:
         farthest = max(abs(e) for at in at_rest for e in (at.x, at.until) if isfinite(e))
         first = good_window(system, max(_AROUND * farthest, least))
-    first = enlarged(first, places)
-    for motion in followed(
-        system, first, *places.T, margin=_MARGIN, length=_LENGTH, part=_PART, tolerance=1e-6
-    ):
-        if first.holds(motion[-1, 0], motion[-1, 1], _MARGIN):
-            first = enlarged(first, motion)
+    aside = _ASIDE * first.width
+    repelled = [
+        (at.x + aside, 0.0) for at in at_rest if "unstable" in at.kind or at.kind == "degenerate"
+    ]
+    first = _reached(system, enlarged(first, places), np.array([*places, *repelled]))
     far = max(-first.left, first.right)
     low, high = _domain(_along(system), float(places[0, 0]), far)
     if low > first.left or high < first.right:
         return _within(system, (low, high), places, far / _ROOM)
     return first
+
+
+def _reached(system: PhaseSystem, window: Window, states: Grid) -> Window:
+    """Return the window enlarged to fit the motions from some states, unless they go far away.
+
+    A motion may go on to a limit cycle beyond the window. If it still grows after some rounds, it counts
+    only as far as it came in the first.
+    """
+    wide, found = window, [window]
+    grows = True
+    for _ in range(_ROUNDS):
+        motions = followed(
+            system, wide, *states.T, margin=_MARGIN, length=_LENGTH, part=_PART, tolerance=1e-6
+        )
+        ends = np.array([motion[-1] for motion in motions])
+        stays = wide.holds(ends[:, 0], ends[:, 1], _MARGIN)
+        for motion, stay in zip(motions, stays.tolist(), strict=True):
+            window = enlarged(window, motion) if stay else window
+        before = found[-1]
+        grows = max(window.width / before.width, window.height / before.height) > _GROWN
+        found.append(window)
+        if stays.all() and not grows:
+            break
+        wide = window if stays.all() else Window(
+            2.0 * wide.left, 2.0 * wide.right, 2.0 * wide.bottom, 2.0 * wide.top
+        )  # fmt: skip
+        states = np.where(stays[:, None], ends, states)
+    return found[1] if grows else window
 
 
 def enlarged(window: Window, points: npt.ArrayLike) -> Window:

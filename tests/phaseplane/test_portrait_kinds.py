@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, pi, sqrt
+from math import exp, inf, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -503,3 +503,31 @@ def test_the_kind_of_an_equilibrium_does_not_depend_on_the_units(text, kind, len
     height = 6.0 * length / time
     (found,) = equilibria(system, Window(-4.0 * length, 4.0 * length, -height, height))
     assert (found.kind, found.x) == (kind, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "start", "x", "v"),
+    [
+        ("(x^2 - 9)*v + x", 0.5, 6.046, 19.0),  # far above the window of the start
+        ("v^3/30 - v + x", 0.0, 6.871, 6.0),  # the start is the equilibrium itself
+        ("0.1*v - 3*sign(v) + x", 0.5, 38.228, 38.0),  # so far off that one look is too short
+    ],
+)
+def test_a_window_has_room_for_the_limit_cycle_that_a_motion_goes_to(text, start, x, v):
+    formula = Formula(text)
+    switching = formula.switching if "sign" in text else None
+    system = PhaseSystem(formula.function, on_arrays=formula.on_arrays, switching=switching)
+    window = window_of(system, 3.0, [(start, 0.0)])
+    assert x < window.right < 1.5 * x
+    assert v < window.top < 3.0 * v
+    growing = window_of(PhaseSystem(lambda v, x, t: x - 0.1 * v), 3.0, [(0.5, 0.0)])
+    assert growing.width < 100.0
+
+
+def test_the_limit_cycle_of_a_clock_is_found_from_the_start_beside_it():
+    """Half a turn multiplies the distance from the centre +-R by exp(-zeta pi / sqrt(1 - zeta^2))."""
+    formula = Formula("0.1*v - 3*sign(v) + x")
+    system = PhaseSystem(formula.function, on_arrays=formula.on_arrays, switching=formula.switching)
+    (cycle,) = limit_cycles(system, window_of(system, 3.0, [(0.5, 0.0)]))
+    shrink = exp(-0.05 * pi / sqrt(1.0 - 0.05**2))
+    assert cycle.crossing == pytest.approx(3.0 * (1.0 + shrink) / (1.0 - shrink), rel=1e-6)
