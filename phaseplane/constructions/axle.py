@@ -359,7 +359,7 @@ class Axle:
 
     # Dry friction.
 
-    def rubbing(self, flies: bool, states: States, time: float) -> float:
+    def friction_needed(self, flies: bool, states: States, time: float) -> float:
         """Return the friction that would hold the strut at an instant, over c1, m: -R/c1 to R/c1."""
         points = self.points(flies, states[0], states[1], Window(time))
         y, _ = self.suspension.values(states[0])
@@ -376,7 +376,7 @@ class Axle:
         _, rate = self.suspension.values(self.suspension.snapped(states[0]))
         if rate and not stopped:
             return 1 if rate > 0.0 else -1
-        needed = self.rubbing(flies, states, time)
+        needed = self.friction_needed(flies, states, time)
         if abs(needed) <= self.reach:
             return 0
         return 1 if needed > 0.0 else -1

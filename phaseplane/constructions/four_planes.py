@@ -29,7 +29,7 @@ from phaseplane.constructions.construction import (
 from phaseplane.constructions.control import Before
 from phaseplane.constructions.coupling import Lines, lines_across
 from phaseplane.constructions.four_planes_schemes import half_car_scheme
-from phaseplane.constructions.laws import check_contact, check_pairs, check_positive
+from phaseplane.constructions.laws import check_contact, check_positive
 from phaseplane.constructions.primitives import Curve, Plane, Scheme
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import StoredFrames
@@ -77,9 +77,8 @@ class HalfCarPlanes(Construction):
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        check_positive(self, ("plane_distance",))
+        check_positive(self, ("plane_distance", "plane_scales"))
         check_contact(self.contact)
-        check_pairs(self, ("plane_scales",), positive=True)
         _ = self.masses, [(axle.strut, axle.tyre) for axle in self.axles]
 
     # Derived quantities.

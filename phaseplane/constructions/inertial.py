@@ -25,7 +25,7 @@ from phaseplane.constructions.laws import (
     Damper,
     Jumps,
     Strut,
-    check_pairs,
+    check_finite,
     check_positive,
 )
 from phaseplane.constructions.lienard import Lienard
@@ -102,9 +102,8 @@ class HalfCarRigidTyresPlanes(Construction):
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        check_positive(self, ("plane_distance",))
-        check_pairs(self, ("plane_scales",), positive=True)
-        check_pairs(self, ("initial_deflections", "initial_rates"))
+        check_positive(self, ("plane_distance", "plane_scales"))
+        check_finite(self, ("initial_deflections", "initial_rates"))
         _ = self.masses, self.struts
 
     # Derived quantities.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, isfinite
@@ -106,23 +106,24 @@ def check_contact(rule: str) -> None:
 
 
 def check_positive(owner: object, names: Sequence[str]) -> None:
-    """Refuse attributes that are not positive and finite."""
-    for name in names:
-        check_number(name, getattr(owner, name), 0.0, exclusive=True)
+    """Refuse attributes, numbers or pairs of them, that are not positive and finite."""
+    for name, value in _numbers(owner, names):
+        check_number(name, value, 0.0, exclusive=True)
 
 
 def check_finite(owner: object, names: Sequence[str]) -> None:
-    """Refuse attributes that are not finite."""
-    for name in names:
-        check_number(name, getattr(owner, name))
+    """Refuse attributes, numbers or pairs of them, that are not finite."""
+    for name, value in _numbers(owner, names):
+        check_number(name, value)
 
 
-def check_pairs(owner: object, names: Sequence[str], *, positive: bool = False) -> None:
-    """Refuse attributes of two values that are not finite, or not positive."""
+def _numbers(owner: object, names: Sequence[str]) -> Iterator[tuple[str, float]]:
     for name in names:
-        for which, value in zip(("first", "second"), getattr(owner, name), strict=True):
-            least = 0.0 if positive else -inf
-            check_number(f"the {which} of {name}", value, least, exclusive=positive)
+        value = getattr(owner, name)
+        if isinstance(value, tuple | list):
+            yield from zip((f"the first of {name}", f"the second of {name}"), value, strict=True)
+        else:
+            yield name, value
 
 
 def check_laws(spring: Characteristic, damper: Damper) -> None:

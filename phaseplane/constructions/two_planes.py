@@ -32,7 +32,6 @@ from phaseplane.constructions.laws import (
     check_contact,
     check_finite,
     check_number,
-    check_pairs,
     check_positive,
 )
 from phaseplane.constructions.primitives import Curve, Plane, Scheme
@@ -113,9 +112,8 @@ class QuarterCarPlanes(Construction):
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        check_positive(self, ("sprung_mass", "plane_distance"))
+        check_positive(self, ("sprung_mass", "plane_distance", "plane_scales"))
         check_contact(self.contact)
-        check_pairs(self, ("plane_scales",), positive=True)
         check_number("gravity", self.gravity, 0.0, exclusive=self.lift_off)
         initial = ("deflection", "deflection_rate", "wheel_displacement", "wheel_velocity")
         check_finite(self, tuple(f"initial_{name}" for name in initial))
@@ -212,7 +210,10 @@ class QuarterCarPlanes(Construction):
                 plane = self.planes[0].displacement
                 found.append(sense * (states[0] - plane.origin).imag / plane.scale)
             else:
-                needed, most = self.axle.rubbing(_flies(mode), states, time), self.axle.reach
+                needed, most = (
+                    self.axle.friction_needed(_flies(mode), states, time),
+                    self.axle.reach,
+                )
                 found += [most - needed, most + needed]
         return tuple(found)
 

@@ -191,7 +191,8 @@ class Switching:
         if len(free) > 1:  # each may depend on what the others have become
             for k in free:
                 found[k] = self._side(k, tuple(found), v, x, t, before)
-            held = [k for k in free if self._depends_on_state(k, found, v, x, t)]
+            # one of time alone goes on with it
+            held = [k for k in free if self._steepness(k, found, v, x, t)]
             if len(held) > 1 and abs(v) <= _REST * (1.0 + abs(x)):
                 rest = tuple(0 if k in held else sign for k, sign in enumerate(found))
                 if self._held(rest, held, x, t):
@@ -210,11 +211,6 @@ class Switching:
             if all(signs[k] * self.guards[k](*ahead, signs) > 0.0 for k in free):
                 return False
         return True
-
-    def _depends_on_state(self, k: int, signs: Signs, v: float, x: float, t: float) -> bool:
-        """Return whether a guard can hold a motion; one of time alone goes on with it."""
-        g_v, g_x, _ = self.gradient(k, signs, v, x, t)
-        return g_v != 0.0 or g_x != 0.0
 
     def _beside(self, signs: Mode, v: float, x: float, t: float) -> float:
         """Return x'' on a side of a guard: along another switch, if that holds the motion."""
