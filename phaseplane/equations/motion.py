@@ -22,6 +22,7 @@ _SAMPLES = (0.2, 0.4, 0.6, 0.8, 1.0)  # parts of a step at which guards are read
 _ROUNDING = 1e-13  # of the state: margins no further below zero do not end a mode
 _COARSEST = 1e-6  # the same, where motions chatter
 _LEAST, _MOST = 0.2, 5.0  # factors by which a step may change
+_STUBBORN = 8  # steps rejected in succession
 _MOST_STEPS = 4_000_000
 # so many switches in so small a part of the motion: it has come to rest
 _CROWD, _CROWDED = 60, 1e-6
@@ -167,12 +168,12 @@ def steps(
     ------
     MotionError : where no step is short enough.
     """
-    x, v = start
-    t = time
+    t, (x, v) = time, start
     least = 1e-14 * max(abs(time), abs(end))
     mode = system.settled(v, x, t)
     h = min(longest, end - time)
     recent: list[float] = []
+    rejected = 0  # steps in succession
     left: int | None = None  # the guard at which the mode has just begun
     rounding = _ROUNDING
     a = _acceleration(system, mode, t, x, v)
@@ -184,9 +185,12 @@ def steps(
         h = min(h, end - t, longest)
         made = _step(system, mode, t, x, v, a, h)
         error = _error(made, largest, (x, v), tolerance)
+        rejected = 0 if error <= 1.0 else rejected + 1
+        if rejected == _STUBBORN:
+            # what moves is the rounding of large forces in balance: errors relative to 1 will do
+            largest = max(1.0, largest[0]), max(1.0, largest[1])
         if not error <= 1.0:
-            factor = max(_LEAST, 0.9 * error**-0.2) if isfinite(error) else _LEAST
-            h *= factor
+            h *= max(_LEAST, 0.9 * error**-0.2) if isfinite(error) else _LEAST
             if h <= max(1e-15 * abs(t), 1e-300) or h < least * 1e-3:
                 raise MotionError(t)
             continue

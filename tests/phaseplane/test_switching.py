@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import islice, pairwise
 from math import acos, cos, exp, isnan, pi, sqrt
 
 import numpy as np
@@ -22,7 +22,7 @@ from phaseplane.constructions import (
     family,
     rule_named,
 )
-from phaseplane.equations import Formula, motion
+from phaseplane.equations import Formula, motion, steps
 from phaseplane.portrait import (
     PhaseSystem,
     Window,
@@ -322,6 +322,13 @@ def test_a_motion_does_not_depend_on_the_units(text, start, length, time):
         return [displacement / length for displacement in found.displacements]
 
     assert moved(length, time) == pytest.approx(moved(1.0, 1.0), abs=1e-7)
+
+
+def test_a_slide_that_has_come_to_rest_takes_no_short_steps():
+    """On x + T x' = 0 at the origin nothing moves but rounding, whose error is none of the motion."""
+    switching = Formula("sign(x + 0.3*v) - 0.3*max(0, sin(2.006*t))").switching
+    made = steps(switching, (0.0, 0.0), 0.0, 8.0, longest=0.16)
+    assert len(list(islice(made, 500))) < 500
 
 
 def test_a_motion_that_cannot_go_on_says_until_when():
