@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from phaseplane.suspension import engine, extent
+from phaseplane.suspension import engine
+from phaseplane.suspension.roads import extent
 from phaseplane.suspension.units import counted
 from phaseplane.suspension.variables import Value
 
