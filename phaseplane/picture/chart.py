@@ -28,6 +28,7 @@ _WIDTH, _HEIGHT = 0.3, 0.15  # of the chart, m of paper
 _NAMES = 1.17 * _WIDTH  # where the names of the columns begin
 _EM = 0.029  # of type in a window of 1366x768
 _MOST = 600  # vertices of a curve, about
+_POINTS = 200  # readings that are points; more of them would be a cloud in which no curve is seen
 _SERIES = 4
 
 
@@ -131,7 +132,10 @@ class Chart:
         for name, role, values in zip(self.names, self.roles, read.T, strict=True):
             shown = np.isfinite(values)
             points = self._curve(times[shown], values[shown])
-            page.dots(role, points, 0.9, strength_of(name))
+            if len(points) > 1 and len(self.read[0]) > _POINTS:
+                page.lines(role, [points], 1.2, strength_of(name))
+            else:
+                page.dots(role, points, 0.9, strength_of(name))
         page.lines("value", [self.cursor(times[-1])])
         return page
 

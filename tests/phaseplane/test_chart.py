@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from recorded import drawing
@@ -12,7 +13,7 @@ from worked_example import ap57
 
 from phaseplane.constructions import EquationPlane, construct_motion, delta
 from phaseplane.picture.chart import Chart
-from phaseplane.picture.page import Lines
+from phaseplane.picture.page import Dots, Lines
 from phaseplane.picture.quantities import QUANTITIES
 from phaseplane.picture.styles import PARTS, strength_of
 from phaseplane.recording import Content, new_recording
@@ -73,6 +74,23 @@ def test_a_chart_of_many_rows_shows_the_size_of_a_vibration() -> None:
     for part in np.array_split(np.array(curve[:560]), 28):
         assert part.imag.min() < chart.at(0.0, -99.0).imag
         assert part.imag.max() > chart.at(0.0, 99.0).imag
+
+
+@pytest.mark.parametrize(("steps", "kind"), [(60, Dots), (900, Lines)])
+def test_what_was_read_off_is_points_while_they_can_be_told_apart(steps: int, kind: type) -> None:
+    """Thousands of points of a vibration would be a cloud, and its bounds would look like two curves."""
+    made = construct_motion(EquationPlane(lambda v, x, t: x, True), delta, step=0.1, steps=steps)
+    shown = {"time": [0.0, 0.1 * steps], "displacement": [1.0, -1.0]}
+    chart = Chart(made, shown, ("displacement",), QUANTITIES[0])
+    page = chart.upto(steps // 2)
+    (drawn,) = (i for i in page.items if getattr(i, "role", "") == chart.roles[0])
+    assert isinstance(drawn, kind)
+    times = [z.real for z in (drawn.points if isinstance(drawn, Dots) else drawn.strips[0])]
+    assert times == sorted(times)
+    middle = chart.at(0.1 * (steps // 2), 0.0).real
+    assert times[0] == 0.0
+    assert abs(times[-1] - middle) < 0.01 * middle
+    assert any(isinstance(i, Dots) for i in chart.upto(0).items)  # one reading is no curve
 
 
 def test_the_curves_of_four_wheels_can_be_told_apart() -> None:
