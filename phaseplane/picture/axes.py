@@ -27,6 +27,7 @@ _BACK = (0.0, 0.5, 1.0, 2.0)
 # places of a value: beside its tick, em, and along the axis; shifted and far it would name no tick
 _PLACES = ((0.0, 0.0), (0.0, -0.8), (0.0, 0.8), (0.8, 0.0))
 _MOTION = 2  # of what lies under a text, see `_struck`
+_ROW = 1.5  # em: from the units of a plane to its name above them
 _WIDEST = 0.27  # part of the width that the name of an axis may take up
 
 # of an axis: its ends; its name, at an edge, with the sense in which it ends there; and its values, each
@@ -59,6 +60,8 @@ def graduation_of(
     interval = round_step(span or 1.0, 1)
     first, last = ceil(low * factor / interval - beyond), floor(high * factor / interval + beyond)
     values = [i * interval / factor for i in range(first, last + 1) if i]
+    if least and not values:  # at rest: the scale is seen all the same
+        values = [-interval / factor, interval / factor]
     return Graduation(values, unit, factor)
 
 
@@ -69,17 +72,21 @@ def draw_axes(page: Page, clear: Points = NOTHING) -> None:
          graduation_of(plane.scaled_velocity, motion, 1.5 * page.em, plane.displacement))
         for plane in page.drawing.planes for motion in (page.motion(plane),)
     ]  # fmt: skip
-    for plane, motion, _, up in known if _in_columns(page) else ():
+    beside = _in_columns(page)
+    for plane, motion, along, up in known if beside else ():
         words = plane.name.split("_")
-        centre = _upright(page, plane, motion, up)[1] + 1.0j * page.em
-        page.write(Text("axis", " ".join(words[:-1] or words), centre, kind="name"))
+        units = ", ".join(filter(None, (bracketed(of.unit).strip() for of in (along, up))))
+        tip = _upright(page, plane, motion, up)[1]
+        # two texts: of many with two rows, the viewer shows only the first
+        for row, text in enumerate(filter(None, (units, " ".join(words[:-1] or words)))):
+            page.write(Text("axis", text, tip + (1.0 + _ROW * row) * 1j * page.em, kind="name"))
     names, values = [], []
     for plane, motion, along, up in known:
         for name, of_axis in (_vertical(page, plane, motion, up), _horizontal(page, plane, along)):
             names.append(name)
             values.append(of_axis)
     ways = _ways(page, clear)
-    for name in names:  # which keep clear of the axes of all planes
+    for name in names if not beside else ():  # which keep clear of the axes of all planes
         _name(page, ways, *name)
     for of_axis in values:
         _write_values(page, of_axis, ways)
@@ -101,13 +108,14 @@ def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> _Texts:
     sense = axis.direction.real
     ends = _room(page, plane)[:: 1 if sense > 0.0 else -1]
     start, tip = (complex(x, axis.origin.imag) for x in ends)
+    graduation = _between(graduation, axis, start, tip)
     page.arrow("axis", start, tip)
     _ticks(page, axis, graduation, 0.35j * em)
     # one word per line, to keep clear of the motion
     rows = plane.name.split("_")
     label = f"{typeset(axis.label)}{bracketed(graduation.unit)}".strip()
     name = "\n".join(rows) + f" {label}"
-    if _in_columns(page) or _too_wide(page, name):
+    if _too_wide(page, name):
         name, rows = label, rows[:1]
     places = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
     sides = [complex(along, way * (1.0 + far)) for far, along in _PLACES for way in (-1, 1)]
@@ -120,18 +128,15 @@ def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) 
     """Draw the y-bar axis only over the range of the motion, to keep clear of other planes."""
     axis, em = plane.scaled_velocity, page.em
     start, tip = _upright(page, plane, motion, graduation)
-    below = [v for v in graduation.values if axis.at(v).imag < tip.imag - 0.7 * em]
-    graduation = replace(graduation, values=below)  # clear of the arrow
+    graduation = _between(graduation, axis, start, tip - 0.7j * em)  # clear of the arrow
     page.arrow("axis", start, tip)
     _ticks(page, axis, graduation, 0.35 * em)
     # on the side of the axis away from the motion
     side = -1.0 if (motion - axis.origin).real.sum() > 0.0 else 1.0
-    label, unit = typeset(axis.label), bracketed(graduation.unit)
-    if _in_columns(page):
-        label, unit = "", unit.strip()
-    elif _too_wide(page, label):
+    label = typeset(axis.label)
+    if _too_wide(page, label):
         label = label.partition(" =")[0]
-    name = label + unit
+    name = label + bracketed(graduation.unit)
     places = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
     values = [
         [
@@ -143,6 +148,17 @@ def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) 
     return ((start, tip), tip + side * 0.8 * em - 0.2j * em, name, -side), values
 
 
+def _between(graduation: Graduation, axis: Axis, start: complex, end: complex) -> Graduation:
+    """Return the values between the ends of an axis; if there is none, a round one that is."""
+    low, high = axis.read(start), axis.read(end)
+    values = [value for value in graduation.values if low < value < high]
+    farther = max(low, high, key=abs)
+    if low < 0.0 < high and not values:
+        least = round_step(abs(farther) * graduation.factor / 2.6, 1) / graduation.factor
+        values = [copysign(least, farther)]
+    return replace(graduation, values=values)
+
+
 def _too_wide(page: Page, name: str) -> bool:
     return bool(text_box(0j, name, page.em).half.real > _WIDEST * page.view.half.real)
 
@@ -150,14 +166,38 @@ def _too_wide(page: Page, name: str) -> bool:
 def _upright(
     page: Page, plane: Plane, motion: Points, graduation: Graduation
 ) -> tuple[complex, complex]:
-    """Return the ends of the y-bar axis, which are in view."""
+    """Return the ends of the y-bar axis, which are in view and clear of the planes above and below."""
     axis = plane.scaled_velocity
     ends = [0.0, *graduation.values, *reach_of(axis, motion)]
     start, tip = axis.at(min(ends)) - 0.8j * page.em, axis.at(max(ends)) + 1.6j * page.em
-    above = 1.8 if _in_columns(page) else 0.2  # room for the name of the plane
-    low, high = (z.imag for z in page.view.corners)
+    low, high = _heights(page, plane)
     start = complex(start.real, max(start.imag, low))
-    return start, complex(tip.real, min(tip.imag, max(high - above * page.em, start.imag)))
+    return start, complex(tip.real, min(tip.imag, max(high, start.imag)))
+
+
+def _heights(page: Page, plane: Plane) -> tuple[float, float]:
+    """Return the least and the greatest height of a y-bar axis.
+
+    It is in view, below the name of the plane, and halfway to the motions, and names, above and below.
+    """
+    name = (1.8 + _ROW if _in_columns(page) else 0.2) * page.em
+    low, high = (z.imag for z in page.view.grown(-name).corners)
+    low -= name
+    bottom, top = _extent(page, plane)
+    for other in page.drawing.planes:
+        away = other.displacement.origin - plane.displacement.origin
+        its_bottom, its_top = _extent(page, other)
+        if away.real == 0.0 and away.imag < 0.0:
+            low = max(low, min(bottom, (bottom + its_top + name) / 2.0 + 0.2 * page.em))
+        elif away.real == 0.0 and away.imag > 0.0:
+            high = min(high, max(top, (top + its_bottom - name) / 2.0 - 0.2 * page.em))
+    return low, high
+
+
+def _extent(page: Page, plane: Plane) -> tuple[float, float]:
+    """Return how far down and up a motion reaches, with its origin."""
+    heights = np.append(page.motion(plane), plane.scaled_velocity.origin).imag
+    return float(np.nanmin(heights)), float(np.nanmax(heights))
 
 
 def _in_columns(page: Page) -> bool:

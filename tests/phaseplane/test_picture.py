@@ -20,7 +20,7 @@ from phaseplane.constructions.letters import typeset
 from phaseplane.figures.planes import step_lines, step_page
 from phaseplane.figures.style import PLAIN
 from phaseplane.picture.axes import graduation_of
-from phaseplane.picture.page import PLATE, Lines
+from phaseplane.picture.page import PLATE, Arrow, Lines
 from phaseplane.picture.paper import Box, arcs, around, segments_of, telling_vertices
 from phaseplane.picture.quantities import display_unit
 from phaseplane.picture.story import arms_page, story_of
@@ -137,6 +137,18 @@ def test_a_y_axis_has_values_on_both_sides_of_a_motion_that_covers_it(start: flo
     values = [t.centre.real for t in page.texts if t.kind == "value" and abs(t.centre.imag) < 0.01]
     assert min(values) < motion.real.min()
     assert max(values) > motion.real.max()
+
+
+def test_axes_of_planes_below_each_other_do_not_meet() -> None:
+    """Where the values that follow the motions of both planes would: after a kerb."""
+    page = pages_of(Content("up a kerb", made_of("kerb", 0.25)))[0]
+    upper, lower = (a for a in page.of(Arrow) if a.start.real == a.tip.real)
+    assert upper.start.imag > lower.tip.imag + 0.3 * page.em
+    for axis, plane, motion in zip((upper, lower), page.drawing.planes, page.subject.motions,
+                                   strict=True):  # fmt: skip
+        assert axis.start.imag <= motion.imag.min()
+        assert axis.tip.imag >= motion.imag.max()
+        assert axis.start.real == plane.scaled_velocity.origin.real
 
 
 def test_turn_angles_are_named_and_their_arm_has_a_unit() -> None:
