@@ -28,7 +28,7 @@ from .content import Content
 from .lanes import SHEET_SHARE, lanes_share
 
 _HALF_WIDTH = 0.1  # half width of a plane, m of paper
-_ACROSS, _DOWN = 0.51, 0.3  # distances between the origins of planes, m of paper
+_CLOSE, _ACROSS = 0.3, 0.51  # distances between the origins of planes, m of paper
 _AT_REST = 1e-3  # of the largest motion with the same unit
 _ROUND = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0)
 # width and height of the sheet with its lanes, of the bar above it, and of its type in the viewer, in
@@ -88,15 +88,14 @@ def made_planes(
     histories: Mapping[str, npt.ArrayLike],
     units: Mapping[str, str],
 ) -> list[StatePlane]:
-    """Return a plane for each pair of columns, one below the other or in rows, scaled to its range.
+    """Return a plane for each pair of columns, in rows that fill a wide pane, scaled to its range.
 
-    A motion smaller than a thousandth of the largest one of its kind counts as rest.
+    A motion smaller than a thousandth of the largest one of its kind counts as rest: it has the scale of
+    that one.
     """
-    across = ceil((_WIDTH / _HEIGHT * len(pairs)) ** 0.5) if len(pairs) > 2 else 1
-    rows = max(1, ceil(len(pairs) / across))
+    across = ceil((_WIDTH / _HEIGHT * (len(pairs) or 1)) ** 0.5)
+    rows = ceil((len(pairs) or 1) / across)
     beside = ceil(len(pairs) / rows)
-    # three rows of several planes leave room for their names, which are larger on a larger sheet
-    down = _ACROSS if rows > 2 and beside > 1 else _DOWN
     largest: dict[str, float] = {}
     of_unit: dict[str, float] = {}
     for name in (name for pair in pairs for name in pair):
@@ -107,13 +106,16 @@ def made_planes(
 
     def axis(name: str, origin: complex, direction: complex) -> Axis:
         unit, label = _unit(name, units), "" if direction.real else in_words(name)
-        reach = rounded(max(largest[name], _AT_REST * of_unit[unit]))
+        moves = largest[name] >= _AT_REST * of_unit[unit]
+        reach = rounded(largest[name] if moves else of_unit[unit])
         return Axis(label, unit, origin, direction, _HALF_WIDTH / reach)
 
     planes = []
     for i, (displacement, rate) in enumerate(pairs):
         row, column = divmod(i, beside)
-        origin = complex(_ACROSS * column, -down * row)
+        # several rows leave room for names and values, which are larger on a larger sheet
+        right, down = (_ACROSS if rows > least else _CLOSE for least in (1, 2))
+        origin = complex(right * column, -down * row)
         axes = axis(displacement, origin, 1 + 0j), axis(rate, origin, 1j)
         planes.append(StatePlane(Plane(displacement, 1.0, *axes, f"P{i + 1}"), rate))
     return planes

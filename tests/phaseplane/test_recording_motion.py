@@ -11,8 +11,9 @@ import pytest
 from recorded import Recorded, content, drawing, paper, read_back
 
 from phaseplane.constructions import EquationPlane, construct_motion, delta
-from phaseplane.picture.page import Arrow
-from phaseplane.picture.paper import Box
+from phaseplane.constructions.letters import MINUS
+from phaseplane.picture.page import Arrow, Lines
+from phaseplane.picture.paper import Box, around
 from phaseplane.recording import VIEWS, AxleView, Content, Vehicle, record
 from phaseplane.recording.drawer import Begin, Drawer
 from phaseplane.recording.lanes import SHEET_SHARE, lanes_share
@@ -365,6 +366,7 @@ def test_many_planes_stand_in_a_square_each_with_its_name_and_axes() -> None:
     assert all(0.2 < up - down < 0.32 for down, up in pairwise(rows))  # as high as 0.2
     assert len({z.real for z in places}) == 3
     titles = {text.text: text.centre for text in page.texts if text.kind == "name"}
+    assert "[cm], [m/s]" in titles
     axes = [a for a in page.of(Arrow) if a.start.imag == a.tip.imag]
     for name, place, axis in zip(names, places, axes, strict=True):
         assert titles[name.removesuffix("_displacement")].real == place.real
@@ -396,7 +398,31 @@ def test_names_of_planes_in_three_rows_are_clear_of_the_planes_above() -> None:
     assert not any(text.box(page.em).overlap(plane) for text in names for plane in planes)
 
 
-@pytest.mark.parametrize(("count", "across"), [(2, 1), (3, 2), (4, 2), (8, 4), (9, 3), (15, 5)])
+def test_names_of_planes_are_clear_of_axes_whatever_their_motions() -> None:
+    """Also where a round value lies far beyond a small motion; each axis has one all the same."""
+    pairs = tuple((f"x{k}_displacement", f"x{k}_velocity") for k in range(15))
+    units = {name: unit for pair in pairs for name, unit in zip(pair, ("m", "m/s"), strict=True)}
+    columns = {"time": TIME}
+    for k, (name, rate) in enumerate(pairs):
+        columns[name] = 0.1 * (np.cos(20 * TIME) - 0.9 * (k % 3))
+        columns[rate] = 2.0 * np.sin(20 * TIME) * (1.1 - (k % 2) * (np.sin(20 * TIME) > 0))
+    page, *_ = pages_of(Content("fifteen", histories=columns, pairs=pairs, units=units))
+    names = [text.box(page.em) for text in page.texts if text.kind == "name"]
+    assert len(names) == 2 * len(pairs)  # and units
+    axes = [around([a.start, a.tip], 0.0) for a in page.of(Arrow) if a.start.real == a.tip.real]
+    assert not any(name.gap(replace(axis, half=1j * axis.half.imag)) == 0.0
+                   for name in names for axis in axes)  # fmt: skip
+    ticks = [strip for lines in page.of(Lines) if lines.role == "axis" for strip in lines.strips]
+    for plane in page.drawing.planes:
+        origin = plane.displacement.origin
+        near = [sum(strip) / 2.0 - origin for strip in ticks]
+        assert any(abs(z.imag) < 1e-9 and abs(z.real) < 0.3 for z in near)
+        assert any(abs(z.real) < 1e-9 and abs(z.imag) < 0.3 for z in near)
+
+
+@pytest.mark.parametrize(
+    ("count", "across"), [(1, 1), (2, 2), (3, 2), (4, 2), (8, 4), (9, 3), (15, 5)]
+)
 def test_planes_stand_in_rows_that_fill_a_wide_pane(count: int, across: int) -> None:
     pairs = [(f"x{k}", f"v{k}") for k in range(count)]
     planes = made_planes(pairs, {}, {})
@@ -412,6 +438,23 @@ def test_rounding_is_drawn_as_rest() -> None:
         Content("two", histories={**still, **moving}, pairs=pairs, units=units)
     )[0].subject.motions
     assert abs(lower - lower[0]).max() < 1e-3 * abs(upper - upper[0]).max()
+
+
+def test_a_plane_at_rest_has_the_scale_of_those_that_move() -> None:
+    """Its values tell what counts as rest, on both axes."""
+    columns = {"time": TIME, "x": 0.01 * np.sin(20 * TIME), "dx": 0.2 * np.cos(20 * TIME),
+               "y": 0 * TIME, "dy": 0 * TIME}  # fmt: skip
+    units = {"x": "m", "dx": "m/s", "y": "m", "dy": "m/s"}
+    pairs = (("x", "dx"), ("y", "dy"))
+    page = pages_of(Content("two", histories=columns, pairs=pairs, units=units))[0]
+    moves, rests = page.drawing.planes
+    assert rests.displacement.scale == moves.displacement.scale
+    assert rests.scaled_velocity.scale == moves.scaled_velocity.scale
+    values = {float(t.text.replace(MINUS, "-")): t.centre for t in page.texts if t.kind == "value"}
+    beside = [z - rests.displacement.origin for z in values.values()]
+    near = [z for z in beside if abs(z.real) < 0.14]
+    assert any(abs(z.real) > abs(z.imag) for z in near)
+    assert any(abs(z.imag) > abs(z.real) for z in near)
 
 
 def test_angles_on_axes_are_in_radians_in_plots_and_words_too(tmp_path: Path) -> None:
