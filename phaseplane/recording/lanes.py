@@ -21,6 +21,7 @@ Bools = npt.NDArray[np.bool_]
 LANES = "/lanes"
 SHEET_SHARE = 8.0  # the height of the sheet, relative to that of the lanes below it
 _CALM, _LOUD = "calm", "loud"
+_DARK = 0.65  # brightness of bands, relative to that of curves
 # by the ending of a column: what it is about, the words for its two states, and the hue of the second
 _SWITCHES = {
     "airborne": ("wheel", "on the road", "off the road", RED),
@@ -86,7 +87,7 @@ def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) ->
         if not len(lane.times):
             continue
         path = f"{LANES}/{name.replace(' ', '_')}"
-        hues = colours([rgba(GREEN, 0.35), rgba(lane.hue)])
+        hues = colours([_dark(rgba(GREEN, 0.35)), _dark(rgba(lane.hue))])
         look = rr.StateConfiguration(
             values=[_CALM, _LOUD], labels=[lane.calm, lane.loud], colors=hues
         )
@@ -108,6 +109,12 @@ def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) ->
             # the band of the last tick is as wide as all others, so one more follows it
             stages = clock.stages(np.arange(len(told) + 1))
             recording.send_columns(path, stages, _changes(states[np.append(last, last[-1])]))
+
+
+def _dark(colour: int) -> int:
+    """Return a darker colour, 0xRRGGBBAA: the viewer writes white on bands, which the ground lightens."""
+    *hue, opacity = colour.to_bytes(4, "big")
+    return int.from_bytes(bytes([*(round(_DARK * part) for part in hue), opacity]), "big")
 
 
 def _new(states: Bools) -> Integers:

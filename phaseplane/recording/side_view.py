@@ -16,12 +16,22 @@ from .canvas import UPRIGHT, colours, radii, rgba, strips, xy
 from .clock import Clock, seconds
 from .content import Content
 from .motion import thinned
-from .vehicle import FLOOR, Columns, Polyline, Vehicle, open_gap, places_of, road_profile, shapes_of
+from .vehicle import (
+    FLOOR,
+    HULL,
+    Columns,
+    Polyline,
+    Vehicle,
+    open_gap,
+    places_of,
+    road_profile,
+    shapes_of,
+)
 
 VEHICLE = "/vehicle"
 _MOST_ROWS = 2000
 _MARGIN = 0.15
-_WIDTH = 2.0  # of lines
+_WIDTH = 1.2  # of lines, so thin that springs and dampers are seen in a small window, too
 
 
 def vehicle_of(content: Content) -> Vehicle | None:
@@ -35,7 +45,8 @@ def view_box(vehicle: Vehicle, content: Content) -> Box:
     left, right = vehicle.reach
     reach = np.concatenate([[0.0], *map(content.column, vehicle.columns)])
     reach = reach[np.isfinite(reach)]
-    bottom, top = -0.2 + float(reach.min()), FLOOR + 0.45 + float(reach.max())
+    bottom, top = -_MARGIN + float(reach.min()), FLOOR + HULL + float(reach.max())
+    top += 0.5 * _MARGIN
     middle = complex(left + right, bottom + top) / 2.0
     return Box(middle, complex(right - left + 2.0 * _MARGIN, top - bottom) / 2.0)
 

@@ -20,9 +20,9 @@ _TYRE, _RIM = 0.32, 0.19  # radii
 _PLATE = 0.1  # height of the strut's lower end above the wheel's centre
 _STRUT = 0.5  # length of spring and damper at rest
 FLOOR = _TYRE + _PLATE + _STRUT  # height of the body above the road
-_HULL = 0.28  # height of the body
+HULL = 0.28  # height of the body
 _OVERHANG = 0.45
-_COILS = 6
+_COILS = 4
 _BESIDE = -0.08  # position of the spring relative to the axle
 _GAP_STROKES = 11
 _ROAD_MARKS = 0.1  # distance of the strokes under the road
@@ -112,7 +112,7 @@ class Place:
 def shapes_of(vehicle: Vehicle) -> Iterator[tuple[str, str, list[Polyline]]]:
     """Yield the name, the part of a car for its hue, and the outline of what moves as one."""
     left, right = vehicle.reach
-    corners = [complex(left, 0), complex(right, 0), complex(right, _HULL), complex(left, _HULL)]
+    corners = [complex(left, 0), complex(right, 0), complex(right, HULL), complex(left, HULL)]
     yield "body", "body", [[*corners, corners[0]]]
     zigzag = [
         0.045 * (-1) ** k + 1j * (0.1 + 0.8 * (k + 0.5) / (2 * _COILS)) for k in range(2 * _COILS)

@@ -18,6 +18,7 @@ from phaseplane.recording import VIEWS, AxleView, Content, Vehicle, record
 from phaseplane.recording.drawer import Begin, Drawer
 from phaseplane.recording.lanes import SHEET_SHARE, lanes_share
 from phaseplane.recording.motion import made_planes, pages_of
+from phaseplane.recording.side_view import view_box
 
 STATIC = 0.02
 TIME = np.linspace(0.0, 0.3, 301)
@@ -121,6 +122,21 @@ def test_the_road_passes_below_the_wheel(tmp_path: Path) -> None:
         shift = row["Transform3D:translation"][0][0]
         below = np.interp(0.0, surface.real + shift, surface.imag)
         assert below == pytest.approx(np.interp(row["t"], TIME, MOTION["road"]), abs=1e-5)
+
+
+def test_springs_and_dampers_are_seen_in_a_small_pane(tmp_path: Path) -> None:
+    """Of 227 by 89 pixels, as in a window of 1366x768 beside a construction."""
+    shown = Content("a run", histories=MOTION, vehicle=QUARTER)
+    made = read_back(shown, tmp_path)
+    size = 2.0 * view_box(QUARTER, shown).half
+    pixels = min(227.0 / size.real, 89.0 / size.imag)  # in 1 m
+    parts = {part: made.static[f"/vehicle/axle/{part}"] for part in ("spring", "wheel")}
+    (width,) = {-2.0 * part["LineStrips2D:radii"][0] for part in parts.values()}
+    (spring,) = map(paper, parts["spring"]["LineStrips2D:strips"])
+    cylinder = paper(parts["wheel"]["LineStrips2D:strips"][-1])
+    wires = 0.5 * np.diff(np.imag(spring))[2:-2]  # the spring is as long as the strut at rest
+    assert 1.5 * width < pixels * min(abs(wires))
+    assert 1.5 * width < pixels * np.ptp(np.real(cylinder))
 
 
 def test_the_tyre_stands_on_the_road_at_rest(tmp_path: Path) -> None:
@@ -270,6 +286,19 @@ def test_lanes_show_what_changes(tmp_path: Path) -> None:
     assert labels == ["on the road", "off the road"]
     calm = read_back(Content("a run", histories={**MOTION, "airborne": 0 * TIME}), tmp_path)
     assert not any(path.startswith("/lanes") for path in calm.rows)
+
+
+def test_the_words_on_lanes_are_legible_on_light_ground(tmp_path: Path) -> None:
+    """The viewer writes white, on bands through which a fifth of the ground is seen."""
+    stops = replace(QUARTER, axles=(replace(QUARTER.axles[0], rebound_gap=0.01),))
+    made = read_back(Content("a run", histories=MOTION, vehicle=stops), tmp_path)
+    for lane in ("wheel", "rebound_stop"):
+        for colour in made.static[f"/lanes/{lane}"]["StateConfiguration:colors"]:
+            parts = np.array([*int(colour).to_bytes(4, "big")][:3])
+            seen = 1.0 - 200.0 / 255.0 * (1.0 - parts / 255.0)
+            linear = np.where(seen <= 0.04045, seen / 12.92, ((seen + 0.055) / 1.055) ** 2.4)
+            luminance = linear @ [0.2126, 0.7152, 0.0722]
+            assert 1.05 / (luminance + 0.05) > 4.5
 
 
 @pytest.mark.slow
