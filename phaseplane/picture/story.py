@@ -128,6 +128,7 @@ def story_of(
         f"**The whole motion**: {counted(count, 'step')}. The timelines *step* and *t* go through all of "
         "them.",
         *_drift(stays),
+        text.marks_text(drawing),
         text.control_text(drawing, quantities),
         text.readings_table(told_here, quantities, text.is_laid_over(drawing)),
     ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from functools import lru_cache
@@ -31,6 +32,9 @@ _ROW, _MOST_ROWS = 68, 20
 _NOTHING = 1e-12  # a smaller reading is one of rounding
 _DIFFERS = 0.1  # of the largest displacement of a body: a difference of its control that is told
 LETTER_OF_EVENT = {"lift_off": "U", "touchdown": "V", "jolt": "J", "sticking": "F"}
+_MARKS = {
+    "lift_off": "lift-off", "jolt": "jump of the road", "sticking": "dry friction begins to hold"
+}  # fmt: skip
 
 
 def level_text(label: str, unit: str, factor: float) -> str:
@@ -87,6 +91,20 @@ def format_time(time: float) -> str:
 def event_text(event: Event) -> str:
     """Return what happens in an event, as a sentence if its kind is known."""
     return _EVENTS.get(event.kind, in_words(event.name)).format(in_words(event.axle))
+
+
+def marks_text(drawing: Drawing) -> str:
+    """Return what the marks of events in a whole motion mean, and how often each was; empty if none."""
+    events = (
+        e for frame in drawing.frames.at([*drawing.frames.events]) for e in events_of(frame, ())
+    )
+    kinds = Counter(event.kind for event in events)
+    told = (
+        f"{_MARKS.get(kind, in_words(kind))} {LETTER_OF_EVENT.get(kind, '')}".rstrip()
+        + f" ({count})"
+        for kind, count in kinds.items()
+    )
+    return f"Red points: {', '.join(told)}." if kinds else ""
 
 
 def markdown(text: str) -> str:

@@ -6,18 +6,20 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from recorded import CONTACT_SCHEME, PLANES, drawing, frame, read_back
+from recorded import CONTACT_SCHEME, PLANES, drawing, frame, read_back, sheet_and_story
 from worked_example import ap57
 
 from phaseplane.constructions import Curve, EquationPlane, Mark, construct_motion, delta
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.sheet import Event
+from phaseplane.constructions.storage import StoredFrames
 from phaseplane.picture.quantities import QUANTITIES, quantity_of, unit_text
 from phaseplane.picture.text import (
     LETTER_OF_EVENT,
     end_text,
     event_text,
     level_text,
+    marks_text,
     measured,
     number,
     protocol,
@@ -82,6 +84,17 @@ def test_rounding_is_measured_as_zero() -> None:
 @pytest.mark.parametrize(("kind", "letter"), LETTER_OF_EVENT.items())
 def test_the_sentence_of_an_event_names_its_letter(kind: str, letter: str) -> None:
     assert event_text(Event(kind, kind, "", ())).endswith(f"({letter}).")
+
+
+def test_the_end_of_a_story_says_what_its_red_points_are() -> None:
+    """Where there are many they have no letters."""
+    made = drawing()
+    _, ticks = sheet_and_story(made)
+    assert "Red points: lift-off U (1), touchdown V (1)." in ticks[-1].text
+    frames = [replace(frame, event="sticking") for frame in made.frames[1:31]]
+    often = replace(made, frames=StoredFrames([made.frames[0], *frames]))
+    assert marks_text(often) == "Red points: dry friction begins to hold F (30)."
+    assert marks_text(replace(made, frames=StoredFrames(made.frames[:20]))) == ""
 
 
 def test_there_is_no_negative_zero() -> None:
