@@ -248,27 +248,30 @@ def _name(
 
     It avoids the axes, and lines I and II, which may be close to them; if it can the motion, too, and
     then the auxiliary curves. Of the places that are equally free it takes the one nearest to the axis;
-    the unit may stand in a row of its own.
+    the unit may stand in a row of its own. Where all places at its tip are on the motion, an upright axis
+    may have its name at its lower end.
     """
     words = name, name.replace(" [", "\n[")
     texts = [Text("axis", each, edge, 8.5 / TYPE, "name") for each in dict.fromkeys(words)]
     low, high = page.view.grown(-0.3 * page.em).corners
     line = Box(sum(axis) / 2.0, (axis[1] - axis[0]) / 2.0)
     line = replace(line, half=complex(abs(line.half.real), abs(line.half.imag)))
+    heights = [edge.imag, (axis[0] + axis[1] - edge).imag] if line.half.real == 0.0 else [edge.imag]
     found = []
-    for (rows, text), other, back, up in product(enumerate(texts), (0, 1), _BACK, _BESIDE):
+    for (foot, end), (rows, text), other, back, up in product(
+        enumerate(heights), enumerate(texts), (0, 1), _BACK, _BESIDE
+    ):
         half = text.box(page.em).half
         x = min(max(edge.real - sense * half.real, low.real + half.real), high.real - half.real)
-        height = edge.imag + (up + copysign(0.6 * rows, up)) * page.em
+        height = end + (up + copysign(0.6 * rows, up)) * page.em
         x -= back * sense * half.real
         centre = complex(2.0 * axis[1].real - x if other else x, height)
         box = Box(centre, half)
         if page.view.contains(box):
             far = line.gap(box) + (rows + 0.3 * other + 1.5 * back) * page.em
-            found.append(
-                (_struck(box.grown(PLATE * page.em), ways), far, replace(text, centre=centre))
-            )
-    page.write_first(text for *_, text in sorted(found, key=itemgetter(0, 1)))
+            struck = _struck(box.grown(PLATE * page.em), ways)
+            found.append((struck >= _MOTION, foot, struck, far, replace(text, centre=centre)))
+    page.write_first(text for *_, text in sorted(found, key=itemgetter(0, 1, 2, 3)))
 
 
 def _write_values(page: Page, values: list[list[Text]], ways: Sequence[Points]) -> None:

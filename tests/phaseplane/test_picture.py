@@ -18,7 +18,7 @@ from worked_example import ap57
 from phaseplane.constructions import Axis, Drawing, EquationPlane, construct_motion, delta
 from phaseplane.constructions.letters import typeset
 from phaseplane.figures.planes import step_lines, step_page
-from phaseplane.figures.style import PLAIN
+from phaseplane.figures.style import PLAIN, Look
 from phaseplane.picture.axes import graduation_of
 from phaseplane.picture.page import PLATE, Arrow, Lines
 from phaseplane.picture.paper import Box, arcs, around, segments_of, telling_vertices
@@ -149,6 +149,18 @@ def test_axes_of_planes_below_each_other_do_not_meet() -> None:
         assert axis.start.imag <= motion.imag.min()
         assert axis.tip.imag >= motion.imag.max()
         assert axis.start.real == plane.scaled_velocity.origin.real
+
+
+def test_the_name_of_an_axis_leaves_the_motion_free_on_a_narrow_sheet() -> None:
+    """Of a frame that yields: its state moves up and right from the axis, where the name would stand."""
+    made = made_of("h83_example40", 0.8)
+    page = step_page(made, made.frames[5], Look(width=0.085))
+    (motion,) = page.subject.motions
+    names = [text.box(page.em) for text in page.texts if text.kind == "name"]
+    assert len(names) == 2
+    ways = np.stack([motion[:-1], motion[1:]])
+    for name in names:
+        assert not Boxes(np.array(name.centre), np.array(name.half)).inside(*ways).any()
 
 
 def test_turn_angles_are_named_and_their_arm_has_a_unit() -> None:
