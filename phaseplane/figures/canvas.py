@@ -135,10 +135,11 @@ class Sheet:
                 )  # fmt: skip
 
     def handle(self, role: str, words: str) -> Line2D:
-        """Return the line of an entry in the legend."""
-        style = style_of(role)
+        """Return the line of an entry in the legend, or the mark of events."""
+        style, mark = style_of(role), role == "event"
         return Line2D(
-            [], [], color=self.palette.of(style.hue), linestyle=self.dashes(role), label=words,
+            [], [], color=self.palette.of(style.hue), label=words, marker="o" if mark else "",
+            markersize=4.0, linestyle="" if mark else self.dashes(role),
             linewidth=style.width if self.palette.mono else 1.6, dash_capstyle="round",
         )  # fmt: skip
 

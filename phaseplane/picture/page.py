@@ -22,6 +22,7 @@ from .paper import NOTHING, Box, Points, Strip, segments_of
 from .quantities import display_unit
 from .styles import style_of
 from .subject import Subject
+from .text import marks_text
 
 TYPE = 9.0  # size of the type, points: 1 em of a page
 LETTER, VALUE = 10.0 / TYPE, 7.0 / TYPE
@@ -157,12 +158,15 @@ class Page:
         return self._segments
 
     def legend(self) -> list[tuple[str, str]]:
-        """Return the roles in the legend, with their words, in the order of drawing."""
+        """Return the roles in the legend, with their words, in the order of drawing; then marks."""
         found: dict[str, str] = {}
         for role in dict.fromkeys(lines.role for lines in self.of(Lines) if self.keyed):
             words = _legend_text(self.drawing, role)
             if words and words not in found.values():
                 found[role] = typeset(words)
+        marked = any(dots.role == "event" for dots in self.of(Dots))
+        if self.keyed and marked and not any(text.role == "event" for text in self.texts):
+            found["event"] = marks_text(self.drawing)
         return list(found.items())
 
     # Primitive parts.

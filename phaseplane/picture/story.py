@@ -124,11 +124,12 @@ def story_of(
     read = (drawing.end or last).readings
     told_here = {name: value for name, value in read.items() if not name.startswith("control_")}
     caption = f"The whole motion: {counted(count, 'step')}"
+    marks = text.marks_text(drawing)
     told = [
         f"**The whole motion**: {counted(count, 'step')}. The timelines *step* and *t* go through all of "
         "them.",
         *_drift(stays),
-        text.marks_text(drawing),
+        f"Red points: {marks}." if marks else "",
         text.control_text(drawing, quantities),
         text.readings_table(told_here, quantities, text.is_laid_over(drawing)),
     ]

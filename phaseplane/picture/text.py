@@ -99,12 +99,10 @@ def marks_text(drawing: Drawing) -> str:
         e for frame in drawing.frames.at([*drawing.frames.events]) for e in events_of(frame, ())
     )
     kinds = Counter(event.kind for event in events)
-    told = (
-        f"{_MARKS.get(kind, in_words(kind))} {LETTER_OF_EVENT.get(kind, '')}".rstrip()
-        + f" ({count})"
+    return ", ".join(
+        " ".join(filter(None, (_MARKS.get(kind, kind), LETTER_OF_EVENT.get(kind), f"({count})")))
         for kind, count in kinds.items()
     )
-    return f"Red points: {', '.join(told)}." if kinds else ""
 
 
 def markdown(text: str) -> str:

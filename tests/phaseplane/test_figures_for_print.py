@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from phaseplane.constructions import (
     delta,
     tangent,
 )
+from phaseplane.constructions.storage import StoredFrames
 from phaseplane.figures import Look, save
 from phaseplane.figures.canvas import Sheet, new_page
 from phaseplane.figures.style import PLAIN, Printed, heading_lines
@@ -79,6 +81,19 @@ def test_dashes_distinguish_black_lines() -> None:
     sheet = Sheet(Printed(Look(mono=True), 1.0, 1.0))
     kinds = {style.words: str(sheet.dashes(role)) for role, style in ROLES.items() if style.words}
     assert len(set(kinds.values())) == len(kinds)
+
+
+def test_the_legend_says_what_marks_without_letters_are(drawing: Drawing) -> None:
+    frames = [replace(frame, event="sticking") for frame in drawing.frames[1:31]]
+    often = replace(drawing, frames=StoredFrames([drawing.frames[0], *frames]))
+    (few,), (many,) = (figures.phase_planes(made).legends for made in (drawing, often))
+    words = "dry friction begins to hold F (30)"
+    assert words not in [text.get_text() for text in few.get_texts()]
+    entry = [text.get_text() for text in many.get_texts()].index(words)
+    handle = many.legend_handles[entry]
+    assert handle is not None
+    assert handle.get_marker() == "o"
+    assert handle.get_linestyle() == "None"
 
 
 @pytest.mark.parametrize("look", [Look(), Look(mono=True), Look(mono=True, width=0.085)])

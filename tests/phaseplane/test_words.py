@@ -93,7 +93,7 @@ def test_the_end_of_a_story_says_what_its_red_points_are() -> None:
     assert "Red points: lift-off U (1), touchdown V (1)." in ticks[-1].text
     frames = [replace(frame, event="sticking") for frame in made.frames[1:31]]
     often = replace(made, frames=StoredFrames([made.frames[0], *frames]))
-    assert marks_text(often) == "Red points: dry friction begins to hold F (30)."
+    assert marks_text(often) == "dry friction begins to hold F (30)"
     assert marks_text(replace(made, frames=StoredFrames(made.frames[:20]))) == ""
 
 
