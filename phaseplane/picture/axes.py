@@ -69,14 +69,14 @@ def draw_axes(page: Page, clear: Points = NOTHING) -> None:
     """Draw the axes with arrows, ticks, values and names, which keep clear of some segments, too."""
     known = [  # a y axis has values on both sides of a motion, which may cover all others
         (plane, motion, graduation_of(plane.displacement, motion, 2.2 * page.em, beyond=1.4),
-         graduation_of(plane.scaled_velocity, motion, 1.5 * page.em, plane.displacement))
+         _graduation_up(page, plane))
         for plane in page.drawing.planes for motion in (page.motion(plane),)
     ]  # fmt: skip
     beside = _in_columns(page)
-    for plane, motion, along, up in known if beside else ():
+    for plane, _, along, up in known if beside else ():
         words = plane.name.split("_")
         units = ", ".join(filter(None, (bracketed(of.unit).strip() for of in (along, up))))
-        tip = _upright(page, plane, motion, up)[1]
+        tip = _upright(page, plane)[1]
         # two texts: of many with two rows, the viewer shows only the first
         for row, text in enumerate(filter(None, (units, " ".join(words[:-1] or words)))):
             page.write(Text("axis", text, tip + (1.0 + _ROW * row) * 1j * page.em, kind="name"))
@@ -127,7 +127,7 @@ def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> _Texts:
 def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) -> _Texts:
     """Draw the y-bar axis only over the range of the motion, to keep clear of other planes."""
     axis, em = plane.scaled_velocity, page.em
-    start, tip = _upright(page, plane, motion, graduation)
+    start, tip = _upright(page, plane)
     graduation = _between(graduation, axis, start, tip - 0.7j * em)  # clear of the arrow
     page.arrow("axis", start, tip)
     _ticks(page, axis, graduation, 0.35 * em)
@@ -163,34 +163,45 @@ def _too_wide(page: Page, name: str) -> bool:
     return bool(text_box(0j, name, page.em).half.real > _WIDEST * page.view.half.real)
 
 
-def _upright(
-    page: Page, plane: Plane, motion: Points, graduation: Graduation
-) -> tuple[complex, complex]:
+def _graduation_up(page: Page, plane: Plane) -> Graduation:
+    axis, along = plane.scaled_velocity, plane.displacement
+    return graduation_of(axis, page.motion(plane), 1.5 * page.em, along)
+
+
+def _upright(page: Page, plane: Plane) -> tuple[complex, complex]:
     """Return the ends of the y-bar axis, which are in view and clear of the planes above and below."""
-    axis = plane.scaled_velocity
-    ends = [0.0, *graduation.values, *reach_of(axis, motion)]
-    start, tip = axis.at(min(ends)) - 0.8j * page.em, axis.at(max(ends)) + 1.6j * page.em
-    low, high = _heights(page, plane)
-    start = complex(start.real, max(start.imag, low))
-    return start, complex(tip.real, min(tip.imag, max(high, start.imag)))
+    x = plane.scaled_velocity.origin.real
+    (bottom, top), (low, high) = _wanted(page, plane), _heights(page, plane)
+    start = max(bottom, low)
+    return complex(x, start), complex(x, min(top, max(high, start)))
+
+
+def _wanted(page: Page, plane: Plane) -> tuple[float, float]:
+    """Return the heights of the ends of a y-bar axis with all its values, an arrow above the last."""
+    axis, values = plane.scaled_velocity, _graduation_up(page, plane).values
+    ends = [axis.at(value).imag for value in (0.0, *values, *reach_of(axis, page.motion(plane)))]
+    return min(ends) - 0.8 * page.em, max(ends) + 1.6 * page.em
 
 
 def _heights(page: Page, plane: Plane) -> tuple[float, float]:
     """Return the least and the greatest height of a y-bar axis.
 
-    It is in view, below the name of the plane, and halfway to the motions, and names, above and below.
+    It is in view, below the name of the plane, and clear of the axes above and below, or where they
+    would meet halfway between the motions.
     """
     name = (1.8 + _ROW if _in_columns(page) else 0.2) * page.em
     low, high = (z.imag for z in page.view.grown(-name).corners)
     low -= name
-    bottom, top = _extent(page, plane)
+    (bottom, top), apart = _extent(page, plane), 0.2 * page.em
     for other in page.drawing.planes:
         away = other.displacement.origin - plane.displacement.origin
-        its_bottom, its_top = _extent(page, other)
+        (its_bottom, its_top), wanted = _extent(page, other), _wanted(page, other)
         if away.real == 0.0 and away.imag < 0.0:
-            low = max(low, min(bottom, (bottom + its_top + name) / 2.0 + 0.2 * page.em))
+            between = min((bottom + its_top + name) / 2.0, wanted[1] + name)
+            low = max(low, min(bottom, between + apart))
         elif away.real == 0.0 and away.imag > 0.0:
-            high = min(high, max(top, (top + its_bottom - name) / 2.0 - 0.2 * page.em))
+            between = max((top + its_bottom - name) / 2.0, wanted[0] - name)
+            high = min(high, max(top, between - apart))
     return low, high
 
 

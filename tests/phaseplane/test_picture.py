@@ -151,6 +151,19 @@ def test_axes_of_planes_below_each_other_do_not_meet() -> None:
         assert axis.start.real == plane.scaled_velocity.origin.real
 
 
+def test_an_axis_passes_the_middle_between_planes_where_the_other_leaves_room() -> None:
+    """After a plank: else the greatest value of the lower plane would be missing."""
+    page = pages_of(Content("over a plank", made_of("plank", 0.4)))[0]
+    upper, lower = (a for a in page.of(Arrow) if a.start.real == a.tip.real)
+    above, below = page.subject.motions
+    middle = (above.imag.min() + below.imag.max()) / 2.0
+    assert middle < lower.tip.imag < upper.start.imag
+    axis = page.drawing.planes[1].scaled_velocity
+    ticks = [np.mean(strip) for lines in page.of(Lines) if lines.role == "axis"
+             for strip in lines.strips]  # fmt: skip
+    assert any(abs(z.real - axis.origin.real) < 1e-9 and z.imag > below.imag.max() for z in ticks)
+
+
 def test_the_name_of_an_axis_leaves_the_motion_free_on_a_narrow_sheet() -> None:
     """Of a frame that yields: its state moves up and right from the axis, where the name would stand."""
     made = made_of("h83_example40", 0.8)
