@@ -17,7 +17,7 @@ from .frames import read_over
 from .page import Page, Text
 from .paper import Box
 from .quantities import Quantity
-from .styles import PARTS, part_of, strength_of
+from .styles import PARTS, part_of, strength_of, weight_of
 from .subject import Subject
 from .text import bracketed, in_words, number
 
@@ -99,7 +99,7 @@ class Chart:
         for role, name in zip(self.roles, self.names, strict=True):
             curve = self._curve(self.times, self.values[name])
             if len(curve) > 1:
-                page.lines(role, [curve], 0.8, 0.6 * strength_of(name))
+                page.lines(role, [curve], 0.9 * weight_of(name), 0.6 * strength_of(name))
         for row, text in enumerate(named):  # beside it, centred: in larger windows type is smaller
             page.write(replace(text, centre=complex(_NAMES + widest, _HEIGHT - 1.7 * row * _EM)))
         return page
@@ -133,9 +133,9 @@ class Chart:
             shown = np.isfinite(values)
             points = self._curve(times[shown], values[shown])
             if len(points) > 1 and len(self.read[0]) > _POINTS:
-                page.lines(role, [points], 1.2, strength_of(name))
+                page.lines(role, [points], 1.2 * weight_of(name), strength_of(name))
             else:
-                page.dots(role, points, 0.9, strength_of(name))
+                page.dots(role, points, 0.9 * weight_of(name), strength_of(name))
         page.lines("value", [self.cursor(times[-1])])
         return page
 

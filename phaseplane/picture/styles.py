@@ -115,3 +115,8 @@ def strength_of(variable: str) -> float:
     """Return the opacity of a variable: a rear axle is fainter than a front one, right than left."""
     words = variable.split("_")
     return (0.5 if "rear" in words else 1.0) * (0.7 if "right" in words else 1.0)
+
+
+def weight_of(variable: str) -> float:
+    """Return the relative width of a curve: those of a rear axle are thin, for hues differ little."""
+    return 0.5 if "rear" in variable.split("_") else 1.0

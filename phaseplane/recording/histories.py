@@ -10,7 +10,7 @@ import rerun as rr
 
 from phaseplane.picture.frames import read_over
 from phaseplane.picture.quantities import QUANTITIES, RADIANS, Quantity, quantity_of
-from phaseplane.picture.styles import hue_of, strength_of
+from phaseplane.picture.styles import hue_of, strength_of, weight_of
 from phaseplane.picture.subject import read_off
 from phaseplane.picture.text import in_words
 
@@ -20,6 +20,7 @@ from .content import Content
 
 HISTORIES = "/histories"
 MOST_NAMED = 8  # curves of a plot that are named in it; more names would hide them
+_WIDTH = 2.0  # of a curve, in points of the screen
 _MOST_MARKED = 300  # points on a curve; more of them are small, for they would be a band
 _PLACES = ("front", "rear", "left", "right")
 
@@ -147,12 +148,12 @@ def send_readings(
 
 
 def log_series(recording: rr.RecordingStream, panel: Panel, content: Content) -> None:
-    """Log names and colours of the curves of a panel; a rear axle and a right wheel have fainter ones."""
+    """Log names and looks of the curves of a panel: a right wheel's are fainter, a rear one's thin."""
     several = content.drawing is not None and len(content.drawing.frames) > _MOST_MARKED
     for number, name in enumerate(panel.names):
         words = legible(in_words(name))
         colour = colours([rgba(hue_of(name, number), strength_of(name))])
-        line = rr.SeriesLines(names=words, colors=colour, widths=1.5)
+        line = rr.SeriesLines(names=words, colors=colour, widths=_WIDTH * weight_of(name))
         recording.log(panel.entity(name), line, static=True)
         if name in panel.drawn:
             points = rr.SeriesPoints(

@@ -29,11 +29,12 @@ def test_all_columns_of_a_chart_are_named_in_its_view() -> None:
     for name in names:
         assert page.view.contains(named[name.replace("_", " ")])
     front, rear = (
-        {i.strength for i in page.items if isinstance(i, Lines) and i.role == "suspension"}
+        {(i.strength, i.weight) for i in page.of(Lines) if i.role == "suspension"}
         for page in (Chart(made, histories, pair, QUANTITIES[0]).stays for pair in
                      (names[:2], names[2:]))
     )  # fmt: skip
-    assert max(rear) < min(front)
+    for of_rear, of_front in zip(max(rear), min(front), strict=True):
+        assert of_rear < 0.6 * of_front
     strengths = {text.text: text.strength for text in page.texts}
     assert [strengths[name.replace("_", " ")] for name in names] == [*map(strength_of, names)]
     assert sum(text.endswith(" ms") for text in named) == 1  # the unit of time

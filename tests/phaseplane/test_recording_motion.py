@@ -357,6 +357,13 @@ def test_more_curves_of_several_wheels_have_a_plot_for_each_part(tmp_path: Path)
     columns = {f"{wheel}_{part}": TIME for wheel in wheels for part in parts}
     columns |= dict.fromkeys(("time", "heave_displacement", "heave_velocity"), TIME)
     made = read_back(Content("a run", histories=columns), tmp_path)
+    (front,), (rear,) = (
+        row["SeriesLines:widths"]
+        for axle in ("front", "rear")
+        for path, row in made.static.items()
+        if path.endswith(f"/{axle}_left_wheel_displacement")
+    )
+    assert 1.0 <= rear <= 0.5 * front  # whose hues differ little
     titles = [
         row["ViewBlueprint:display_name"][0].partition(" [")[0]
         for _, row in made.layout
