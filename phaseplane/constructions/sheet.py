@@ -176,14 +176,30 @@ def turn_angles(
     return (Curve("axis", (vertex, vertex + length)), *scale, *arms)
 
 
+def _cut(curve: Curve, low: float) -> Curve:
+    """Return an auxiliary curve without its part below a height; others as they are."""
+    upwards = curve.vertices[:: 1 if curve.vertices[-1].imag >= curve.vertices[0].imag else -1]
+    above = [z for z in upwards if z.imag > low]
+    if curve.role != "auxiliary" or len(above) in (0, len(upwards)):
+        return curve
+    last, first = upwards[-len(above) - 1], above[0]
+    end = last + (first - last) * (low - last.imag) / (first - last).imag
+    return replace(curve, vertices=(end, *above))
+
+
 def with_turn_angles_at(
-    corner: complex, drawing: Drawing, frames: Iterable[Frame]
+    corner: complex, drawing: Drawing, frames: Iterable[Frame], low: float
 ) -> tuple[tuple[Curve, ...], Iterator[Frame]]:
-    """Return the curves of a drawing and some steps, with the turn angles below and right of a corner."""
+    """Return the curves of a drawing and some steps, with the turn angles below and right of a corner.
+
+    Auxiliary curves end at the height `low` above them: a crossing could be taken for a point.
+    """
     turning = [z for c in drawing.curves if c.role in TURN for z in c.vertices] or [corner]
     shift = corner - complex(min(z.real for z in turning), max(z.imag for z in turning))
     curves = tuple(
-        replace(c, vertices=tuple(z + shift for z in c.vertices)) if c.role in TURN else c
+        replace(c, vertices=tuple(z + shift for z in c.vertices))
+        if c.role in TURN
+        else _cut(c, low)
         for c in drawing.curves
     )
     return curves, (

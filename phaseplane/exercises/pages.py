@@ -75,8 +75,9 @@ def gathered(drawing: Drawing, steps: int | None = None) -> Drawing:
     ]
     if not planes:
         return drawing
-    corner = complex(min(z.real for z in planes), min(z.imag for z in planes) - _GAP)
-    curves, moved = with_turn_angles_at(corner, drawing, drawing.frames)
+    lowest = min(z.imag for z in planes)
+    corner = complex(min(z.real for z in planes), lowest - _GAP)
+    curves, moved = with_turn_angles_at(corner, drawing, drawing.frames, lowest - _GAP / 2.0)
     return replace(drawing, curves=curves, frames=StoredFrames(moved))
 
 

@@ -79,7 +79,7 @@ def gathered(drawing: Drawing, frames: StoredFrames) -> tuple[Drawing, list[Fram
     gap = _BELOW * size.imag
     below = min(low.imag, max(min(ends, default=low.imag), low.imag - 2.0 * gap))
     corner = complex(low.real, below - gap)
-    curves, moved = with_turn_angles_at(corner, drawing, frames)
+    curves, moved = with_turn_angles_at(corner, drawing, frames, below - gap / 2.0)
     return replace(drawing, curves=curves), list(moved)
 
 

@@ -15,15 +15,17 @@ from phaseplane.scenarios.draw.constructions import draw_construction
 from phaseplane.scenarios.scene.loading import load_scene
 from worked_example import ap57
 
+from phaseplane import exercises
 from phaseplane.constructions import Axis, Drawing, EquationPlane, construct_motion, delta
 from phaseplane.constructions.letters import typeset
 from phaseplane.figures.planes import step_lines, step_page
 from phaseplane.figures.style import PLAIN, Look
 from phaseplane.picture.axes import graduation_of
 from phaseplane.picture.page import PLATE, Arrow, Lines
-from phaseplane.picture.paper import Box, arcs, around, segments_of, telling_vertices
+from phaseplane.picture.paper import Box, arcs, around, columns, segments_of, telling_vertices
 from phaseplane.picture.quantities import display_unit
 from phaseplane.picture.story import arms_page, story_of
+from phaseplane.picture.views import gathered
 from phaseplane.recording import Content
 from phaseplane.recording.motion import pages_of
 
@@ -188,6 +190,22 @@ def test_turn_angles_are_named_and_their_arm_has_a_unit() -> None:
         boxes = [text.box(page.em) for text in page.texts]
         assert all(one.overlap(other) == 0.0 for one, other in combinations(boxes, 2))
         assert all(page.view.contains(box) for box in boxes)
+
+
+@pytest.mark.parametrize("exercise", [False, True])
+def test_auxiliary_curves_end_above_the_turn_angles_of_a_sheet(*, exercise: bool) -> None:
+    """And reach as far as they are used."""
+    made = construct_motion(ap57(), delta, step=0.0025, steps=10)
+    shown = exercises.gathered(made) if exercise else gathered(made, made.frames)[0]
+    arms = [z.imag for c in shown.curves if c.role == "construction" for z in c.vertices]
+    curves = [c.vertices for c in shown.curves if c.role == "auxiliary"]
+    assert max(arms) < min(z.imag for vertices in curves for z in vertices)
+    used = columns(made.frames, ["A1", "A2"])
+    for curve, points in zip(curves, used.T, strict=True):
+        heights = [z.imag for z in curve]
+        assert min(heights) <= points.imag.min() <= points.imag.max() <= max(heights)
+        across = np.interp(points.imag, heights, [z.real for z in curve])
+        assert across == pytest.approx(points.real, abs=1e-9)
 
 
 def test_only_turn_angles_are_on_their_arm_which_fills_its_view() -> None:
