@@ -126,18 +126,20 @@ def _along(page: Page, curve: Curve) -> None:
 
 def draw_trails(
     page: Page, steps: int | None = None, strength: float = 1.0, most: int | None = None,
-    recent: int = RECENT,
+    recent: int = RECENT, *, whole: bool = True,
 ) -> None:  # fmt: skip
     """Draw the motion in all planes, up to a number of steps, in curves of at most so many vertices.
 
-    Of a long one that would be a blot only the recent steps are drawn in full.
+    Of a long one that would be a blot only the recent steps are drawn in full; the others are faint, and
+    if not the whole motion is to be seen, only its last turns are.
     """
     known = min(map(len, page.subject.ways), default=0)
     last = known if steps is None else min(steps, known)
     since = last - recent if last > 2 * RECENT and page.subject.winds else 0
     close = _STRAIGHT * page.em
     if since:
-        page.lines("trail", page.subject.past(since, close, most), 0.4, 0.5 * strength)
+        first = 0 if whole else page.subject.last_turns(since)
+        page.lines("trail", page.subject.past(since, close, most, first), 0.4, 0.5 * strength)
     if 0 < since < last:
         lately = [joined(way[since:last]) for way in page.subject.ways]
         if most:

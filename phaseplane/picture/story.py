@@ -283,7 +283,7 @@ def _scale(plane: Plane) -> str:
 
 def _page(stays: Page, index: int) -> Page:
     page = stays.following()
-    draw_trails(page, index, 0.8, VERTICES)
+    draw_trails(page, index, 0.8, VERTICES, whole=index == len(stays.drawing.frames))
     return page
 
 

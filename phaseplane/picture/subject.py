@@ -45,19 +45,30 @@ class Subject:
         return any(abs(np.diff(z)).sum() > _WOUND * abs(np.ptp(z.real) + np.ptp(z.imag))
                    for z in curves if z.size)  # fmt: skip
 
-    def past(self, steps: int, close: float, most: int | None) -> list[Points]:
-        """Return the motion in all planes over the first steps: parts of curves thinned once.
+    def last_turns(self, steps: int) -> int:
+        """Return the step from which on a motion up to a number of steps would not be a blot."""
+        first = 0
+        for way in self.ways:
+            lengths = np.nan_to_num(abs(np.diff(way[:steps])).sum(axis=1))
+            known = way[np.isfinite(way)]
+            size = abs(np.ptp(known.real) + np.ptp(known.imag)) if known.size else 0.0
+            left = np.cumsum(lengths[::-1]) <= _WOUND * size
+            first = max(first, len(lengths) - int(left.sum()))
+        return first
+
+    def past(self, steps: int, close: float, most: int | None, first: int = 0) -> list[Points]:
+        """Return the motion in all planes from one step to another: parts of curves thinned once.
 
         Thinned curves have at most so many vertices and differ by less than `close`, m of paper.
         """
         if most is None:
-            return [joined(way[:steps]) for way in self.ways]
+            return [joined(way[first:steps]) for way in self.ways]
         if not self._few:
             self._few += [(z, telling_vertices(z, close, most)) for z in map(joined, self.ways)]
-        ends = [steps * (way.shape[1] - 1) for way in self.ways]
+        parts = [way.shape[1] - 1 for way in self.ways]
         return [
-            z[np.append(kept[kept < end], end)]
-            for end, (z, kept) in zip(ends, self._few, strict=True)
+            z[np.append(kept[(kept >= first * part) & (kept < steps * part)], steps * part)]
+            for part, (z, kept) in zip(parts, self._few, strict=True)
         ]
 
     def layers(self, frame: Frame) -> list[Layer]:

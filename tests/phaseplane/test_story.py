@@ -165,6 +165,25 @@ def test_what_is_long_past_is_faint_in_a_story() -> None:
     assert [strip[-1] for strip in past.strips] == [strip[0] for strip in recent.strips]
 
 
+def test_lines_of_a_step_do_not_lie_on_a_blot() -> None:
+    """Of a motion that has filled its plane only the last turns are seen, until the whole of it is."""
+    swing = EquationPlane(lambda v, x, t: x, True, initial_displacement=1.0)
+    made = construct_motion(swing, delta, step=0.25, steps=4000)
+    stays, ticks = sheet_and_story(made, 3900)
+    origin = made.planes[0].displacement.origin
+    trails = [[np.array(s) for i in tick.page.of(Lines) if i.role == "trail" for s in i.strips]
+              for tick in (ticks[1], ticks[-1])]  # fmt: skip
+    step, end = (
+        sum(abs(np.diff(np.unwrap(np.angle(s - origin)))).sum() for s in strips) / (2.0 * np.pi)
+        for strips in trails
+    )
+    assert 10.0 < step < 30.0
+    assert end == pytest.approx(4000 * 0.25 / (2.0 * np.pi), rel=0.01)
+    past, recent = trails[0]
+    assert past[-1] == recent[0]
+    assert recent[-1] == stays.subject.motions[0][3900]
+
+
 def test_a_long_motion_stays_smooth_in_a_story() -> None:
     spring = EquationPlane(lambda v, x, t: x, True, initial_displacement=1.0)
     made = construct_motion(spring, delta, step=0.5, steps=1000)
