@@ -237,7 +237,7 @@ def _ways(page: Page, clear: Points = NOTHING) -> list[Points]:
     lines = segments_of((c.vertices[0], c.vertices[-1]) for c in curves if c.role == "line")
     return [
         segments_of(c.vertices for c in curves if c.role == "auxiliary").T,
-        segments_of(page.subject.motions if len(page.drawing.frames) else ()).T,
+        segments_of(page.subject.motions if page.subject.known else ()).T,
         np.concatenate([page.segments, lines, clear]).T,
     ]
 

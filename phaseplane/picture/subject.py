@@ -26,6 +26,7 @@ class Subject:
 
     drawing: Drawing
     motions: list[Points] = field(default_factory=list)
+    known: bool = True  # whether the motions are curves, and not only the range of those to come
     _few: list[tuple[Points, npt.NDArray[np.int64]]] = field(default_factory=list, init=False)
     _last: tuple[Frame, list[Layer]] | None = field(default=None, init=False)
 

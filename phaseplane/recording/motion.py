@@ -29,6 +29,7 @@ from .lanes import SHEET_SHARE, lanes_share
 
 _HALF_WIDTH = 0.1  # half width of a plane, m of paper
 _CLOSE, _ACROSS = 0.3, 0.51  # distances between the origins of planes, m of paper
+_MOST = 2000  # vertices of a motion that texts keep clear of
 _AT_REST = 1e-3  # of the largest motion with the same unit
 _ROUND = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0)
 # width and height of the sheet with its lanes, of the bar above it, and of its type in the viewer, in
@@ -139,7 +140,7 @@ def pages_of(content: Content) -> list[Page]:
 
     The first is the one that is drawn; the others are other views of it.
     """
-    drawing = content.constructed
+    drawing, known = content.constructed, True
     if drawing is not None:
         motions = motions_of(drawing)
         views = views_of(drawing, motions)
@@ -147,11 +148,15 @@ def pages_of(content: Content) -> list[Page]:
         planes = state_planes(content)
         if not planes:
             return []
-        motions = [_corners(plane, content) for plane in planes]
+        motions, known = [_corners(plane, content) for plane in planes], len(content.times) > 1
         views = [around(of, 0.15) for of in (np.concatenate(motions), *motions)]
+        if known:
+            few = thinned(content.histories, _MOST)
+            curves = [z[np.isfinite(z)] for z in (plane.motion(few) for plane in planes)]
+            motions = [z if z.size else ends for z, ends in zip(curves, motions, strict=True)]
         drawing = Drawing(content.title, tuple(p.plane for p in planes), (), {}, StoredFrames(()))
     high = _HEIGHT * SHEET_SHARE / (SHEET_SHARE + lanes_share(content)) - _BAR
-    subject, shape, pages = Subject(drawing, motions), _WIDTH / high, []
+    subject, shape, pages = Subject(drawing, motions, known), _WIDTH / high, []
     for view in views if len(views) > 2 else views[:1]:
         across, up = view.half.real, view.half.imag
         # widened or heightened to the shape of its pane

@@ -476,6 +476,22 @@ def test_rounding_is_drawn_as_rest() -> None:
     assert abs(lower - lower[0]).max() < 1e-3 * abs(upper - upper[0]).max()
 
 
+def test_values_of_the_axes_do_not_cover_the_motion_of_a_run() -> None:
+    """Behind their plates the moving point would not be seen."""
+    columns = {"time": TIME, "x": 0.1 * np.sin(20 * TIME), "dx": 2.0 * np.cos(20 * TIME),
+               "y": 0.05 * np.cos(30 * TIME) + 0.03, "dy": -1.5 * np.sin(30 * TIME)}  # fmt: skip
+    units = {"x": "m", "dx": "m/s", "y": "m", "dy": "m/s"}
+    pairs = (("x", "dx"), ("y", "dy"))
+    page = pages_of(Content("two", histories=columns, pairs=pairs, units=units))[0]
+    values = [text.box(page.em) for text in page.texts if text.kind == "value"]
+    assert len(values) >= 8
+    boxes = Box.of(values)
+    for motion in page.subject.motions:
+        crossed = Box(boxes.centre[:, None], boxes.half[:, None]).inside(motion[:-1], motion[1:])
+        inside = page.view.contains(boxes) & (crossed > 0).any(axis=1)
+        assert not inside.any()
+
+
 def test_a_plane_at_rest_has_the_scale_of_those_that_move() -> None:
     """Its values tell what counts as rest, on both axes."""
     columns = {"time": TIME, "x": 0.01 * np.sin(20 * TIME), "dx": 0.2 * np.cos(20 * TIME),
