@@ -21,8 +21,9 @@ from phaseplane.constructions.letters import typeset
 from phaseplane.figures.planes import step_lines, step_page
 from phaseplane.figures.style import PLAIN, Look
 from phaseplane.picture.axes import graduation_of
+from phaseplane.picture.frames import table
 from phaseplane.picture.page import PLATE, Arrow, Lines
-from phaseplane.picture.paper import Box, arcs, around, columns, segments_of, telling_vertices
+from phaseplane.picture.paper import Box, arcs, around, segments_of, telling_vertices
 from phaseplane.picture.quantities import display_unit
 from phaseplane.picture.story import arms_page, story_of
 from phaseplane.picture.views import gathered
@@ -200,7 +201,7 @@ def test_auxiliary_curves_end_above_the_turn_angles_of_a_sheet(*, exercise: bool
     arms = [z.imag for c in shown.curves if c.role == "construction" for z in c.vertices]
     curves = [c.vertices for c in shown.curves if c.role == "auxiliary"]
     assert max(arms) < min(z.imag for vertices in curves for z in vertices)
-    used = columns(made.frames, ["A1", "A2"])
+    used = table(made.frames, ["A1", "A2"])
     for curve, points in zip(curves, used.T, strict=True):
         heights = [z.imag for z in curve]
         assert min(heights) <= points.imag.min() <= points.imag.max() <= max(heights)

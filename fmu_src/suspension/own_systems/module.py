@@ -27,7 +27,7 @@ from ..systems import Element, System
 from ..units import UNITS, nearest
 from ..variable import ParameterError, Value, Variable
 
-_PACKAGE = __name__.rpartition(".")[0]
+_PACKAGE = models.__name__.rpartition(".")[0]
 # in an FMU the package has another name
 _IMPORTED = re.compile(r"^(\s*from\s+)phaseplane\.suspension\b", re.MULTILINE)
 _FILE = "<a module of one's own>"
