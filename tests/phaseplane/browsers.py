@@ -13,7 +13,7 @@ FREE = """
 const boxes = [...document.querySelectorAll('.paper text')].map(text => text.getBoundingClientRect());
 const across = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left);
 const down = (a, b) => Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
-const meet = (a, b) => across(a, b) > 1 && down(a, b) > 0.35 * Math.min(a.height, b.height);
+const meet = (a, b) => across(a, b) > 1 && down(a, b) > 0.4 * Math.min(a.height, b.height);
 return boxes.every((a, i) => boxes.every((b, k) => k <= i || !meet(a, b)));
 """
 """Whether no text on a sheet covers another."""

@@ -86,7 +86,9 @@ USED: dict[tuple[str, ...], set[str]] = {
         *SCENE, ENGINE, "phaseplane.scenarios.studies",
     },
     ("show", "."): {"numpy", "phaseplane.suspension"},
-    ("show", ".", "--figure", "columns.png"): {"numpy", "phaseplane.suspension", *DRAWN},
+    ("show", ".", "--figure", "columns.png"): {
+        "numpy", "phaseplane.suspension", "phaseplane.figures.histories", *DRAWN,
+    },
     ("compare", ".", "."): {"numpy", "phaseplane.suspension"},
 }  # fmt: skip
 
