@@ -15,9 +15,8 @@ from phaseplane.equations.roots import root
 from phaseplane.equations.switching import Mode, Switching
 
 _TOLERANCE = 1e-10
-_LEAST_SIZE = (
-    1e-2  # of the largest displacement and velocity so far: errors are relative to no less
-)
+# of the largest displacement and velocity so far: errors are relative to no less
+_LEAST_SIZE = 1e-2
 _SAMPLES = (0.2, 0.4, 0.6, 0.8, 1.0)  # parts of a step at which guards are read
 _ROUNDING = 1e-13  # of the state: margins no further below zero do not end a mode
 _COARSEST = 1e-6  # the same, where motions chatter
@@ -26,9 +25,8 @@ _STUBBORN = 8  # steps rejected in succession
 _MOST_STEPS = 4_000_000
 # so many switches in so small a part of the motion: it has come to rest
 _CROWD, _CROWDED = 60, 1e-6
-_CREEP = (
-    1e-3  # of the state: velocity, and distance from the guards, of a motion that comes to rest so
-)
+# of the state: velocity, and distance from the guards, of a motion that comes to rest so
+_CREEP = 1e-3
 
 
 class MotionError(ArithmeticError):

@@ -41,7 +41,7 @@ def readings(frames: StoredFrames, names: Sequence[str]) -> Lengths:
 def columns(
     frames: StoredFrames, names: Sequence[str], part: Literal["points", "readings"] = "points"
 ) -> npt.NDArray[Any]:
-    """Return the named points of the frames, shape (frames, names); nan where there is none."""
+    """Return named points or readings of the frames, shape (frames, names); nan where there is none."""
     store, chosen = frames.store, np.asarray(frames.chosen, np.int64)
     numbers, rows = (np.frombuffer(of, np.int64)[chosen] for of in (store.numbers, store.rows))
     kind = complex if part == "points" else float

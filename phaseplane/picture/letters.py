@@ -98,11 +98,8 @@ def place(
     """
     halves = np.array([text_box(0j, text, em).half for text in texts], complex)
     fixed, every = Box.of(taken), np.append(points, np.asarray(others, complex))
-    centres, gaps, free = (
-        np.zeros(len(texts), complex),
-        np.zeros(len(texts)),
-        np.ones(len(texts), bool),
-    )
+    count = len(texts)
+    centres, gaps, free = np.zeros(count, complex), np.zeros(count), np.ones(count, bool)
     near = (abs(points[:, None] - points) < 2.5 * em).sum(axis=1)
     order = np.argsort(-near, kind="stable")
     for done, i in enumerate(order):

@@ -36,7 +36,14 @@ from ..scene.layers import Setting, find_scene
 from ..scene.loading import construction_settings, load_scene
 from ..scene.sections import CONSTRUCTION_FIGURES
 from .console import figure_option, json_option, set_option
-from .viewing import look_options, page, save_option, until_interrupted, viewer_options
+from .viewing import (
+    look_options,
+    page,
+    refuse_without_figure,
+    save_option,
+    until_interrupted,
+    viewer_options,
+)  # fmt: skip
 
 _KIND = "phase_planes"  # of a figure
 
@@ -149,9 +156,8 @@ def replay_construction(
     """
     check_recording(save)
     check_picture(figure, PICTURES + MOVING)
-    for option, given in (("--kind", kind != _KIND), ("--at-step", at_step is not None)):
-        if given and figure is None:
-            raise InputError(f"{option} is for a figure; give --figure F.png, too")
+    if figure is None:
+        refuse_without_figure({"--kind": kind != _KIND, "--at-step": at_step is not None})
     try:
         one_of(CONSTRUCTION_FIGURES).read(kind)
     except ValueError as error:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import wraps
 from pathlib import Path
@@ -58,14 +58,28 @@ def look_options(command: Callable[..., Any]) -> Callable[..., Any]:
         look = None
         if more["figure"] is not None:
             look = look_of("--", dark=dark, headed=headed, width=width, font=font, mono=mono)
-        elif option := ("--dark" * dark or "--no-title" * (not headed) or "--width" * bool(width)
-                        or "--font" * bool(font) or "--mono" * mono):  # fmt: skip
-            raise InputError(f"{option} is for a figure; give --figure F.png, too")
+        else:
+            refuse_without_figure({
+                "--dark": dark, "--no-title": not headed, "--width": width, "--font": font,
+                "--mono": mono,
+            })  # fmt: skip
         return command(*args, look=look, **more)
 
     for option in reversed(_LOOK):
         looking = option(looking)
     return looking
+
+
+def refuse_without_figure(given: Mapping[str, object]) -> None:
+    """Refuse options of a figure, which is not drawn, if one of them is given.
+
+    Raises
+    ------
+    InputError : if one is.
+    """
+    for option, value in given.items():
+        if value:
+            raise InputError(f"{option} is for a figure; give --figure F.png, too")
 
 
 def viewer_options(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -74,8 +74,8 @@ class Space:
         for key, low, high in zip(plan.keys, *plan.points, strict=True):
             if isinstance(low, int) and not isinstance(low, bool):
                 raise InputError(
-                    f"{path}: vary.{key}: is a whole number, and a study varies what may have any value; "
-                    "a sweep can vary it"
+                    f"{path}: vary.{key}: takes whole numbers only, which a study cannot vary; use a "
+                    "sweep"
                 )
             if isinstance(low, bool | str) or isinstance(high, bool | str) or not low < high:
                 raise InputError(

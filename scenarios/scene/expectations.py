@@ -232,8 +232,8 @@ def remarks(
             continue
         if value * limit < 0.0 and abs(value) > abs(limit):
             yield (
-                f"{name} = {value:.4g} is within its bound, but a peak has a sign; for its magnitude "
-                f"write {{ min = {-abs(limit):g}, max = {abs(limit):g} }}"
+                f"{name} = {value:.4g} is within its bound, but a peak has a sign; to bound its "
+                f"magnitude, write {{ min = {-abs(limit):g}, max = {abs(limit):g} }}"
             )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import asdict, replace
@@ -187,7 +186,8 @@ def events_of(scene: Scene) -> list[Event]:
         if scene.controller is None:
             session.advance(scene.duration)
         else:
-            deque(driven(session, scene.controller, _times(scene)[0]), maxlen=0)
+            for _ in driven(session, scene.controller, _times(scene)[0]):
+                pass
     return session.events
 
 
@@ -267,6 +267,9 @@ def _summary(
     if reached < scene.duration * (1.0 - 1e-9):
         reason = one_line(drive.complaint) or "the FMU ended the run"
         stopped = {"time": reached, "reason": reason}
+    said = (
+        *_remarks(scene), *drive.warnings, *found.remarks, *remarks(scene.expect, found.readings)
+    )  # fmt: skip
     return {
         "scene": scene.name,
         "title": scene.title,
@@ -282,16 +285,7 @@ def _summary(
         "controller": scene.controller.as_data() if scene.controller else None,
         "construction": asdict(scene.construction),
         "stopped": stopped,
-        "remarks": [
-            *dict.fromkeys(
-                [
-                    *_remarks(scene),
-                    *drive.warnings,
-                    *found.remarks,
-                    *remarks(scene.expect, found.readings),
-                ]
-            )
-        ],
+        "remarks": [*dict.fromkeys(said)],
         "measured": {"interval": found.interval, "agreement": found.agreement},
         "measures": {
             name: {"value": reading.value, "unit": known[name].unit, "time": reading.time}

@@ -33,10 +33,8 @@ if TYPE_CHECKING:
 
 _TOLERANCE = 1e-12  # of the integrator for the exact motion
 _HALVINGS = 2
-_REPEATS, _LONG_ENOUGH = (
-    15,
-    1.0,
-)  # runs of a rule at most, and s of them after which there are no more
+_REPEATS = 15  # runs of a rule at most
+_LONG_ENOUGH = 1.0  # s of them, after which there are no more
 _INTEGRATOR = {"tangent": 2, "mean": 2, "equilibrium": 2}  # order of each method with fixed steps
 
 
@@ -51,7 +49,7 @@ class RuleResult:
     errors : largest error of each displacement over the steps, m
     orders : orders of the largest error, measured by halving the step twice; nan if the error is zero
     steps : number of steps
-    seconds : processor time of all steps, the shortest of some runs
+    seconds : processor time of all steps, the shortest of at most fifteen runs
     failure : why it failed, or empty
     """
 

@@ -323,7 +323,7 @@ def test_a_study_that_is_not_understood_is_refused(text, words):
      ("speed = { from = 9, to = 5 }", "from = 9.0 must be below to = 5.0"),
      ("sped = { from = 1, to = 2 }", "did you mean 'speed'"),
      ("duration = { from = 1, to = 2 }", "only parameters"),
-     ("road.seed = { from = 1, to = 5 }", "road.seed: is a whole number, .* a sweep can vary it"),
+     ("road.seed = { from = 1, to = 5 }", "road.seed: takes whole numbers only, .* use a sweep"),
      ("road.shape = { from = 1, to = 2 }", "road.shape")],
 )  # fmt: skip
 def test_ranges_that_are_none_are_refused(vary, words):

@@ -200,7 +200,7 @@ def test_a_peak_beyond_its_only_bound_on_the_other_side_is_reported(
 ) -> None:
     expected = {"peak.x": Bounds(**bounds), "mean.x": Bounds(max=4.0)}
     readings = {name: Reading(-5.0) for name in expected}
-    wanted = ["peak.x = -5 is within its bound, but a peak has a sign; for its magnitude write "
+    wanted = ["peak.x = -5 is within its bound, but a peak has a sign; to bound its magnitude, write "
               "{ min = -4, max = 4 }"] * reported  # fmt: skip
     assert list(remarks(expected, readings)) == wanted
 
