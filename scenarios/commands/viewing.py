@@ -98,10 +98,11 @@ def serve(folder: Path, address: str) -> None:
     The page is served until Ctrl-C.
     """
     files = recordings_in(folder)
-    with page(True, address, files) as shown:
+    # Ctrl-C is the end of this command whenever it comes, also before all names are printed
+    with suppress(KeyboardInterrupt), page(True, address, files) as shown:
         for path in files:
             click.echo(f"  {path.relative_to(folder)}", err=True)
-        until_interrupted(shown)
+        shown.wait()
 
 
 def recordings_in(folder: Path) -> list[Path]:

@@ -6,7 +6,7 @@ import re
 import signal
 import subprocess
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from time import perf_counter
 from types import SimpleNamespace
@@ -223,6 +223,19 @@ def test_a_folder_on_a_page_until_it_is_interrupted(tmp_path: Path) -> None:
     assert "Traceback" not in rest
     with pytest.raises(OSError, match="refused"):
         urlopen(page)
+
+
+def test_serving_ends_well_when_it_is_interrupted_before_it_waits(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def interrupt(_: object) -> None:
+        raise KeyboardInterrupt
+
+    server = SimpleNamespace(page="http://0.0.0.0:1/")
+    monkeypatch.setattr("phaseplane.recording.serving", lambda *_: nullcontext(server))
+    monkeypatch.setattr("phaseplane.scenarios.commands.viewing.warn", interrupt)
+    Path("f.rrd").touch()
+    printed("serve . --address 0.0.0.0")
 
 
 @pytest.mark.parametrize(
