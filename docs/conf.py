@@ -108,11 +108,14 @@ def _add_contents(_app: Any, page: str, source: list[str]) -> None:
 
 
 def _add_pages_of_models(_app: Any, page: str, source: list[str]) -> None:
-    """Add what the page inside the FMU of a model says: equations and symbols."""
+    """Replace the short text on each model by the page inside its FMU: equations and symbols."""
     if page == "docs/models":
         for name, model in ALL.items():
+            text, marker = f"!\\[{name}\\]\\(\\S+\\)\n", f"<!-- page: {name} -->"
             html = f"\n```{{raw}} html\n{model.page}\n```\n"
-            source[0] = source[0].replace(f"<!-- page: {name} -->", html)
+            source[0] = re.sub(
+                f"(?s)({text}).*?{marker}", lambda found, html=html: found[1] + html, source[0]
+            )
 
 
 def _add_gallery(app: Any, page: str, source: list[str]) -> None:
