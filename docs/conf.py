@@ -84,6 +84,8 @@ html_show_copyright = False
 
 myst_heading_anchors = 3
 
+smartquotes = False  # they would make apostrophes of the primes of y''
+
 # names in backticks are code; they are links only where a page says so
 default_role = "code"
 autodoc_typehints = "signature"
