@@ -311,6 +311,25 @@ def test_a_road_set_on_a_built_in_road_is_warned_of(
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
+def test_a_restored_state_reads_as_it_was_left(
+    fmi: int, native_fmu: Packer, slave: Any, tmp_path: Path
+) -> None:
+    """Forces too, of a wheel so light that its motion decays within a step."""
+    outputs = [REFERENCE[v.name] for v in variables("QuarterCar")
+               if v.causality == "output" and isinstance(v.start, float)]  # fmt: skip
+    with slave(native_fmu("QuarterCar", fmi=fmi), tmp_path) as one:
+        one.setupExperiment(startTime=0.0)
+        one.setReal([REFERENCE["body_force"], REFERENCE["unsprung_mass"]], [100.0, 0.01])
+        one.enterInitializationMode()
+        one.exitInitializationMode()
+        for time in (0.0, 0.5, 1.0, 1.5):
+            one.doStep(time, 0.5)
+            left = one.getReal(outputs)
+            one.setFMUstate(one.getFMUstate())
+            assert one.getReal(outputs) == left
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("time", [0.0, 0.05, 0.2])
 def test_a_step_that_is_repeated_or_left_out(
     fmi: int, time: float, native_fmu: Packer, slave: Any, tmp_path: Path, capfd: Any

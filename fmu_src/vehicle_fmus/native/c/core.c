@@ -715,6 +715,8 @@ static void restore(Instance *one, const State *state) {
     one->now = *state;
     one->refusal[0] = 0;
     wire(one);
+    /* forces are found from the motion read off the last step, which finding them changes */
+    if (state->ready) Integrator_sample(&one->now.machine.integrator, state->conduct.run.time);
 }
 
 /* ---- directional derivatives ----------------------------------------------------------------- */
