@@ -142,6 +142,22 @@ def test_no_output_is_set(vehicle: Any) -> None:
         assert f"{name} = 0.1: an output cannot be set" in vehicle.texts
 
 
+@pytest.mark.parametrize("kind", ["Real", "Integer", "Boolean", "String"])
+def test_a_reference_to_no_variable_of_the_type_is_refused(kind: str, car: Any) -> None:
+    """By the next step: an exception would end the host, or a number stand for another variable."""
+    none = [2**32 - 1, *(v.valueReference for v in car.description.modelVariables if v.type != kind)]
+    value = {"Real": 1.0, "Integer": 1, "Boolean": True, "String": "input"}[kind]
+    with car.instance():
+        for reference in (none[0], none[1]):
+            for call in ("get", "set"):
+                running(car)
+                given = [[value]] if call == "set" else []
+                getattr(car.fmu, f"{call}{kind}")([reference], *given)
+                refused_step(car)
+                assert "is no variable of this type" in car.texts
+                car.fmu.reset()
+
+
 def test_every_parameter_is_refused_out_of_its_range(model: str, vehicle: Any) -> None:
     """Before the run by its end of initialisation, during the run by the next step."""
     bounded = [

@@ -12,7 +12,7 @@ import signal
 import sys
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from functools import partial
+from functools import partialmethod
 from math import nan
 from pathlib import Path
 from typing import Any, ClassVar
@@ -52,6 +52,7 @@ _ROUNDING = 1e-6  # of its time, 1 s at least, by which a host may be off: it ma
 _AT_REST = 1e-12  # s by which it may be off in any case
 
 _TYPES = {float: Real, bool: Boolean, int: Integer, str: String}
+_NOTHING: Mapping[type[Value], Value] = {float: nan, bool: False, int: 0, str: ""}
 # status and category of messages; errors are logged where they are caught
 _LOGGED = {"event": (Fmi2Status.ok, "logEvents"), "info": (Fmi2Status.warning, "logAll")}
 
@@ -86,6 +87,10 @@ class VehicleSlave(Fmi2Slave):
         self.default_experiment = DefaultExperiment(0.0, 1.0, 1e-3, 1e-6)
         declared = variables(self.model)
         self._names = [variable.name for variable in declared]
+        self._references = {  # by the type of their variables
+            kind: frozenset(k for k, v in enumerate(declared) if type(v.start) is kind)
+            for kind in _TYPES
+        }
         self._starts = {variable.name: variable.start for variable in declared}
         # parameters and inputs as set by the host, checked when a session is made from them
         starts = _start_values(self.resources)
@@ -103,13 +108,7 @@ class VehicleSlave(Fmi2Slave):
         if starts:  # refused here if they are not those of a model
             self._session = self._new_session()
         for variable in declared:
-            self.register_variable(
-                _scalar_variable(
-                    variable,
-                    getter=partial(self._value, variable.name),
-                    setter=partial(self._set, variable.name),
-                )
-            )
+            self.register_variable(_scalar_variable(variable), nested=False)
 
     # -- initialisation ----------------------------------------------------------------------------
 
@@ -210,8 +209,18 @@ class VehicleSlave(Fmi2Slave):
 
     # -- variables ---------------------------------------------------------------------------------
 
-    def get_real(self, vrs: list[int]) -> list[Any]:
-        """Return values of any type by value reference; hosts call this most."""
+    def _are(self, kind: type[Value], vrs: list[int]) -> bool:
+        """Return whether these are variables of a type, and refuse the next step if not."""
+        if self._references[kind].issuperset(vrs):
+            return True
+        wrong = next(vr for vr in vrs if vr not in self._references[kind])
+        self._refuse(f"value reference {wrong} is no variable of this type")
+        return False
+
+    def _get(self, kind: type[Value], vrs: list[int]) -> list[Any]:
+        """Return values by value reference; hosts call this most."""
+        if not self._are(kind, vrs):
+            return [_NOTHING[kind]] * len(vrs)
         session = self._session
         if session is None or not (self._initialised and session.ok):
             return [self._value(self._names[vr]) for vr in vrs]
@@ -220,7 +229,16 @@ class VehicleSlave(Fmi2Slave):
             self._read = session.many(self._names)
         return self._read(vrs)
 
-    get_integer = get_boolean = get_real
+    def _set(self, kind: type[Value], vrs: list[int], values: list[Any]) -> None:
+        """Set values by value reference."""
+        if self._are(kind, vrs):
+            for vr, value in zip(vrs, values, strict=True):
+                self._set_one(self._names[vr], value)
+
+    get_real, set_real = partialmethod(_get, float), partialmethod(_set, float)
+    get_integer, set_integer = partialmethod(_get, int), partialmethod(_set, int)
+    get_boolean, set_boolean = partialmethod(_get, bool), partialmethod(_set, bool)
+    get_string, set_string = partialmethod(_get, str), partialmethod(_set, str)
 
     def _value(self, name: str) -> Value:
         if self._initialised and self._session is not None:
@@ -233,11 +251,10 @@ class VehicleSlave(Fmi2Slave):
             try:
                 self._session = self._new_session()
             except Exception:  # reported at the end of initialisation
-                start = self._starts[name]
-                return nan if isinstance(start, float) else type(start)(0)
+                return _NOTHING[type(self._starts[name])]
         return self._session.value(name)
 
-    def _set(self, name: str, value: Value) -> None:
+    def _set_one(self, name: str, value: Value) -> None:
         if name not in self._input_names and name not in self._parameters:
             self._refuse(f"{name} = {value!r}: an output cannot be set")
         elif self._initialised and self._session is not None:
@@ -312,7 +329,7 @@ def _start_values(resources: str | None) -> dict[str, Value]:
     return dict(json.loads(path.read_text("utf-8"))) if resources and path.exists() else {}
 
 
-def _scalar_variable(variable: Variable, **access: Any) -> Any:
+def _scalar_variable(variable: Variable) -> Any:
     """Return the variable as a pythonfmu variable."""
     kind = type(variable.start)
     if variable.causality == "parameter":
@@ -334,7 +351,6 @@ def _scalar_variable(variable: Variable, **access: Any) -> Any:
         causality=Fmi2Causality[variable.causality],
         description=variable.description,
         **role,
-        **access,
     )
 
 
