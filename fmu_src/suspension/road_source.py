@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from math import isfinite, nan
+from math import nan
 
 from .models.road import signals
 from .reading import ReadMany
-from .session import Session, SimulationError
+from .session import Session, refuse_step
 from .variables import SOURCES, ParameterError, Value, checked_parameters, refuse_unknown
 
 
@@ -72,10 +72,9 @@ class RoadSource:
 
         Raises
         ------
-        SimulationError : `until` is not finite.
+        SimulationError : `until` is not finite or before the present, or a step has failed.
         """
-        if not isfinite(until):
-            raise SimulationError(f"cannot step to {until} s: the time must be finite")
+        refuse_step(self.ok, self.time, until)
         self.time = until
 
     def value(self, name: str) -> Value:

@@ -232,13 +232,7 @@ class Session:
         ParameterError : parameters set during the run are inconsistent.
         """
         run, now = self._run, self._run.time
-        if not self.ok:
-            raise SimulationError(f"the run has already failed, at {now:.9g} s")
-        if not isfinite(until) or until < now - _AT_REST:
-            raise SimulationError(
-                f"cannot step from {now:.9g} s to {until:.9g} s: the end of a step must be "
-                "finite and not before its start"
-            )
+        refuse_step(self.ok, now, until)
         if self._tuned:
             self._take_parameters()
         if run.sets_in():
@@ -466,6 +460,22 @@ class Session:
         self._run.restore(bytes.fromhex(kept["run"]))
         self._read_lines()
         self._sample()
+
+
+def refuse_step(ok: bool, now: float, until: float) -> None:
+    """Refuse a step after a failure, or to a time that is not finite or before the present.
+
+    Raises
+    ------
+    SimulationError : says why.
+    """
+    if not ok:
+        raise SimulationError(f"the run has already failed, at {now:.9g} s")
+    if not isfinite(until) or until < now - _AT_REST:
+        raise SimulationError(
+            f"cannot step from {now:.9g} s to {until:.9g} s: the end of a step must be finite and "
+            "not before its start"
+        )
 
 
 def driven(system: System, inputs: Sequence[str], road: bool) -> list[tuple[int, int, int]]:
