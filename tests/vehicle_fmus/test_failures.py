@@ -144,10 +144,10 @@ def test_no_output_is_set(vehicle: Any) -> None:
 @pytest.mark.parametrize("kind", ["Real", "Integer", "Boolean", "String"])
 def test_a_reference_to_no_variable_of_the_type_is_refused(kind: str, car: Any) -> None:
     """By the next step: an exception would end the host, or a number stand for another variable."""
-    none = [2**32 - 1, *(v.valueReference for v in car.description.modelVariables if v.type != kind)]
+    other = next(v for v in car.description.modelVariables if v.type != kind)
     value = {"Real": 1.0, "Integer": 1, "Boolean": True, "String": "input"}[kind]
     with car.instance():
-        for reference in (none[0], none[1]):
+        for reference in (2**32 - 1, other.valueReference):
             for call in ("get", "set"):
                 running(car)
                 given = [[value]] if call == "set" else []

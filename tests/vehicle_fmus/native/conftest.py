@@ -85,7 +85,7 @@ class Fmi3(FMU3Slave):
         super().__init__(**given)
         self.events = events
         self.getReal, self.getInteger = self.getFloat64, self.getInt32
-        self.setReal = self.setFloat64
+        self.setReal, self.setInteger = self.setFloat64, self.setInt32
         self.serializeFMUstate, self.deSerializeFMUstate = (
             self.serializeFMUState, self.deserializeFMUState,
         )  # fmt: skip

@@ -208,9 +208,11 @@ def test_the_library_shows_the_functions_of_fmi_alone(native_fmu: Packer, tmp_pa
     ("name", "value", "at_once", "why"),
     [
         ("sprung_mass", -5.0, False, "sprung_mass = -5: must be greater than 0 in kg"),
-        ("sprung_mass", float("nan"), False, "sprung_mass = nan: must be"),
+        ("payload", float("nan"), False, "payload = nan: must be finite and at least 0 in kg"),
         ("friction", 50.0, False, "friction: this FMU was packed for another structure"),
-        ("lift_off", False, False, "lift_off = 0: this FMU was packed for lift_off = 1"),
+        ("lift_off", False, False, "lift_off = false: this FMU was packed for true"),
+        ("lift_off", False, False, "pack another with --set lift_off=false"),
+        ("road.seed", 1234567, False, "pack another with --set road.seed=1234567"),
         ("road.shape", "100 %s", True, "road.shape = '100 %s': this FMU was packed for 'bump'"),
         ("body_displacement", 0.1, True, "body_displacement = 0.1: an output cannot be set"),
     ],
@@ -222,7 +224,8 @@ def test_what_it_cannot_have_is_refused_in_words(
     """By the end of initialisation, or at once if it can never be set."""
     with slave(native_fmu("QuarterCar", fmi=fmi), tmp_path) as one:
         one.setupExperiment(startTime=0.0)
-        setter = {float: one.setReal, bool: one.setBoolean, str: one.setString}[type(value)]
+        kinds = {float: "Real", int: "Integer", bool: "Boolean", str: "String"}
+        setter = getattr(one, f"set{kinds[type(value)]}")
         with pytest.raises(Exception, match="status 3") if at_once else nullcontext():
             setter([REFERENCE[name]], [value])
         one.enterInitializationMode()

@@ -98,19 +98,34 @@ static void reset_instance(Instance *one) {
 
 /* ---- parameters ---------------------------------------------------------------------------- */
 
+/* Return whether a variable cannot have a value, and note that. */
+static int is_out_of_range(Instance *one, const Variable *v, double value) {
+    const int finite = isfinite(value) || strncmp(v->range, "finite", strlen("finite")) == 0;
+    if (isfinite(value) && !(v->positive && value <= 0.0) && value >= v->minimum &&
+        value <= v->maximum) {
+        return 0;
+    }
+    return fail(one, "%s = %g: must be %s%s", v->name, value, finite ? "" : "finite and ", v->range);
+}
+
+/* Write a whole number or a switch as `--set` takes it. */
+static void write_whole(const Variable *v, double value, char *to, size_t size) {
+    if (v->kind == BOOLEAN) snprintf(to, size, "%s", value != 0.0 ? "true" : "false");
+    else snprintf(to, size, "%.0f", value);
+}
+
 static int check_parameters(Instance *one, const double *p) {
     for (int k = 0; k < VARIABLES; k++) {
         const Variable *v = &variables[k];
         if (v->causality != PARAMETER || v->kind == STRING) continue;
         if (v->kind != REAL && p[k] != v->start) {
-            return fail(one, "%s = %g: this FMU was packed for %s = %g, on which its structure "
-                        "depends; pack another with --set %s=%g",
-                        v->name, p[k], v->name, v->start, v->name, p[k]);
+            char given[32], packed[32];
+            write_whole(v, p[k], given, sizeof given);
+            write_whole(v, v->start, packed, sizeof packed);
+            return fail(one, "%s = %s: this FMU was packed for %s, on which its structure depends; pack "
+                        "another with --set %s=%s", v->name, given, packed, v->name, given);
         }
-        if (!isfinite(p[k]) || (v->positive && p[k] <= 0.0) || p[k] < v->minimum ||
-            p[k] > v->maximum) {
-            return fail(one, "%s = %g: must be %s", v->name, p[k], v->range);
-        }
+        if (is_out_of_range(one, v, p[k])) return 1;
     }
     return 0;
 }
@@ -539,23 +554,20 @@ static int is_of_kind(Instance *one, unsigned k, int kind) {
     return 0;
 }
 
-/* Note why a value cannot be set, and that no step follows it; return 1. */
-static int refuse(Instance *one, const char *format, ...) {
-    va_list values;
-    va_start(values, format);
-    vsnprintf(one->reason, sizeof one->reason, format, values);
-    va_end(values);
+/* Let no step follow what has failed for the reason noted; return 1. */
+static int refuse(Instance *one) {
     if (!one->refusal[0]) memcpy(one->refusal, one->reason, sizeof one->refusal);
     return 1;
 }
 
-static int set_value(Instance *one, unsigned k, double value) {
+/* Take a value from the host; on failure note why. */
+static int take_value(Instance *one, unsigned k, double value) {
     State *now = &one->now;
     const Variable *v = &variables[k];
-    if (v->causality == OUTPUT) return refuse(one, "%s = %g: an output cannot be set", v->name, value);
+    if (v->causality == OUTPUT) return fail(one, "%s = %g: an output cannot be set", v->name, value);
     if (v->causality == INPUT) {
         if (now->initialised && !isfinite(value)) {
-            return refuse(one, "input %s = %g: must be finite", v->name, value);
+            return fail(one, "input %s = %g: must be finite", v->name, value);
         }
         if (v->text[0] && value != 0.0 && !one->idle) {
             say(one, WARNING, "%s = %g has no effect, %s", v->name, value, v->text);
@@ -573,10 +585,9 @@ static int set_value(Instance *one, unsigned k, double value) {
         now->parameters[k] = value + 0.0; /* never -0 */
         now->ready = 0;
     } else if (!v->tunable || v->kind != REAL) {
-        return refuse(one, "%s = %g: this parameter cannot change during a run", v->name, value);
-    } else if (!isfinite(value) || (v->positive && value <= 0.0) || value < v->minimum ||
-               value > v->maximum) {
-        return refuse(one, "%s = %g: must be %s", v->name, value, v->range);
+        return fail(one, "%s = %g: this parameter cannot change during a run", v->name, value);
+    } else if (is_out_of_range(one, v, value)) {
+        return 1;
     } else {
         now->parameters[k] = value + 0.0;
         now->tuned = 1;
@@ -584,11 +595,16 @@ static int set_value(Instance *one, unsigned k, double value) {
     return 0;
 }
 
+static int set_value(Instance *one, unsigned k, double value) {
+    return take_value(one, k, value) && refuse(one);
+}
+
 static int set_text(Instance *one, unsigned k, const char *text) {
     const Variable *v = &variables[k];
     if (strcmp(text, v->text) == 0) return 0;
-    return refuse(one, "%s = '%s': this FMU was packed for '%s', on which its structure depends; pack "
-                  "another with --set %s=...", v->name, text, v->text, v->name);
+    fail(one, "%s = '%s': this FMU was packed for '%s', on which its structure depends; pack "
+         "another with --set %s=...", v->name, text, v->text, v->name);
+    return refuse(one);
 }
 
 static void find_forces(Instance *one) {

@@ -88,7 +88,9 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
 }
 
 fmi2Status fmi2Terminate(fmi2Component c) {
-    refuse(&((Host *) c)->instance, "the run has been terminated: reset the FMU, or restore a state");
+    Instance *one = &((Host *) c)->instance;
+    fail(one, "the run has been terminated: reset the FMU, or restore a state");
+    refuse(one);
     return fmi2OK;
 }
 
