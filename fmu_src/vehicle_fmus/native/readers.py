@@ -19,8 +19,8 @@ from phaseplane.suspension.systems import System
 from phaseplane.suspension.trace import Node, Number, Tape, number
 from phaseplane.suspension.variables import Variable, outputs, variables
 
-Expressions = Mapping[int, tuple[Any, str]]
-"""Expressions by value reference, each with the output's name."""
+Expressions = Mapping[int, Any]
+"""Expressions by value reference."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class _Flag:
 
 
 def outputs_in_c(model: str, system: System, tape: Tape) -> Expressions:
-    """Return every output as an expression in C, by value reference, with its name."""
+    """Return every output as an expression in C."""
 
     def number_of(text: str) -> Number:
         return tape.given(text, 0.5, f"->{text}")
@@ -74,11 +74,7 @@ def outputs_in_c(model: str, system: System, tape: Tape) -> Expressions:
     )
     found = reading.Readers(outputs(model), system, integrator, run)
     before = len(tape.guards)
-    read = {
-        k: (found[v.name](), v.name)
-        for k, v in enumerate(variables(model))
-        if v.causality == "output"
-    }
+    read = {k: found[v.name]() for k, v in enumerate(variables(model)) if v.causality == "output"}
     for key, guard in list(tape.guards.items())[before:]:
         if any("->" in name for name in guard.condition.of):
             raise ValueError(f"an output of {model} compares what is known in C only")
@@ -90,7 +86,7 @@ def outputs_in_c(model: str, system: System, tape: Tape) -> Expressions:
 def rates_in_c(model: str, system: System, tape: Tape) -> Expressions:
     """Return the derivatives of outputs that are displacements or velocities, as expressions in C."""
     state = _TracedState(system, tape)
-    found: dict[int, tuple[Any, str]] = {}
+    found = {}
     for k, v in enumerate(variables(model)):
         line = reading_of(v, system) if v.causality == "output" else None
         if not isinstance(line, Line) or line.quantity not in (DISPLACEMENT, VELOCITY):
@@ -101,7 +97,7 @@ def rates_in_c(model: str, system: System, tape: Tape) -> Expressions:
             rate = rate + b * moved[i]
         for name, c in line.signals:
             rate = rate + c * state.signals[name][order]
-        found[k] = rate, v.name
+        found[k] = rate
     return found
 
 
@@ -134,10 +130,10 @@ def finders(
     ])  # fmt: skip
 
 
-def parts_of_parameters(expressions: Iterable[tuple[Any, str]]) -> list[Node]:
+def parts_of_parameters(expressions: Iterable[Any]) -> list[Node]:
     """Return the largest parts of outputs that depend on parameters alone."""
     found: list[Node] = []
-    for value, _ in expressions:
+    for value in expressions:
         if isinstance(value, Number):
             found += [node for node in _of_parameters(value.node) if node not in found]
     return found
@@ -195,7 +191,7 @@ def _written(value: Any, known: dict[int, str]) -> str:
 
 def _needs(read: Expressions, known: dict[int, str]) -> dict[str, list[int]]:
     """Return which outputs need the forces, which the roads, and which the energies."""
-    texts = {k: _written(value, known) for k, (value, _) in read.items()}
+    texts = {k: _written(value, known) for k, value in read.items()}
     sampled = tuple(f"->reading->{x}[" for x in ("a", "f", "set"))
     entries = ("account->kinetic", "account->stored", "account->dissipated", "account->supplied[")
     marks = {"needs_forces": sampled, "needs_roads": ("roads[",), "needs_energies": entries}
@@ -212,7 +208,7 @@ def _finder(name: str, of: Expressions, known: dict[int, str], references: Seque
         "    (void) of, (void) run, (void) derived, (void) roads;",
         "    switch (k) {",
         *(f"        case {references[k]}: return {_written(value, known)};"
-          for k, (value, _) in of.items()),
+          for k, value in of.items()),
         "        default: return 0.0;",
         "    }",
         "}",
