@@ -96,6 +96,9 @@ class Session:
             [e for axle in tyres if (e := system.element(axle.tyre)) is not None],
             sampled,
         )
+        # end of the step for which the courses of the inputs were found, until one is set
+        self._handed = -inf
+        self._kept = False  # whether the state behind, to return to, is of that step
         self._events = Events(tyres, self._run, self.messages)
         self.contacts = self._events.contacts
         self._attach(system, integrator)
@@ -200,6 +203,7 @@ class Session:
             self._report("info", f"{name} = {value:g} has no effect, {why_idle(self.parameters)}")
             self._idle.clear()  # said once
         self._run.set_input(self._inputs.index(name), value)
+        self._handed = -inf
 
     def set_parameter(self, name: str, value: object) -> None:
         """Set a tunable parameter from the present time on.
@@ -233,28 +237,31 @@ class Session:
         """
         run, now = self._run, self._run.time
         refuse_step(self.ok, now, until)
+        goes_on = until == self._handed  # from a switch to the same end, which changes nothing
         if self._tuned:
             self._take_parameters()
-        if run.sets_in():
+        if not goes_on and run.sets_in():
             self._stop_here()
             run.sampled = True
-        if run.sampled:
+        if not goes_on and run.sampled:
             self._hand_over(until)
+        self._handed = until
+        self._kept = self._kept and goes_on
         if now == run.start < until:
             self._events.report_start()
-        self._integrator.halts = AT_SWITCHES if to_switch else 0
         switch = self._events.next_after(self.time) if to_switch else inf
         while switch > until and self._integrator.time < until:
-            if not run.sampled:
-                self._behind = self._integrator.snapshot()
-            self._step(until, stop=run.sampled)
+            if not (run.sampled or self._kept):
+                self._behind, self._kept = self._integrator.snapshot(), True
+            self._step(until, run.sampled, AT_SWITCHES if to_switch else 0)
             if to_switch:
                 switch = self._events.next_after(self.time)
         run.time = min(switch, until)
         self._sample()
 
-    def _step(self, until: float, stop: bool) -> None:
+    def _step(self, until: float, stop: bool, halts: int = 0) -> None:
         integrator = self._integrator
+        integrator.halts = halts
         status = integrator.advance(until, stop)
         reason = ""
         if status not in (0, HALTED):
@@ -289,6 +296,7 @@ class Session:
         self._now.update(tuned)
         self._parameters = None
         self._energies = None
+        self._kept = False
 
     def _take(self, parameters: Checked) -> None:
         """Continue with the system of other parameters."""
@@ -437,9 +445,13 @@ class Session:
                 "parameters": self._now,
                 "ok": self.ok,
                 "tuned": self._tuned,
+                "handed": self._handed,
                 "run": self._run.snapshot().hex(),
                 "integrator": self._integrator.snapshot().hex(),
-                "behind": self._behind.hex() if self._integrator.time > self.time else "",
+                "kept": self._kept,
+                "behind": self._behind.hex()
+                if self._kept or self._integrator.time > self.time
+                else "",
             }
         ).encode()
 
@@ -457,6 +469,7 @@ class Session:
         self._behind = bytes.fromhex(kept["behind"])
         self._events.forget_after(self._integrator.time)
         self.ok, self._tuned = kept["ok"], kept["tuned"]
+        self._handed, self._kept = kept["handed"], kept["kept"]
         self._run.restore(bytes.fromhex(kept["run"]))
         self._read_lines()
         self._sample()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from math import isnan
+from math import isnan, sin
 from weakref import ref
 
 import numpy as np
@@ -19,6 +19,28 @@ OUTPUTS = [v.name for v in variables("QuarterCar") if v.causality == "output"]
 
 def at(session: Session) -> list[object]:
     return [session.value(name) for name in OUTPUTS]
+
+
+@pytest.mark.parametrize(
+    ("road", "name", "size", "first", "times"),
+    [
+        ("bump", "body_force", 500.0, 0.2, [0.2, 0.201, 0.25]),
+        ("input", "road_elevation", 0.03, 0.0, [0.01 * k for k in range(1, 31)]),
+    ],
+)
+def test_stopping_at_switches_changes_nothing(
+    road: str, name: str, size: float, first: float, times: list[float]
+) -> None:
+    """Neither under an input nor before the first value of one is set."""
+    straight, stopping = (Session("QuarterCar", {"road.shape": road}) for _ in range(2))
+    for until in times:
+        if straight.time > first or first == 0.0:
+            for session in (straight, stopping):
+                session.set_input(name, size * sin(40.0 * session.time))
+        straight.advance(until)
+        while stopping.time < until:
+            stopping.advance(until, to_switch=until != first)
+        assert at(stopping) == at(straight), until
 
 
 @pytest.mark.parametrize("model", MODELS)
