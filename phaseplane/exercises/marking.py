@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
 from math import inf
-from typing import NamedTuple, cast
+from typing import NamedTuple, TypeVar, cast
 
 from phaseplane.constructions.construction import JOLT, Construction, Window
 from phaseplane.constructions.letters import typeset
@@ -74,6 +74,7 @@ class _Step(NamedTuple):
     ----------
     switches : whether the mode ends with it
     jolts : whether the road jumps at its end
+    missed : the mode before the last switch, and that mistake in words; None if the switch has no name
     """
 
     states: States
@@ -81,6 +82,7 @@ class _Step(NamedTuple):
     window: Window
     switches: bool = False
     jolts: bool = False
+    missed: tuple[str, str] | None = None
 
 
 def mark(
@@ -117,6 +119,7 @@ def mark(
     marks: list[Mark] = []
     nominal = max(frame.duration for frame in drawing.frames)
     memory = construction.initial[len(planes) :]
+    missed = None
     for before, (frame, following), after in zip(
         readings, pairwise(frames), readings[1:], strict=False
     ):
@@ -126,6 +129,7 @@ def mark(
             Window(frame.time, frame.duration),
             following.mode != frame.mode,
             following.event == JOLT,
+            missed,
         )
         starts = [before] + [
             replace(before, states=one.expected)
@@ -141,8 +145,12 @@ def mark(
         if best is not found[0][0]:
             marks[-1] = _misread(marks[-1], before, planes, tolerance)
         marks.append(best)
-        if step.switches and memory:  # the spring has yielded up to the student's point
-            memory = construction.remembered((*after.states, *memory), None)[len(planes) :]
+        if step.switches:
+            event = following.event.replace("lift_off", "lift-off").replace("_", " ")
+            words = f"the {event} at t = {following.time:.4g} s was missed"
+            missed = (frame.mode, words) if event else None
+            if memory:  # the spring has yielded up to the student's point
+                memory = construction.remembered((*after.states, *memory), None)[len(planes) :]
     last = readings[-1]
     faultless = tuple(frames[last.number].points[plane.state] for plane in planes)
     return Marks(tuple(marks), 1e3 * _apart(last.states, faultless))
@@ -263,13 +271,17 @@ def _judged_foot(
     if off <= tolerance + carried:
         return RIGHT, ""
     wrong = (
-        (words, tuple(change(points)[plane.foot] for plane in planes))
-        for words, change in _wrong_feet(construction, step)
+        (words, tuple(found[plane.foot] for plane in planes))
+        for words, made in (*_missed(construction, step), *_wrong_feet(construction, step))
+        if (found := _tried(partial(made, step.mode, step.states, step.window))) is not None
     )
     mistake = _named(wrong, read, feet, tolerance)
     if mistake:
         return METHOD, mistake
-    return READING, f"D is {1e3 * off:.2g} mm off: read the auxiliary curve again"
+    away = f"D is {1e3 * off:.2g} mm off"
+    if off <= _DOUBTFUL * tolerance + carried:
+        return READING, f"{away}: read the auxiliary curve again"
+    return METHOD, f"{away}, not explained by a known mistake: find A and D again"
 
 
 def _named(
@@ -305,6 +317,10 @@ def _mistakes(construction: Construction, rule: Rule, step: _Step) -> Iterator[t
         return turned(*(-1.0 if plane in wrong else 1.0 for plane in planes))
 
     cases = [
+        *(
+            (words, Stepper(_changed(construction, made), rule))
+            for words, made in _missed(construction, step)
+        ),
         ("the normal was turned in the wrong direction", turned_backwards(planes)),
         ("the turn angle was laid off twice", turned(*len(planes) * [2.0])),
         ("only half of the turn angle was laid off", turned(*len(planes) * [0.5])),
@@ -315,8 +331,8 @@ def _mistakes(construction: Construction, rule: Rule, step: _Step) -> Iterator[t
             if name != rule.name
         ),
         *(
-            (words, Stepper(_changed(construction, change), rule))
-            for words, change in _wrong_feet(construction, step)
+            (words, Stepper(_changed(construction, made), rule))
+            for words, made in _wrong_feet(construction, step)
         ),
         *(
             (f"the normal of plane {plane.number} was turned in the wrong direction",
@@ -366,77 +382,88 @@ _WRONG_FEET: tuple[tuple[str, Callable[[Points, Plane], complex]], ...] = (
 )  # fmt: skip
 
 
-def _wrong_feet(
-    construction: Construction, step: _Step
-) -> Iterator[tuple[str, Callable[[Points], Points]]]:
-    """Yield known mistakes in finding D, as changes of the points of a construction."""
+_Made = Callable[[str, States, Window], Points]
+"""The points of a construction, as `Construction.points`."""
+
+
+def _missed(construction: Construction, step: _Step) -> Iterator[tuple[str, _Made]]:
+    """Yield the mistake of one who goes on as before the last switch."""
+    if step.missed:
+        before, words = step.missed
+        yield words, lambda _mode, states, window: construction.points(before, states, window)
+
+
+def _wrong_feet(construction: Construction, step: _Step) -> Iterator[tuple[str, _Made]]:
+    """Yield known mistakes in finding D, with the points to which they lead."""
+    planes = construction.planes
+
+    def misplaced(
+        change: Callable[[Points, Plane], complex], mode: str, states: States, window: Window
+    ) -> Points:
+        points = construction.points(mode, states, window)
+        drawn = (plane for plane in planes if f"A{plane.number}*" in points)
+        return {**points, **{plane.foot: change(points, plane) for plane in drawn}}
+
+    def mirrored(mode: str, states: States, window: Window) -> Points:
+        images = tuple(
+            complex(p.real, 2.0 * plane.displacement.origin.imag - p.imag)
+            for plane, p in zip(planes, states, strict=False)
+        )
+        images += states[len(planes) :]
+        there = construction.points(construction.mode_at(images, window.start), images, window)
+        points = construction.points(mode, states, window)
+        return {**points, **{plane.foot: there[plane.foot] for plane in planes}}
+
     for words, change in _WRONG_FEET:
-        yield words, partial(_with_changed_feet, construction.planes, change)
+        yield words, partial(misplaced, change)
     yield (
         "A was found from the mirror image of P: the wrong branch of the auxiliary curve",
-        _other_branch(construction, step),
+        mirrored,
     )
 
 
-def _with_changed_feet(
-    planes: Sequence[Plane], change: Callable[[Points, Plane], complex], points: Points
-) -> Points:
-    drawn = (plane for plane in planes if f"A{plane.number}*" in points)
-    return {**points, **{plane.foot: change(points, plane) for plane in drawn}}
-
-
-def _other_branch(construction: Construction, step: _Step) -> Callable[[Points], Points]:
-    def changed(points: Points) -> Points:
-        planes = construction.planes
-        mirrored = (
-            tuple(
-                complex(p.real, 2.0 * plane.displacement.origin.imag - p.imag)
-                for plane, p in zip(planes, step.states, strict=False)
-            )
-            + step.states[len(planes) :]
-        )
-        mode = construction.mode_at(mirrored, step.window.start)
-        there = construction.points(mode, mirrored, step.window)
-        return {**points, **{plane.foot: there[plane.foot] for plane in planes}}
-
-    return changed
-
-
 class _Changed:
-    """A construction whose points are changed by a mistake."""
+    """A construction whose points are made in another way."""
 
-    def __init__(self, inner: Construction, change: Callable[[Points], Points]) -> None:
-        self.inner, self.change = inner, change
+    def __init__(self, inner: Construction, points: _Made) -> None:
+        self.inner, self.points = inner, points
 
     def __getattr__(self, name: str) -> object:
         """Take everything but the points from the construction."""
         return getattr(self.inner, name)
 
-    def points(self, mode: str, states: States, window: Window) -> Points:
-        """Construct the points, and change them."""
-        return self.change(self.inner.points(mode, states, window))
 
-
-def _changed(construction: Construction, change: Callable[[Points], Points]) -> Construction:
-    return cast("Construction", _Changed(construction, change))
+def _changed(construction: Construction, points: _Made) -> Construction:
+    return cast("Construction", _Changed(construction, points))
 
 
 def _with_feet(construction: Construction, right: Points, feet: States) -> Construction:
     """Return a construction whose feet D are beside the right ones by as much as those that were read."""
     names = [plane.foot for plane in construction.planes]
-    offsets = {name: foot - right[name] for name, foot in zip(names, feet, strict=True)}
-    return _changed(
-        construction,
-        lambda points: {**points, **{name: points[name] + off for name, off in offsets.items()}},
-    )
+
+    def beside(mode: str, states: States, window: Window) -> Points:
+        points = construction.points(mode, states, window)
+        moved = {n: points[n] + foot - right[n] for n, foot in zip(names, feet, strict=True)}
+        return {**points, **moved}
+
+    return _changed(construction, beside)
+
+
+Tried = TypeVar("Tried")
+
+
+def _tried(make: Callable[[], Tried]) -> Tried | None:
+    """Return what is made, or None if it cannot be."""
+    try:
+        return make()
+    except (OverflowError, ValueError, ZeroDivisionError, KeyError):
+        return None
 
 
 def _made(stepper: Stepper, step: _Step) -> States | None:
     """Return the state points after a step, or None if it cannot be made."""
-    try:
-        return _stepped(stepper, step)[1][: len(stepper.construction.planes)]
-    except (OverflowError, ValueError, ZeroDivisionError, KeyError):
-        return None
+    found = _tried(partial(_stepped, stepper, step))
+    return None if found is None else found[1][: len(stepper.construction.planes)]
 
 
 def _apart(one: States, other: States) -> float:

@@ -358,13 +358,14 @@ def step_from(construction, drawing, points, feet, n: int) -> complex:
     ("change", "beside", "verdict", "words"),
     [
         (lambda d: -d, 0.0, METHOD, ["D of point 2: delta was laid off on the wrong side"]),
+        (lambda d: d + 2.9e-3, 0.0, READING, ["D is 2.9 mm off: read the auxiliary curve again"]),
         (
             lambda d: d + 6e-3,
             0.0,
-            READING,
-            ["D of point 2: D is 6 mm off: read the auxiliary curve"],
+            METHOD,
+            ["D of point 2: D is 6 mm off, not explained by a known mistake: find A and D again"],
         ),
-        (lambda d: d + 6e-3, 2e-3j, READING, ["D of point 2: D is 6 mm off", "slightly off"]),
+        (lambda d: d + 6e-3, 2e-3j, METHOD, ["D of point 2: D is 6 mm off", "slightly off"]),
         (lambda d: d + 6e-3, 8e-3j, METHOD, ["D of point 2: D is 6 mm off", "not explained"]),
         (lambda d: -d, 2e-3j, METHOD, ["D of point 2: delta was laid off", "slightly off"]),
     ],
@@ -375,7 +376,7 @@ def test_a_wrong_foot_is_named_and_the_step_judged_from_it(task, change, beside,
     feet = [frame.points["D"] for frame in drawing.instants[:4]]
     feet[2] = change(feet[2])
     from_it = step_from(construction, drawing, points, feet, 2)
-    assert abs(from_it - points[3]) > 1e-3
+    assert abs(from_it - points[3]) > 5e-4
     points[3] = from_it + beside
     *others, found = judged(construction, drawing, points, feet=feet).marks
     assert found.verdict == verdict
@@ -429,7 +430,7 @@ def test_a_misread_point_does_not_spoil_the_step_after_it_though_that_is_beside(
     points.append(step_from(construction, drawing, points, feet, 4))
     points[4] += 8e-3
     marks = judged(construction, drawing, points, feet=feet).marks
-    assert [m.verdict for m in marks] == [RIGHT] * 3 + [READING, READING]
+    assert [m.verdict for m in marks] == [RIGHT] * 3 + [READING, METHOD]
     assert "next step starts from the right place" in marks[3].said
 
 
@@ -472,6 +473,27 @@ def test_careful_readings_of_d_are_right_where_it_follows_steeply_from_the_point
     ]
     marks = mark(construction, rule, drawing, read).marks
     assert {m.verdict for m in marks} == {RIGHT}
+
+
+@pytest.mark.parametrize("feet", [True, False])
+def test_a_lift_off_that_was_missed_is_named(feet):
+    """The student goes on as if the tyre were still on the road."""
+    construction = ap57(lift_off=True)
+    drawing = construct_motion(construction, DELTA, step=2.5e-3, steps=16)
+    up = next(f for f in drawing.frames if f.event == "lift_off")
+    stepper = Stepper(construction, DELTA)
+    read = []
+    states = construction.initial
+    for f in drawing.instants:
+        points, after = stepper.step("contact", states, Window(f.time, f.duration))
+        read.append(Reading(f.step, states, (points["D1"], points["D2"]) if feet else None))
+        states = after
+    marks = mark(construction, DELTA, drawing, read).marks
+    assert all(m.verdict == RIGHT for m in marks if m.number <= up.step)
+    wrong = [m for m in marks if m.verdict != RIGHT]
+    words = f"the lift-off at t = {up.time:.4g} s was missed"
+    assert len(wrong) >= 3
+    assert all(m.verdict == METHOD and words in m.said for m in wrong)
 
 
 def test_steps_that_end_on_a_switch_do_so_from_the_students_point():
