@@ -47,8 +47,9 @@ def state_point(plane: Plane, displacement: float, velocity: float) -> complex:
 
 
 def plane_of(planes: Sequence[Plane], point: str) -> Plane:
-    """Return the plane in which a point is drawn, by the number in its name."""
-    numbered = [plane for plane in planes if plane.number and plane.number in point]
+    """Return the plane in which a point is drawn, by the number in its name; B0 is where B2 would be."""
+    name = point.replace("0", "2")
+    numbered = [plane for plane in planes if plane.number and plane.number in name]
     return max(numbered, key=lambda plane: len(plane.number), default=planes[0])
 
 

@@ -14,7 +14,7 @@ from phaseplane.constructions.letters import axis_letter, typeset
 from phaseplane.constructions.primitives import Axis, Drawing, Plane
 from phaseplane.constructions.sheet import arc_points, round_step, way_of, with_turn_angles_at
 from phaseplane.constructions.storage import Frame, StoredFrames
-from phaseplane.exercises.protocol import display, protocol
+from phaseplane.exercises.protocol import display, excitations, protocol
 from phaseplane.exercises.readings import columns
 
 _ASSETS = files("phaseplane.exercises") / "assets"
@@ -97,12 +97,25 @@ def exercise_page(drawing: Drawing, steps: int) -> str:
         "heads": [typeset(name) for name in names[: 1 + 2 * len(drawing.planes)]],
         "start": first["state"],
         "count": steps,
+        "given": list(_given(drawing)),
         # nothing that gives the solution away
         "steps": [],
         "protocol": [],
         "curves": [c for c in whole["curves"] if c["role"] != "trail"],
     }
     return _page(drawing.title, shown)
+
+
+def _given(drawing: Drawing) -> Iterator[str]:
+    """Yield what each step is made with: its end in time, and what is laid off for the drive."""
+    laid_off, unit = excitations(drawing), display(drawing.planes[0].displacement)[1]
+    for i, frame in enumerate(drawing.instants[1:]):
+        lengths = (
+            f"{typeset(name)} = {column[i]} {unit}".rstrip()
+            for name, column in laid_off.items()
+            if column[i]
+        )
+        yield ", ".join([f"t = {frame.time:.6g} s", *lengths])
 
 
 def asset(name: str) -> str:

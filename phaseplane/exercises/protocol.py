@@ -6,7 +6,7 @@ import csv
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from io import StringIO
-from math import hypot
+from math import ceil, hypot, log10
 
 from phaseplane.constructions.letters import axis_letter, typeset
 from phaseplane.constructions.primitives import Axis, Drawing, Mark, Plane
@@ -15,6 +15,7 @@ from phaseplane.constructions.storage import Frame
 
 _COLUMNS = ("step", "time", "stage", "point", "found", "length_cm", "value")
 _ROUNDING = 1e-12  # m of paper
+_SEEN = 1e-4  # m of paper: what a ruler shows
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +90,38 @@ def point_of(plane: Plane, y: float, y_bar: float = 0.0) -> complex:
     """Return the point of displayed values on the sheet."""
     factor, _ = display(plane.displacement)
     return plane.at(y / factor, y_bar / factor)
+
+
+def written(plane: Plane, value: float) -> str:
+    """Return a displayed value with the digits that can be read off the paper."""
+    factor, _ = display(plane.displacement)
+    return decimal(value, factor * _SEEN / plane.displacement.scale)
+
+
+def decimal(value: float, resolution: float) -> str:
+    """Return a number with the decimals that a resolution needs."""
+    digits = max(0, ceil(-log10(resolution)))
+    return f"{round(value, digits) + 0.0:.{digits}f}"
+
+
+def excitations(drawing: Drawing) -> dict[str, list[str]]:
+    """Return what is laid off along the axes for the road or another drive, as displayed, in each step.
+
+    By the letters of its ends; empty in a step in which it is not drawn.
+    """
+    found: dict[str, list[str]] = {}
+    moved: set[str] = set()
+    for i, frame in enumerate(drawing.frames):
+        for line in drawing.schemes[frame.scheme].strokes:
+            if line.role == "excitation":
+                axis = (plane := plane_of(drawing.planes, line.end)).displacement
+                way = axis.read(frame.points[line.end]) - axis.read(frame.points[line.start])
+                name = line.start + line.end
+                column = found.setdefault(name, [""] * len(drawing.frames))
+                column[i] = written(plane, display(axis)[0] * way)
+                if abs(way) * axis.scale > _ROUNDING:
+                    moved.add(name)
+    return {name: column for name, column in found.items() if name in moved}
 
 
 def _read(axis: Axis, point: complex) -> str:

@@ -7,7 +7,7 @@ fill in; its solution has the construction and the filled table as well.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
 from phaseplane.constructions.letters import MINUS, typeset
-from phaseplane.constructions.primitives import Drawing
+from phaseplane.constructions.primitives import Axis, Drawing
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import CURVES, draw_curves, draw_trails
 from phaseplane.picture.frames import columns, motions_of
@@ -111,6 +111,7 @@ def exercise_sheet(
 
 def _page(drawing: Drawing, view: Box, solved: bool) -> Page:
     """Return the construction, or what is given of it."""
+    drawing = _in_centimetres(drawing)
     feet = [columns(drawing.frames, [plane.foot])[:, 0] for plane in drawing.planes]
     motions = map(np.append, motions_of(drawing), feet)
     page = Page(Subject(drawing, list(motions)), view, _EM)
@@ -130,6 +131,23 @@ def _page(drawing: Drawing, view: Box, solved: bool) -> Page:
     return page
 
 
+def _in_centimetres(drawing: Drawing) -> Drawing:
+    """Return a drawing with lengths in cm, the unit of the table, on axes of any length."""
+
+    def shown(axis: Axis) -> Axis:
+        return replace(axis, unit="cm", scale=axis.scale * _CM) if axis.unit == "m" else axis
+
+    planes = tuple(
+        replace(p, displacement=shown(p.displacement), scaled_velocity=shown(p.scaled_velocity))
+        for p in drawing.planes
+    )
+    curves = tuple(
+        replace(curve, label=curve.label.replace(" cm", "")) if " = " in curve.label else curve
+        for curve in drawing.curves
+    )
+    return replace(drawing, planes=planes, curves=curves)
+
+
 def _table(axes: Axes, head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """Draw the table at the foot of the sheet, in two columns if it is long."""
     width, height = axes.get_xlim()[1], axes.get_ylim()[1]
@@ -139,7 +157,10 @@ def _table(axes: Axes, head: Sequence[str], rows: Sequence[Sequence[str]]) -> No
     narrow = 1.0  # of the number of the point
     widths = [narrow] + [(broad - narrow) / max(1, len(head) - 1)] * (len(head) - 1)
     for part in range(parts):
-        mine = [head, *rows[part * count : (part + 1) * count]]
+        mine = [
+            [name.replace(" [", "\n[") for name in head],
+            *rows[part * count : (part + 1) * count],
+        ]
         left, bottom = _EDGE + part * (broad + 0.6), _FOOT + _EDGE + _ROW * (count + 1 - len(mine))
         drawn = axes.table(
             [[text.replace("-", MINUS) for text in row] for row in mine], colWidths=widths,
@@ -151,4 +172,6 @@ def _table(axes: Axes, head: Sequence[str], rows: Sequence[Sequence[str]]) -> No
         drawn.auto_set_font_size(False)
         for (row, _), cell in drawn.get_celld().items():
             cell.set(edgecolor=PLAIN.palette.faint, linewidth=0.5)
-            cell.set_text_props(fontsize=7.5 if row else 7.0, weight="normal" if row else "bold")
+            cell.set_text_props(
+                fontsize=7.5 if row else 7.0, weight="normal" if row else "bold", linespacing=1.0
+            )

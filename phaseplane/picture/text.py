@@ -263,7 +263,7 @@ def measured(
             found += _state(plane, points[plane.state], units[plane.name])
     for stroke in strokes:
         if stroke.role == "excitation":
-            plane = plane_of(planes, stroke.start)  # B0 has no number
+            plane = plane_of(planes, stroke.start)
             found.append(_laid_off(stroke.start, stroke.end, points, plane))
     for plane in planes:
         if plane.foot in marked or (plane.foot in normals and plane.foot not in shown):

@@ -13,9 +13,16 @@ from phaseplane.suspension.units import counted
 
 from phaseplane import constructions, exercises, figures
 from phaseplane.constructions.construction import CONTACT
-from phaseplane.constructions.letters import typeset
+from phaseplane.constructions.letters import MINUS, typeset
 from phaseplane.exercises.marking import RIGHT
-from phaseplane.exercises.protocol import display, displayed, point_of
+from phaseplane.exercises.protocol import (
+    decimal,
+    display,
+    displayed,
+    excitations,
+    point_of,
+    written,
+)
 
 from ..errors import DrawingError, InputError
 from ..scene.equation import EQUATION, formula_of
@@ -38,6 +45,8 @@ _VISIBLE = 0.02  # m of paper: a state point that goes so far is worth construct
 _NEGLIGIBLE = 0.05  # of that way: not worth it
 _MOST_SEARCHED = 4000  # steps in which such a motion is looked for
 _LEAST = 1e-3  # of a plane's own scale
+_TIMED = 0.01  # of a step: how exactly times are given
+_NOTHING = "\N{EN DASH}"  # no step begins at the last point
 
 
 @dataclass(frozen=True)
@@ -272,20 +281,27 @@ def write_marked_sheet(made: Exercise, summary: Mapping[str, Any], path: Path) -
 def _sheet(made: Exercise, *, solved: bool, read: Sequence[tuple[list[complex], bool]] = ()) -> Any:
     drawing = made.drawing
     planes, instants = drawing.planes, drawing.instants
+    step = made.scene.construction.step
+    unit = display(planes[0].displacement)[1]
+    constant, changing = [], {}
+    for name, column in excitations(drawing).items():
+        lengths = {*column} - {""}
+        if len(lengths) == 1:
+            constant.append(f"{typeset(name)} = {lengths.pop()} {unit}".rstrip())
+        else:
+            changing[f"{name} [{unit}]" if unit else name] = [*column, _NOTHING]
     rows = []
-    for frame in instants:
-        known = solved or frame.step == 0
-        values = displayed(planes, [frame.points[plane.state] for plane in planes])
-        cells = [f"{value:.3g}" if known else "" for value in values]
-        feet = [
-            f"{display(p.displacement)[0] * p.displacement.read(frame.points[p.foot]) + 0.0:.3g}"
-            if solved
-            else ""
-            for p in planes
-        ]
-        rows.append([str(frame.step), f"{frame.time:.4g}", *cells, *feet])
-    head = [typeset(name) for name in exercises.columns(planes)]
-    head = [head[0], "t [s]", *head[1:]]
+    for i, frame in enumerate(instants):
+        cells, feet = [], []
+        for plane in planes:
+            values = displayed([plane], [frame.points[plane.state]])
+            cells += [written(plane, value) if solved or i == 0 else "" for value in values]
+            foot = written(plane, displayed([plane], [frame.points[plane.foot]])[0])
+            feet.append(_NOTHING if frame is drawing.end else foot if solved else "")
+        time = decimal(1e3 * frame.time, 1e3 * _TIMED * step)
+        rows.append([str(i), time, *cells, *feet, *(column[i] for column in changing.values())])
+    head = [typeset(name) for name in (*exercises.columns(planes), *changing)]
+    head = [head[0], "t [ms]", *head[1:]]
     scale = ", ".join(_format_scale(p) for p in planes)
     right = sum(is_right for _, is_right in read)
     told = f"{right} of {made.steps} points right (green crosses; those read wrong are red)"
@@ -294,7 +310,7 @@ def _sheet(made: Exercise, *, solved: bool, read: Sequence[tuple[list[complex], 
         paper=made.paper,
         title=("Marking sheet: " if solved else "") + (made.scene.title or made.scene.name),
         lines=[
-            typeset(drawing.title),
+            "; ".join([typeset(drawing.title), *constant]).replace("= -", f"= {MINUS}"),
             f"{made.extent}; scale {scale}; " + ", ".join(
                 f"{typeset('dtau' + p.number)} = {p.angular_frequency * made.scene.construction.step:.4g}"
                 for p in planes

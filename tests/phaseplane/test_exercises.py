@@ -164,6 +164,15 @@ def test_protocols_of_two_planes_tell_each_point_in_its_plane():
         assert f"= {y:.4g} cm" in entries[typeset(f"P{number}")].value
 
 
+def test_in_flight_b0_is_in_the_plane_of_the_wheel():
+    drawing = construct_motion(ap57(lift_off=True), step=2.5e-3, steps=16)
+    frame = drawing.frames[-1]
+    assert frame.mode == "flight"
+    (b0,) = (e for e in protocol(drawing) if e.step == frame.step and e.point == "B₀")
+    wheel = frame.readings["wheel_displacement"]
+    assert b0.value == f"y₂ = {100.0 * (wheel - 33.0 * 9.80665 / 15000.0):.4g} cm"
+
+
 def test_a_protocol_of_rest_turns_nothing():
     """A driven mass with friction: it waits until the drive is stronger, and then steps."""
     plane = EquationPlane(Formula("0.5*sign(v) - sin(t)").switching)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import csv
 import json
 import re
-from itertools import combinations
+from itertools import combinations, pairwise
+from math import cos, pi, sin
 from os import devnull
 from pathlib import Path
+from typing import Any
 
 import pytest
 from command_line import complaint, phaseplane, printed, written
@@ -97,6 +99,50 @@ def test_readings_are_marked_from_the_students_own_points(folder: Path) -> None:
     told = json.loads(wrong.stdout)
     assert [m["point"] for m in told["marks"] if m["verdict"] != "right"] == [4]
     assert Path("marked/marked.pdf").read_bytes().startswith(b"%PDF")
+
+
+def cells(figure: Any) -> list[list[str]]:
+    """The rows of the table of a sheet, below each other."""
+    rows: list[list[str]] = []
+    for table in figure.axes[-1].tables:
+        for (_, column), cell in sorted(table.get_celld().items()):
+            if column == 0:
+                rows.append([])
+            rows[-1].append(cell.get_text().get_text().replace("\N{MINUS SIGN}", "-"))
+    return rows
+
+
+def test_a_sheet_gives_what_the_road_lays_off_and_leaves_out_d_of_the_last_point() -> None:
+    """The mean of h2/c2 over each step and the weight in flight, in closed form (AP57 section 8)."""
+    made = exercises.exercise(load_scene("ap57"), 16, "A4")
+    lag, omega = 1.0 / 150.0, 40.0 * pi  # k2/c2 and of the road, s and rad/s
+    blank, solved = (exercises._sheet(made, solved=solved) for solved in (False, True))
+    for figure in (blank, solved):
+        head, *rows = cells(figure)
+        assert [head[i].split("\n")[0] for i in (0, 1, -1)] == ["point", "t", "A₂*B₂"]
+        points = [row for row in rows if row[0] != "point"]
+        assert len(points) == made.steps + 1
+        for row, after in pairwise(points):
+            t0, t1 = (1e-3 * float(at[1]) for at in (row, after))
+            area = (t1 - t0) - (sin(omega * t1) - sin(omega * t0)) / omega
+            rise = cos(omega * t0) - cos(omega * t1)
+            assert float(row[-1]) == pytest.approx(2.5 * (area + lag * rise) / (t1 - t0), abs=0.02)
+        assert points[-1][-3:] == ["\N{EN DASH}"] * 3
+        (line,) = (t.get_text() for t in figure.axes[-1].texts if "Q₂B₀" in t.get_text())
+        assert line.endswith("Q₂B₀ = \N{MINUS SIGN}2.16 cm; A₁*D₁ = 19.61 cm")
+    page = exercises.exercises.exercise_page(made.drawing, made.steps)
+    assert '"t = 0.0025 s, A₂*B₂ = 0.37 cm"' in page
+
+
+def test_axes_of_a_sheet_have_the_unit_of_its_table() -> None:
+    """A frame that moves by 3 mm: the readings are in cm, so the axes and the curves are, too."""
+    made = exercises.exercise(load_scene("h83_example40"), 8, "A4")
+    figure = exercises._sheet(made, solved=False)
+    texts = [text.get_text() for text in figure.axes[0].texts]
+    assert "displacement u [cm]" in texts
+    assert "0.1 cm" in texts
+    assert not [text for text in texts if "mm" in text]
+    assert cells(figure)[0][2] == "u\n[cm]"
 
 
 @pytest.mark.slow

@@ -199,7 +199,7 @@ function phaseplanePlayer(root, data) {
       half.forEach(z => dot(moving, "successor", z));
       const left = data.count + 1 - points.length;
       const plane = data.planes.length > 1 ? ` in plane ${data.planes[half.length].number}` : "";
-      words.textContent = left > 0 ? `Click point ${points.length}${plane} (${left} to go). Backspace removes the last one.` : "All points are complete: save the readings.";
+      words.textContent = left > 0 ? `Click point ${points.length}${plane} (${left} to go): ${minus(data.given[points.length - 1])}. Backspace removes the last one.` : "All points are complete: save the readings.";
       body.replaceChildren();
       for (const row of rows()) { const tr = html("tr", body); row.forEach(cell => html("td", tr, minus(String(cell)))); }
     }
