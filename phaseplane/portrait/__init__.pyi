@@ -8,10 +8,7 @@ from .energy import conserves as conserves
 from .equilibria import Equilibrium as Equilibrium
 from .equilibria import equilibria as equilibria
 from .equilibria import separatrices as separatrices
-from .poincare import PeriodicMotion as PeriodicMotion
 from .poincare import Section as Section
-from .poincare import periodic_motion as periodic_motion
-from .poincare import poincare_section as poincare_section
 from .poincare import section as section
 from .portrait import Portrait as Portrait
 from .portrait import compute_portrait as compute_portrait

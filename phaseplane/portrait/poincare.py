@@ -7,9 +7,6 @@ from dataclasses import dataclass
 from itertools import count, islice
 
 import numpy as np
-import numpy.typing as npt
-from scipy.integrate import solve_ivp
-from scipy.optimize import root
 
 from phaseplane.portrait import switched
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
@@ -21,25 +18,6 @@ _MOST_SWITCHED = 60  # periods of motions with switches, which are followed one 
 _TRANSIENT = 0.5  # of the periods, of a dissipative system
 _LONGEST = 12  # longest period of a periodic motion, in periods of the excitation
 _CLOSES, _SAME, _SETTLED = 1e-5, 1e-3, 1e-7  # windows
-
-
-@dataclass(frozen=True, slots=True)
-class PeriodicMotion:
-    """A motion with the period of the excitation.
-
-    Parameters
-    ----------
-    state : (x, x') at the start of a period
-    multipliers : eigenvalues of the map over one period; it attracts if both are below 1 in modulus
-    """
-
-    state: tuple[float, float]
-    multipliers: tuple[complex, complex]
-
-    @property
-    def attracts(self) -> bool:
-        """Whether nearby motions approach it."""
-        return max(map(abs, self.multipliers)) < 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +56,8 @@ def section(
     ------
     ValueError : a system without a period.
     """
-    _check_period(system)
+    if not system.driven:
+        raise ValueError("the system has no period: give that of the excitation")
     x, v = (0.8 * part.ravel() for part in _centred(window))
     x0, v0 = 0.5 * (window.left + window.right), 0.5 * (window.bottom + window.top)
     starts = np.array([[*(x + x0), start[0]], [*(v + v0), start[1]]]).T
@@ -166,58 +145,6 @@ def _attractors(system: PhaseSystem, states: Grid, window: Window) -> tuple[Grid
                 found.append(turn)
             break
     return tuple(found)
-
-
-def poincare_section(
-    system: PhaseSystem, start: tuple[float, float], periods: int, transient: int = 0
-) -> Grid:
-    """Return states of one motion at the starts of periods after the transient, shape (periods, 2).
-
-    Raises
-    ------
-    ValueError : a system without a period.
-    """
-    states = [np.array(start, float)]
-    for _ in range(transient + periods - 1):
-        states.append(_mapped(system, states[-1]))
-    return np.array(states[transient:])
-
-
-def periodic_motion(system: PhaseSystem, guess: tuple[float, float]) -> PeriodicMotion:
-    """Return the motion of the excitation's period near a guess, attracting or not.
-
-    Raises
-    ------
-    ValueError : a system without a period, or none found.
-    """
-    found = root(lambda s: _mapped(system, s) - s, guess, tol=1e-11)
-    if not found.success:
-        raise ValueError(f"no motion of the excitation's period near {guess}: {found.message}")
-    at = found.x
-    h = 1e-5 * (1.0 + np.abs(at))
-    jacobian = np.column_stack(
-        [
-            (_mapped(system, at + e) - _mapped(system, at - e)) / (2.0 * step)
-            for e, step in zip(np.diag(h), h, strict=True)
-        ]
-    )
-    first, second = np.linalg.eigvals(jacobian)
-    return PeriodicMotion((float(at[0]), float(at[1])), (complex(first), complex(second)))
-
-
-def _mapped(system: PhaseSystem, state: npt.ArrayLike) -> Grid:
-    """Return the state one period later, to ten digits."""
-    _check_period(system)
-    solution = solve_ivp(
-        system.rates, (0.0, system.period), np.asarray(state, float), method="DOP853",
-        rtol=1e-10, atol=1e-13, max_step=system.period / 20.0,
-    )  # fmt: skip
-    return np.asarray(solution.y[:, -1])
-
-
-def _check_period(system: PhaseSystem) -> None:
-    if not system.driven:
-        raise ValueError("the system has no period: give that of the excitation")
 
 
 def _go_on(system: PhaseSystem, going: Motions, period: int) -> int:
