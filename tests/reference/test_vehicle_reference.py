@@ -88,6 +88,11 @@ def test_the_worked_example_has_its_known_numbers() -> None:
     energies = 0.5 * 15000.0 * KGF * from_free_length[:2] ** 2
     np.testing.assert_allclose(energies, [48.2, 6.5], atol=0.05)
     assert from_free_length[2] > 0.0 > from_free_length[3]
+    # until then the damper of a tyre that does not touch the road pushes the wheel
+    apart = quarter_car(force, np.linspace(0.0, 0.08, 8001))
+    gap = apart.displacements[:, 1] - 1e-2 * bump_of_the_paper(apart.times)[0] - static_deflection
+    assert contact_force(apart)[gap > 0.0].max() == pytest.approx(1374.0, abs=1.0)
+    assert gap[~airborne(apart)].max() == pytest.approx(9.4e-3, abs=5e-5)
 
     # by gap: the same lift-off, and contact where the road, level by then, is touched
     by_gap = quarter_car({}, [0.0, 0.2])
