@@ -239,11 +239,12 @@ def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float) ->
 
 
 def kind_of(first: complex, second: complex) -> str:
-    """Return the kind of an equilibrium by its two eigenvalues."""
+    """Return the kind of an equilibrium by its two eigenvalues, of which none is zero.
+
+    Where f jumps at x' = 0 one is huge: friction that drives makes an unstable node.
+    """
     size = max(abs(first), abs(second))
     real = max(abs(first.real), abs(second.real)) > 1e-7 * size
-    if size == 0.0 or min(abs(first), abs(second)) <= 1e-9 * size:
-        return "degenerate"
     if abs(first.imag) > 1e-7 * size:
         if not real:
             return "centre"

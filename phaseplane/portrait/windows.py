@@ -97,9 +97,7 @@ def _of_width(system: PhaseSystem, reach: float, places: Grid) -> Window:
         farthest = max(abs(e) for at in at_rest for e in (at.x, at.until) if isfinite(e))
         first = good_window(system, max(_AROUND * farthest, least))
     aside = _ASIDE * first.width
-    repelled = [
-        (at.x + aside, 0.0) for at in at_rest if "unstable" in at.kind or at.kind == "degenerate"
-    ]
+    repelled = [(at.x + aside, 0.0) for at in at_rest if "unstable" in at.kind]
     first = _reached(system, enlarged(first, places), np.array([*places, *repelled]))
     far = max(-first.left, first.right)
     low, high = _domain(_along(system), float(places[0, 0]), far)

@@ -493,8 +493,9 @@ def test_a_window_ends_at_a_pole_across_the_plane() -> None:
 @pytest.mark.parametrize(
     ("text", "kind"),
     [("X + V^3", "stable focus"), ("X - 0.001*V^3", "unstable focus"), ("X", "centre"),
-     ("X + V*abs(V)", "stable focus"), ("0.1*V - 0.3*sign(V) + X", "degenerate"),
-     ("X + 3*V", "stable node"), ("X*abs(X) + 0.2*V", "stable node")],
+     ("X + V*abs(V)", "stable focus"), ("X + 3*V", "stable node"),
+     ("0.1*V - 0.3*sign(V) + X", "unstable node"), ("0.0001*sign(V) + X", "stable node"),
+     ("X*abs(X) + 0.2*V", "stable node")],
 )  # fmt: skip
 def test_the_kind_of_an_equilibrium_does_not_depend_on_the_units(text, kind, length, time):
     scaled = text.replace("X", "(x/L)").replace("V", "(v*T/L)")
