@@ -105,7 +105,7 @@ def read_readings(text: str, planes: Sequence[Plane]) -> list[Reading]:
         states = tuple(map(point_of, planes, numbers[::2], numbers[1::2]))
         feet_read = [cells.get(plane.foot, "") for plane in planes]
         feet = None
-        if all(feet_read):
+        if any(feet_read):
             feet = tuple(
                 point_of(plane, _number(value, line, plane.foot))
                 for plane, value in zip(planes, feet_read, strict=True)

@@ -570,6 +570,13 @@ def test_readings_that_cannot_be_used_are_refused_in_words(task, text, message):
         read_readings(text, task[1].planes)
 
 
+def test_d_of_one_plane_alone_is_refused_and_not_ignored():
+    planes = ap57().planes
+    text = "point,y1,y1_bar,y2,y2_bar,D1,D2\n0,0,0,0,0,,\n1,0,-0.2,0,0.1,-10.7,\n"
+    with pytest.raises(ValueError, match="line 3: D2 = '' is not a number"):
+        read_readings(text, planes)
+
+
 def test_readings_of_another_exercise_are_refused(task):
     construction, drawing = task
     points = [z + 0.05 for z in student(drawing, construction, 3)]
