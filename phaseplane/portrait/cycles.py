@@ -193,16 +193,18 @@ def _precise(
         if not np.isfinite(closer.back).all():
             break  # too stiff for the fine tolerance: keep the coarse result
         made, slope = closer, float(closer.back[2] - closer.back[0]) / (2.0 * h)
-        curve = points[1]
+        curve, period = points[1], float(made.time[1])
         if semistable:
             continue
         if abs(slope - 1.0) < 1e-9:
             return None
-        at -= (float(made.back[1]) - at) / (slope - 1.0)
+        way = (at - float(made.back[1])) / (slope - 1.0)
+        at += way
+        period += way * float(made.time[2] - made.time[0]) / (2.0 * h)
     if made is None or slope is None:
         return None
     if abs(float(made.back[1]) - at) > 1e-5 * window.width or not window.left < at <= window.right:
         return None
     slope = max(slope, _LEAST)
     multiplier = 1.0 / slope if backwards else slope
-    return Cycle(at, float(made.time[1]), multiplier, np.array(curve), semistable)
+    return Cycle(at, period, multiplier, np.array(curve), semistable)

@@ -132,18 +132,20 @@ def test_an_equilibrium_on_a_corner_has_a_kind_on_each_side() -> None:
 
 
 @pytest.mark.parametrize(
-    ("mu", "amplitude", "period"),
+    ("mu", "amplitude", "period", "within"),
     [
-        (1.0, 2.00861986, 6.66328686),
-        pytest.param(3.0, 2.023304, 8.859096, marks=pytest.mark.slow),
+        (1.0, 2.008619860874843, 6.663286859323130, 1e-9),
+        pytest.param(3.0, 2.023304, 8.859096, 2e-6, marks=pytest.mark.slow),
     ],
 )
-def test_van_der_pols_limit_cycle(mu: float, amplitude: float, period: float) -> None:
-    """Amplitude and period as published, e.g. by Andersen and Geer (1982) for mu = 1."""
+def test_van_der_pols_limit_cycle(
+    mu: float, amplitude: float, period: float, within: float
+) -> None:
+    """Amplitude and period as published: for mu = 1 by Amore (arXiv:2111.12198) to 25 digits."""
     system = PhaseSystem(lambda v, x, t: mu * (x * x - 1.0) * v + x)
     (cycle,) = limit_cycles(system, WIDE)
-    assert cycle.crossing == pytest.approx(amplitude, abs=2e-5)
-    assert cycle.period == pytest.approx(period, abs=2e-5)
+    assert cycle.crossing == pytest.approx(amplitude, abs=within)
+    assert cycle.period == pytest.approx(period, abs=within)
     assert cycle.attracts
     assert cycle.curve[:, 0].max() == pytest.approx(amplitude, abs=1e-3)
 
