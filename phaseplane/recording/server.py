@@ -16,6 +16,8 @@ from urllib.parse import quote, urlsplit
 
 LOOPBACK = "127.0.0.1"
 _PORTS = (9876, 9090)  # of rerun, for recordings and for the page
+_SERVES = b"Hosting a web-viewer at"  # what the server says when both ports are its own
+_TRIES = 3
 _START = 120.0  # s within which a server that lives must answer, on a busy machine, too
 
 
@@ -48,35 +50,48 @@ def serving(
     ------
     OSError : if the server cannot listen at the address, or a file is not a recording.
     """
-    data, page = free_port(address, _PORTS[0]), free_port(address, _PORTS[1])
     host = f"[{_host(address)}]" if ":" in _host(address) else _host(address)
-    origin = f"http://{host}:{page}"
-    process = subprocess.Popen(
-        [
-            viewer_program(), "--serve-web", "--bind", address, "--port", str(data),
-            "--web-viewer-port", str(page), "--server-memory-limit", "50%",
-            "--cors-allow-origin", origin,
-        ],
-        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        env={**os.environ, "RERUN_APP_ONLY": "true"},
-        start_new_session=True,
-    )  # fmt: skip
-    try:
-        for port in (data, page):
-            _await(process, _host(address), port)
-        url = f"rerun+http://{host}:{data}/proxy"
-        with TemporaryDirectory() as folder:
-            for number, file in enumerate(files):
-                # the list of recordings is open if there are several
-                copy = Path(folder, f"{number}.rrd") if len(files) > 1 else None
-                _send(Path(file), url, copy)
-            yield Server(f"{origin}/?url={quote(url, safe='')}", url, process)
-    finally:
-        process.terminate()
-        with suppress(subprocess.TimeoutExpired):
-            process.wait(5.0)
-        process.kill()
-        process.wait()
+    with TemporaryDirectory() as folder:
+        for _ in range(_TRIES):
+            data, page = free_port(address, _PORTS[0]), free_port(address, _PORTS[1])
+            origin, url = f"http://{host}:{page}", f"rerun+http://{host}:{data}/proxy"
+            with Path(folder, "said").open("wb") as said:
+                process = subprocess.Popen(
+                    [
+                        viewer_program(), "--serve-web", "--bind", address, "--port", str(data),
+                        "--web-viewer-port", str(page), "--server-memory-limit", "50%",
+                        "--cors-allow-origin", origin,
+                    ],
+                    stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=said,
+                    env={**os.environ, "RERUN_APP_ONLY": "true", "RUST_LOG": "info"},
+                    start_new_session=True,
+                )  # fmt: skip
+            try:
+                if not _serves(process, Path(said.name)):
+                    continue  # at other ports: another process was the first to take these
+                for number, file in enumerate(files):
+                    # the list of recordings is open if there are several
+                    copy = Path(folder, f"{number}.rrd") if len(files) > 1 else None
+                    _send(Path(file), url, copy)
+                yield Server(f"{origin}/?url={quote(url, safe='')}", url, process)
+                return
+            finally:
+                process.terminate()
+                with suppress(subprocess.TimeoutExpired):
+                    process.wait(5.0)
+                process.kill()
+                process.wait()
+    raise OSError(f"the server at {address} did not start")
+
+
+def _serves(process: subprocess.Popen[bytes], said: Path) -> bool:
+    """Wait until a server says that it serves; what answers at its ports may be another."""
+    end = time.monotonic() + _START
+    while time.monotonic() < end and process.poll() is None:
+        if _SERVES in said.read_bytes():
+            return True
+        time.sleep(0.05)
+    return False
 
 
 def _send(file: Path, url: str, copy: Path | None) -> None:
@@ -167,13 +182,3 @@ def free_port(address: str, wanted: int) -> int:
                 continue
             return int(trial.getsockname()[1])
     raise AssertionError
-
-
-def _await(process: subprocess.Popen[bytes], host: str, port: int) -> None:
-    end = time.monotonic() + _START
-    while time.monotonic() < end and process.poll() is None:
-        with suppress(OSError):
-            socket.create_connection((host, port), 1.0).close()
-            return
-        time.sleep(0.05)
-    raise OSError(f"the server at {host}:{port} did not start")

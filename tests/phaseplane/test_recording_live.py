@@ -18,6 +18,7 @@ from recorded import Recorded, paper
 from rerun.error_utils import RerunWarning
 
 from phaseplane.recording import Content, Live, is_loopback, listens, record, serving
+from phaseplane.recording.server import Server, free_port
 
 TIME = np.linspace(0.0, 1.0, 1001)
 COLUMNS = {
@@ -110,8 +111,9 @@ def test_a_fast_run_is_thinned(tmp_path: Path) -> None:
         rows: list[tuple[float, ...]] = []
         live.watch(list(COLUMNS), rows)
         rows.extend([(float(k), 0.0, 0.0) for k in range(100_000)])
-        wait_until(lambda: live._taken == len(rows))
-    assert 0 < live.rows_drawn <= 250
+        wait_until(lambda: live.rows_drawn)
+    assert live._taken == len(rows)
+    assert live.rows_drawn <= 250
 
 
 @pytest.mark.slow
@@ -123,6 +125,26 @@ def test_a_page_can_be_served_at_an_address_of_ipv6() -> None:
     with serving(address="::1") as server, urlopen(server.page) as page:
         assert b"Rerun Viewer" in page.read()
         assert listens(server.url)
+
+
+@pytest.mark.slow
+def test_ports_that_another_process_takes_first_are_left_to_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What answers there is not the own server."""
+
+    def ports(server: Server) -> set[int | None]:
+        return {urlsplit(server.url).port, urlsplit(server.page).port}
+
+    with serving() as first:
+        taken = [*ports(first)]
+        monkeypatch.setattr(
+            "phaseplane.recording.server.free_port",
+            lambda *wanted: taken.pop() if taken else free_port(*wanted),
+        )
+        with serving() as second:
+            assert ports(first).isdisjoint(ports(second))
+            assert second.process.poll() is None
 
 
 def test_a_viewer_that_is_not_there() -> None:
@@ -142,11 +164,16 @@ def test_a_server_is_seen_from_this_machine_alone_and_ends_with_its_block() -> N
             assert b"Rerun Viewer" in page.read()
         assert listens(server.url)
         assert {listening(urlsplit(at).port) for at in (server.url, server.page)} == {"0100007F"}
-        with Live(BEFORE, server.url) as live:
-            drive(live, at_half=lambda: server.process.send_signal(signal.SIGKILL))
-            live.complete(WHOLE)
+        assert server.process.poll() is None
+    assert server.process.poll() is not None
+
+
+@pytest.mark.slow
+def test_a_viewer_that_is_killed() -> None:
+    with serving() as server, Live(BEFORE, server.url) as live:
+        drive(live, at_half=lambda: server.process.send_signal(signal.SIGKILL))
+        live.complete(WHOLE)
         assert live.problem
-    assert not listens(server.url)
 
 
 @pytest.mark.slow
