@@ -6,20 +6,18 @@ over the tolerance. Displacements count from where they start.
 
 from __future__ import annotations
 
-import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import product
 from random import Random
 from time import process_time
-from types import FrameType
 from typing import Any
 
 import numpy as np
 import symmetries
 import truth
 from draws import Drawn
+from hosting import at_most
 from numpy.typing import NDArray
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import Session, SimulationError
@@ -38,7 +36,7 @@ _STEPS = (1e-3, 5e-4, 2.5e-4)  # s, of methods with fixed steps
 _ADVISED = 8e-6  # s, if none of them is short enough
 _ADVICE = "shorten solver.step"  # of a run that a step is too long for
 _MOST_FIXED = 0.1  # of the peak, at the shortest of them
-_TIME = 60  # s of one run, of which nothing ever takes so long
+_TIME = 60  # s of the processor for one run; nothing ever takes so long
 
 
 @dataclass
@@ -49,22 +47,6 @@ class Motion:
     contradictions: list[str] = field(default_factory=list)
     messages: list[str] = field(default_factory=list)
     steps: int = 0
-
-
-@contextmanager
-def within(seconds: int) -> Iterator[None]:
-    """Raise a TimeoutError after so long."""
-
-    def ring(number: int, frame: FrameType | None) -> None:
-        raise TimeoutError(f"more than {seconds} s")
-
-    before = signal.signal(signal.SIGALRM, ring)
-    signal.alarm(seconds)
-    try:
-        yield
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
 
 
 def run(drawn: Drawn, times: Array, **solver: Any) -> Motion:
@@ -242,7 +224,7 @@ def examine(drawn: Drawn, only: str = "") -> dict[str, Any]:
     found: dict[str, Any] = {"seed": drawn.seed, "model": drawn.model, "errors": {}, "failures": []}
     failures: list[str] = found["failures"]
     try:
-        with within(4 * _TIME):
+        with at_most(4 * _TIME):
             right = standard(drawn)
     except (truth.NoTruthError, TimeoutError, ArithmeticError) as error:
         return found | {"without": f"{type(error).__name__}: {error}"}
@@ -277,7 +259,7 @@ def _examine_symmetries(found: dict[str, Any], drawn: Drawn, judge: Judge) -> No
     tolerance, left = symmetries.TOLERANCE, found.setdefault("symmetries", {})
     for name, compare in (symmetries.TO_THE_BIT | symmetries.CLOSE).items():
         try:
-            with within(2 * _TIME):
+            with at_most(2 * _TIME):
                 apart = compare(case)
         except (SimulationError, TimeoutError, ArithmeticError) as error:
             failures.append(f"symmetries: {name}: {error}")
@@ -290,7 +272,7 @@ def _examine_symmetries(found: dict[str, Any], drawn: Drawn, judge: Judge) -> No
         if name in symmetries.CLOSE:
             judge(f"symmetries: {name}", tolerance, {"displacements": apart})
     try:
-        with within(2 * _TIME):
+        with at_most(2 * _TIME):
             errors = symmetries.inputs(case)
     except (SimulationError, TimeoutError, ArithmeticError) as error:
         failures.append(f"symmetries: inputs: {error}")
@@ -302,7 +284,7 @@ def _examine_symmetries(found: dict[str, Any], drawn: Drawn, judge: Judge) -> No
 def _attempt(failures: list[str], what: str, *given: Any, **solver: Any) -> Motion | None:
     """A run, whose failing and contradictions are noted; None if it fails."""
     try:
-        with within(_TIME):
+        with at_most(_TIME):
             motion = run(*given, **solver)
     except (SimulationError, TimeoutError, ArithmeticError) as error:
         failures.append(f"{what}: {error}")

@@ -125,6 +125,38 @@ def wait_until(holds: Callable[[], object], process: subprocess.Popen[str] | Non
 
 
 @contextmanager
+def at_most(seconds: float) -> Iterator[None]:
+    """End what hangs: what takes that much of the processor, however busy it is elsewhere."""
+
+    def hang(*_: object) -> None:
+        raise TimeoutError(f"still at it after {seconds} s")
+
+    before = signal.signal(signal.SIGPROF, hang)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
+
+
+def children(process: subprocess.Popen[str]) -> list[int]:
+    """The processes that a process has started."""
+    listed = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    if not listed.exists():
+        pytest.skip("not on this platform: no /proc")
+    return [*map(int, listed.read_text().split())]
+
+
+def is_running(number: int) -> bool:
+    """Whether there is a process of this number, and it has not ended."""
+    try:
+        return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):  # it ends while its file is read
+        return False
+
+
+@contextmanager
 def started(
     command: Sequence[str | Path | int], environment: Mapping[str, str], **pipes: int
 ) -> Iterator[subprocess.Popen[str]]:

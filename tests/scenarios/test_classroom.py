@@ -20,7 +20,7 @@ from typing import Any
 import notebooks
 import pytest
 from browsers import FREE, browser
-from hosting import in_python
+from hosting import HANGS, in_python
 from matplotlib.figure import Figure
 from phaseplane.scenarios.draw.classroom import OWN, answered
 from phaseplane.scenarios.draw.constructions import draw_construction
@@ -191,7 +191,7 @@ def test_the_page_in_a_browser(page: Any) -> None:
     from selenium.webdriver.common.keys import Keys  # noqa: PLC0415
     from selenium.webdriver.support.ui import Select, WebDriverWait  # noqa: PLC0415
 
-    wait = WebDriverWait(page, 240)
+    wait = WebDriverWait(page, HANGS)
 
     def told(name: str) -> str | None:
         found: str | None = page.execute_script(f"return document.documentElement.dataset.{name}")

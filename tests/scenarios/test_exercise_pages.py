@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from base64 import b64decode
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 import pytest
 from browsers import FREE, browser
+from hosting import wait_until
 from phaseplane.scenarios.draw.exercises import Exercise, exercise, marked, write_sheets
 from phaseplane.scenarios.scene.loading import load_scene
 
@@ -90,10 +90,8 @@ def test_points_that_are_clicked_are_saved_as_readings_and_marked(
         {"behavior": "allow", "downloadPath": str(tmp_path / "saved")},
     )
     page.find_element(By.XPATH, "//button[text()='Save readings']").click()
-    saved, end = tmp_path / "saved" / "readings.csv", time.monotonic() + 60.0
-    while not saved.exists():
-        assert time.monotonic() < end
-        time.sleep(0.05)
+    saved = tmp_path / "saved" / "readings.csv"
+    wait_until(saved.exists)
     marks = marked(made, saved.read_text(), 1.5e-3)
     assert marks["right"] == made.steps, [one["said"] for one in marks["marks"]]
     assert not marks["missing"]

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from click.testing import Result
 from command_line import phaseplane, settings
-from hosting import HANGS
+from hosting import HANGS, started
 from phaseplane.scenarios.commands import console
 from phaseplane.scenarios.draw import pictures
 from phaseplane.scenarios.results.folder import Place, read_results, replace_folder, write_results
@@ -118,20 +118,19 @@ def test_nothing_is_added_to_the_results_of_another_run(run: Callable[..., Resul
 @pytest.mark.slow
 def test_an_interrupted_process_says_so_and_ends_with_its_status(fmu: Path) -> None:
     code = (
-        "import signal\n"
+        "from time import sleep\n"
         "from phaseplane.scenarios.draw import pictures\n"
         "def draw(name, path, **_):\n"
         "    print(name, flush=True)\n"
-        "    signal.pause()\n"
+        "    while True:\n"
+        "        sleep(0.01)\n"  # `signal.pause` misses what comes just before it
         "pictures.draw = draw\n"
         "from phaseplane.scenarios.cli import main\n"
         "main()"
     )
     arguments = ["run", "ap57", *settings(f"fmu={fmu}", FIGURES)]
-    with subprocess.Popen(
-        [sys.executable, "-P", "-c", code, *arguments],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    ) as process:  # fmt: skip
+    command = [sys.executable, "-P", "-c", code, *arguments]
+    with started(command, {}, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "time_histories\n"
         process.send_signal(signal.SIGINT)

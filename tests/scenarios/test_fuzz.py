@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import random
 import re
-import signal
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from hosting import at_most
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.names import CASES
@@ -61,22 +60,6 @@ def mutated(text: str, dice: random.Random) -> str:
             dice.shuffle(lines)
             text = "\n".join(lines)
     return text
-
-
-@contextmanager
-def at_most(seconds: float) -> Iterator[None]:
-    """End what hangs: what takes that much of the processor, however busy it is elsewhere."""
-
-    def hang(*_: object) -> None:
-        raise TimeoutError(f"still at it after {seconds} s")
-
-    before = signal.signal(signal.SIGPROF, hang)
-    signal.setitimer(signal.ITIMER_PROF, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
-        signal.signal(signal.SIGPROF, before)
 
 
 def tried(seed: int, folder: Path) -> bool:
