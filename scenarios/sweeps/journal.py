@@ -25,11 +25,14 @@ def open_journal(path: Path, key: str) -> Iterator[tuple[list[Any], Callable[...
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     before = _records(path, key)
-    file = path.open("w" if before is None else "a", encoding="utf-8")
+    if before is None:
+        path.write_text("")
+    # whoever runs the same at the same time writes behind this, and not over it
+    file = path.open("a", encoding="utf-8")
 
     def add(*records: object) -> None:
         try:
-            file.writelines(json.dumps(record) + "\n" for record in records)
+            file.write("".join(json.dumps(record) + "\n" for record in records))
             file.flush()
         except OSError as error:
             raise RunError(f"cannot write {path}: {error.strerror or error}") from None

@@ -65,6 +65,16 @@ def test_a_journal_that_cannot_be_written_is_named_and_kept(tmp_path: Path) -> N
         assert found == [[0, [1.0], ""]]
 
 
+def test_what_two_of_the_same_write_to_their_journal_is_kept(tmp_path: Path) -> None:
+    journal = tmp_path / "journal"
+    with open_journal(journal, "key") as (_, add), open_journal(journal, "key") as (_, also):
+        for k in range(3):
+            add([k, [1.0], ""])
+            also([k, [10.0], ""])
+    with open_journal(journal, "key") as (found, _):
+        assert found == [[k, [x], ""] for k in range(3) for x in (1.0, 10.0)]
+
+
 def test_a_journal_is_that_of_one_way_to_run_one_version_and_one_content(
     fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
