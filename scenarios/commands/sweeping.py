@@ -52,7 +52,7 @@ def sweep(
     sample of parameters (see `schema --sweep`). Start an interrupted sweep again to continue it.
     """
     with progress_bar(Path(file).stem) as progress:
-        plan, summary, folder = run_sweep(
+        plan, _, summary, folder = run_sweep(
             file,
             output,
             through=through,

@@ -56,18 +56,13 @@ def sweep(
     InputError : if the file is not valid, or the folder must not be replaced.
     RunError : if the runs could not start.
     """
-    from pyarrow import csv  # noqa: PLC0415  (heavy)
-
-    plan, summary, where = run_sweep(
+    plan, runs, summary, _ = run_sweep(
         os.fspath(file),
         Path(folder) if folder else None,
         workers=workers,
         progress=progress or silent,
     )
-    read_rows = csv.read_csv(where / summary["table"])
     units = dict(zip(plan.keys, plan.units, strict=True))
     units |= {name: extent["unit"] for name, extent in summary["measures"].items()}
-    columns = {
-        name: read_rows[name].to_numpy(zero_copy_only=False) for name in read_rows.column_names
-    }
+    columns = {name: runs[name].to_numpy() for name in runs.column_names}
     return Table(columns, units, index="run", title=plan.title or plan.name)

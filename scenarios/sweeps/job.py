@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from phaseplane.suspension.variables import Value
@@ -17,8 +17,11 @@ from ..progress import Progress, silent
 from ..results.folder import Place, replace_folder, write_summary
 from ..results.quantities import shown_in
 from .plan import Plan, load_plan
-from .report import check_table, summary_of, unit_of, write_rows
+from .report import check_table, summary_of, table_of, unit_of, write_rows
 from .running import Row, journal_key, sweep
+
+if TYPE_CHECKING:
+    import pyarrow
 
 _PICTURE = "sweep.png"
 
@@ -32,7 +35,7 @@ def run_sweep(
     dask: str = "",
     table: str = "runs.csv",
     progress: Progress = silent,
-) -> tuple[Plan, dict[str, Any], Path]:
+) -> tuple[Plan, pyarrow.Table, dict[str, Any], Path]:
     """Make the runs of a sweep file and write table, picture and summary to a folder.
 
     Parameters
@@ -44,7 +47,7 @@ def run_sweep(
 
     Returns
     -------
-    The plan, the summary as written, and the folder.
+    The plan, the table of runs, the summary as written, and the folder.
 
     Raises
     ------
@@ -61,13 +64,14 @@ def run_sweep(
         plan, journal, through=through, workers=workers, dask=dask, progress=progress
     )
     with replace_folder(place) as draft:
-        write_rows(plan, rows, draft / table)
+        made = table_of(plan, rows)
+        write_rows(made, draft / table)
         problems = _drawn(plan, rows, draft / _PICTURE)
         summary = summary_of(plan, rows, {**facts, "table": table, "problems": problems})
         summary["origin"] = place.origin
         summary["files"] = write_summary(summary, draft)
     journal.unlink(missing_ok=True)
-    return plan, summary, folder
+    return plan, made, summary, folder
 
 
 def _drawn(plan: Plan, rows: list[Row], path: Path) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension.units import counted
 from phaseplane.suspension.variables import Value
@@ -15,6 +15,9 @@ from ..results.quantities import quantity
 from ..results.report import UNCOMPILED, aligned
 from .plan import Plan
 from .running import Row
+
+if TYPE_CHECKING:
+    import pyarrow
 
 TABLES = (".csv", ".parquet")
 _LONGEST = 36  # characters of a varied text
@@ -31,19 +34,26 @@ def check_table(name: str) -> None:
         raise InputError(f"--table {name}: must be a file name that ends in {' or '.join(TABLES)}")
 
 
-def write_rows(plan: Plan, rows: Sequence[Row], path: Path) -> None:
-    """Write one row per run: its number, the varied values, the measures, `ok` and `reason`."""
+def table_of(plan: Plan, rows: Sequence[Row]) -> pyarrow.Table:
+    """Return one row per run: its number, the varied values, the measures, `ok` and `reason`."""
     import pyarrow  # noqa: PLC0415  (heavy)
-    from pyarrow import csv, parquet  # noqa: PLC0415
 
-    columns: dict[str, list[Any]] = {"run": [row.run for row in rows]}
+    columns: dict[str, Any] = {"run": [row.run for row in rows]}
     for k, key in enumerate(plan.keys):
         columns[key] = [plan.points[row.run][k] for row in rows]
     for k, name in enumerate(plan.measures):
-        columns[name] = [row.values[k] for row in rows]
+        values = [row.values[k] for row in rows]
+        counts = any(isinstance(x, int) for x in values)
+        columns[name] = pyarrow.array(values, None if counts else pyarrow.float64())
     columns["ok"] = [not row.reason for row in rows]
     columns["reason"] = [row.reason for row in rows]
-    table = pyarrow.table(columns)
+    return pyarrow.table(columns)
+
+
+def write_rows(table: pyarrow.Table, path: Path) -> None:
+    """Write the table of runs."""
+    from pyarrow import csv, parquet  # noqa: PLC0415  (heavy)
+
     if path.suffix == ".csv":
         csv.write_csv(table, path)
     else:

@@ -266,17 +266,23 @@ def test_a_script_can_sweep_in_several_processes():
     done = subprocess.run(
         [sys.executable, "-P", "script.py"], capture_output=True, text=True, check=False
     )
-    assert (done.stdout, done.stderr) == ("[2, 3]\n", "")
+    assert (done.stdout, done.stderr) == ("[2.0, 3.0]\n", "")
 
 
 def test_a_sweep_is_a_table():
-    sweep_file('scene = "ap57"\nmeasures = ["peak.body_acceleration"]\n[vary]\nspeed = [15, 25]\n')
+    """Real numbers are real, whatever their values; one that is never known is not a number."""
+    measures = '["peak.body_acceleration", "first_lift_off"]'
+    sweep_file(f'scene = "ap57_figure13"\nmeasures = {measures}\n[vary]\nspeed = [15, 25]\n')
     table = phaseplane.sweep("sweep.toml", workers=1)
     assert table["speed"].tolist() == [15, 25]
     assert table.units["peak.body_acceleration"] == "m/s2"
-    alone = phaseplane.run("ap57", speed=25, measures=["peak.body_acceleration"], expect=False)
+    assert table["speed"].dtype == table["first_lift_off"].dtype == float
+    assert np.isnan(table["first_lift_off"]).all()
+    measured = ["peak.body_acceleration"]
+    alone = phaseplane.run("ap57_figure13", speed=25, measures=measured, expect=False)
     expected = alone.measures["peak.body_acceleration"]
     assert table["peak.body_acceleration"][1] == pytest.approx(expected, rel=1e-12)
+    assert table["reason"].tolist() == ["", ""]
 
 
 @pytest.mark.parametrize("name", ["pandas", "xarray"])
