@@ -19,20 +19,12 @@ class InputError(ValueError):
         super().__init__(one_line(message))
 
 
-class SceneError(InputError):
-    """A scene that cannot be read; the message names file, key, value and what is allowed."""
-
-
 class SystemFileError(InputError):
     """The file of a user-defined system that cannot be used; the message begins with its path."""
 
 
 class DrawingError(InputError):
     """A construction that cannot be drawn with its settings."""
-
-
-class FolderError(InputError):
-    """A results folder that cannot be read, or that must not be replaced."""
 
 
 class RunError(RuntimeError):

@@ -18,15 +18,7 @@ from ..draw.constructions import draw_scene, drawing_summary, overlay_run
 from ..draw.live import show_in
 from ..draw.pictures import RULES_SHOWN, draw
 from ..draw.recording_content import of_results, of_scene
-from ..errors import (
-    MOVING,
-    PICTURES,
-    InputError,
-    RunError,
-    SceneError,
-    check_picture,
-    check_recording,
-)
+from ..errors import MOVING, PICTURES, InputError, RunError, check_picture, check_recording
 from ..results.folder import DAMAGED, read_results, read_summary
 from ..results.plain import as_json
 from ..results.report import format_missed
@@ -226,7 +218,7 @@ def _scene_or_folder(what: str) -> str:
         )
     try:
         find_scene(what)
-    except SceneError as error:
+    except InputError as error:
         file = "the path of a .toml file"
-        raise SceneError(str(error).replace(file, f"{file} or of a results folder")) from None
+        raise InputError(str(error).replace(file, f"{file} or of a results folder")) from None
     return what

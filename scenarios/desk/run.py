@@ -107,7 +107,7 @@ class Run(Table):
 
         Raises
         ------
-        FolderError : if the folder contains anything but the results of a run.
+        InputError : if the folder contains anything but the results of a run.
         """
         place = Place(Path(folder), "run", self.scene.file)
         check_replaceable(place)

@@ -40,7 +40,7 @@ class FinishedFolder:
 
         Raises
         ------
-        RunError : if the folder contains other results by now, or cannot be written.
+        RunError : if the folder contains other results by now.
         """
         with draft_beside(self.folder) as draft:
             yield draft / name

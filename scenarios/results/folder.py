@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..errors import FolderError
+from ..errors import InputError, RunError
 from .plain import as_json
 from .tables import read_table, write_table
 
@@ -60,7 +60,7 @@ class Place(NamedTuple):
 
         Raises
         ------
-        FolderError : see `check_replaceable`.
+        InputError : see `check_replaceable`.
         """
         place = cls(folder or OUTPUT / default, kind, file, named=folder is not None)
         check_replaceable(place)
@@ -132,17 +132,17 @@ def read_results(path: Path) -> Results:
     summary = read_summary(path)
     if summary is None:
         if not path.exists():
-            raise FolderError(f"no such file or folder: {path}")
-        raise FolderError(f"{path} is not a results folder: it has no {SUMMARY} written by a run")
+            raise InputError(f"no such file or folder: {path}")
+        raise InputError(f"{path} is not a results folder: it has no {SUMMARY} written by a run")
     kind = summary.get("origin", {}).get("kind", "run")
     if kind != "run":
-        raise FolderError(
+        raise InputError(
             f"{path} contains the results of 'phaseplane {kind}', and not those of a run"
         )
     table = path / str(summary.get("table", TABLE))
     columns, _ = read_table(table)
     if "time" not in columns:
-        raise FolderError(f"cannot read {table}: no column time")
+        raise InputError(f"cannot read {table}: no column time")
     return Results(columns, summary)
 
 
@@ -165,27 +165,27 @@ def check_replaceable(place: Place) -> None:
 
     Raises
     ------
-    FolderError : if it is a file, was not written by a run, contains other files or results of another
+    InputError : if it is a file, was not written by a run, contains other files or results of another
         kind, or contains results of another scene file and the user has not named the folder.
     """
     folder = place.folder
     if not folder.exists():
         return
     if not folder.is_dir():
-        raise FolderError(f"{folder} is a file; give the name of a folder with -o")
+        raise InputError(f"{folder} is a file; give the name of a folder with -o")
     if folder.resolve() in (Path.cwd(), *Path.cwd().parents):
-        raise FolderError(f"{folder} is the current folder or a parent of it; give another with -o")
+        raise InputError(f"{folder} is the current folder or a parent of it; give another with -o")
     found = {path.name for path in folder.iterdir()}
     summary = read_summary(folder)
     if found and summary is None:
-        raise FolderError(
+        raise InputError(
             f"{folder} contains no results of a run, so it is not replaced; "
             "give another folder with -o"
         )
     ours = {*summary["files"], *summary.get("undrawn", ())} if summary else set()
     foreign = sorted(found - ours)
     if foreign:
-        raise FolderError(
+        raise InputError(
             f"{folder} contains {foreign[0]}, which no run wrote, so it is not replaced; "
             "move that file away or give another folder with -o"
         )
@@ -196,7 +196,7 @@ def _check_origin(place: Place, there: Mapping[str, str]) -> None:
     """Refuse to replace results of another kind, or of another file unless the folder is named."""
     folder, ours = place.folder, place.origin
     if there["kind"] != ours["kind"]:
-        raise FolderError(
+        raise InputError(
             f"{folder} contains results of 'phaseplane {there['kind']}', which 'phaseplane "
             f"{ours['kind']}' does not replace; delete them or give another folder with -o"
         )
@@ -205,7 +205,7 @@ def _check_origin(place: Place, there: Mapping[str, str]) -> None:
             os.path.relpath(folder / file) if "/" in file else file
             for file in (there["file"], ours["file"])
         )
-        raise FolderError(
+        raise InputError(
             f"{folder} contains the results of {theirs}, which those of {own} do not replace; "
             f"give another folder with -o, or -o {folder} to replace them"
         )
@@ -217,13 +217,17 @@ def replace_folder(place: Place) -> Iterator[Path]:
 
     Raises
     ------
-    FolderError : see `check_replaceable`; or if the folder cannot be written.
+    InputError : see `check_replaceable` and `draft_beside`.
+    RunError : if what is written does not fit on the disk, or cannot be written for another reason.
     """
     check_replaceable(place)
     with draft_beside(place.folder) as draft:
-        yield draft
-        check_replaceable(place)
-        _exchange(draft, place.folder.resolve())
+        try:
+            yield draft
+            check_replaceable(place)
+            _exchange(draft, place.folder.resolve())
+        except OSError as error:
+            raise RunError(f"cannot write {place.folder}: {error.strerror or error}") from error
 
 
 @contextmanager
@@ -232,18 +236,16 @@ def draft_beside(folder: Path) -> Iterator[Path]:
 
     Raises
     ------
-    FolderError : if it cannot be written.
+    InputError : if nothing can be written there.
     """
     target = folder.resolve()
     draft = target.with_name(f".{target.name}.{os.urandom(4).hex()}")
     try:
         draft.mkdir(parents=True)
     except OSError as error:
-        raise FolderError(f"cannot write {folder}: {error.strerror}") from None
+        raise InputError(f"cannot write {folder}: {error.strerror}") from None
     try:
         yield draft
-    except OSError as error:
-        raise FolderError(f"cannot write {folder}: {error.strerror or error}") from error
     finally:
         shutil.rmtree(draft, ignore_errors=True)
 

@@ -17,7 +17,7 @@ from phaseplane.suspension.own_systems.module import scene_in
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import MODELS, ParameterError
 
-from ..errors import SceneError, shown
+from ..errors import InputError, shown
 from .equation import equation_variables, only_in
 from .fmus import default_duration
 from .names import CASES, SCENE_FILES, case_names, file_meant, meant
@@ -54,15 +54,15 @@ class Setting(NamedTuple):
 
         Raises
         ------
-        SceneError : if there is no `=` or no key, or the key is `extends`.
+        InputError : if there is no `=` or no key, or the key is `extends`.
         """
         key, equals, value = (part.strip() for part in text.partition("="))
         if not equals or not key:
-            raise SceneError(
+            raise InputError(
                 f"{SET} {shown(text)}: write key=value, for example {SET} 'road.height=8 cm'"
             )
         if key == "extends":
-            raise SceneError(f"{SET} extends: only a scene's file can name its base")
+            raise InputError(f"{SET} extends: only a scene's file can name its base")
         return cls(from_top(key), _value_of(value))
 
 
@@ -189,7 +189,7 @@ def find_scene(reference: str, folder: Path | None = None) -> Path:
 
     Raises
     ------
-    SceneError : if there is no such scene or file; the message names the nearest one.
+    InputError : if there is no such scene or file; the message names the nearest one.
     """
     if reference in case_names():
         return CASES / f"{reference}.toml"
@@ -201,14 +201,14 @@ def find_scene(reference: str, folder: Path | None = None) -> Path:
     except (OSError, ValueError):
         is_folder = False  # a text that cannot be a path
     if is_folder:
-        raise SceneError(f"{reference or '.'} is a folder, not a scene file")
+        raise InputError(f"{reference or '.'} is a folder, not a scene file")
     if reference.endswith(SCENE_FILES) or "/" in reference:
-        raise SceneError(f"no scene file {reference}; give the path of a .toml file")
+        raise InputError(f"no scene file {reference}; give the path of a .toml file")
     hint = meant(reference, "scene") or (
         "; 'phaseplane list' shows them all; or give the path of a .toml file"
         + nearest(reference, (*case_names(), *MODELS))
     )
-    raise SceneError(f"no scene {shown(reference)}{hint}")
+    raise InputError(f"no scene {shown(reference)}{hint}")
 
 
 def read_layers(path: Path) -> Layers:
@@ -216,7 +216,7 @@ def read_layers(path: Path) -> Layers:
 
     Raises
     ------
-    SceneError : if a file is missing, is not TOML or extends itself.
+    InputError : if a file is missing, is not TOML or extends itself.
     """
     name = _called(path)
     return _laid(_chain(_read(path, name), name, path.parent, path))
@@ -227,7 +227,7 @@ def given_layers(content: Mapping[str, Any], name: str) -> Layers:
 
     Raises
     ------
-    SceneError : if it has an unknown key, or a scene it extends is missing.
+    InputError : if it has an unknown key, or a scene it extends is missing.
     """
     return _laid(_chain(dict(flattened(content, name)), name, Path()))
 
@@ -255,7 +255,7 @@ def read_settings(overrides: Iterable[str | Setting]) -> list[Setting]:
 
     Raises
     ------
-    SceneError : see `Setting.read`.
+    InputError : see `Setting.read`.
     """
     return [Setting.read(given) if isinstance(given, str) else given for given in overrides]
 
@@ -268,7 +268,7 @@ def overlay(layers: Layers, overrides: Iterable[str | Setting]) -> None:
 
     Raises
     ------
-    SceneError : see `Setting.read`.
+    InputError : see `Setting.read`.
     """
     layers.top += 1
     settings = read_settings(overrides)
@@ -277,7 +277,7 @@ def overlay(layers: Layers, overrides: Iterable[str | Setting]) -> None:
         layers.put({"title": "Equation", "source": ""}, "--set", Path())
     for setting in settings:
         if setting.value == {}:
-            raise SceneError(
+            raise InputError(
                 f"{setting.origin} {setting.key}={{}}: an empty table sets nothing; give at least one "
                 "key" + ("; --no-expect skips the expectations" if setting.key == "expect" else "")
             )
@@ -292,19 +292,19 @@ def _chain(
     seen: list[Path] = []
     while True:
         if other := file_meant(layer, name, "run") if path else "":
-            raise SceneError(other)
+            raise InputError(other)
         for key in layer:
             top, dot, _ = key.partition(".")
             if top == "system":
-                raise SceneError(
+                raise InputError(
                     f"{name}: system: a system of your own is described in a file; write it to a .toml "
                     "file, and run that or give its path as fmu"
                 )
             if dot and top in KEYS and top not in SECTIONS:
-                raise SceneError(f"{name}: {top}: must be a single value, not a table")
+                raise InputError(f"{name}: {top}: must be a single value, not a table")
             if top not in KEYS:
                 hint = "; parameters belong in the table [parameters]"
-                raise SceneError(
+                raise InputError(
                     f"{name}: unknown key {shown(key)}; allowed: {', '.join(KEYS)}"
                     + (hint if _is_parameter(key) else nearest(key, KEYS))
                 )
@@ -313,14 +313,14 @@ def _chain(
         if base is None:
             return
         if not isinstance(base, str):
-            raise SceneError(f"{name}: extends = {shown(base)}: must be a scene's name or file")
+            raise InputError(f"{name}: extends = {shown(base)}: must be a scene's name or file")
         seen += [path.resolve()] if path else []
         try:
             path = find_scene(base, folder)
-        except SceneError as error:
-            raise SceneError(f"{name}: extends: {error}") from None
+        except InputError as error:
+            raise InputError(f"{name}: extends: {error}") from None
         if path.resolve() in seen:
-            raise SceneError(
+            raise InputError(
                 f"{name}: extends = {shown(base)}: the scenes extend each other in a circle"
             )
         name, folder = _called(path), path.parent
@@ -350,7 +350,7 @@ def _called(path: Path) -> str:
 def _read(path: Path, name: str) -> dict[str, Any]:
     try:
         if path.stat().st_size > _LARGEST_FILE:
-            raise SceneError(f"{name}: larger than {_LARGEST_FILE} bytes; not a scene file")
+            raise InputError(f"{name}: larger than {_LARGEST_FILE} bytes; not a scene file")
         text = path.read_text(encoding="utf-8-sig")
         if path.suffix == ".py":
             content = scene_in(text)
@@ -360,23 +360,23 @@ def _read(path: Path, name: str) -> dict[str, Any]:
         if isinstance(content.pop("system", None), dict):
             content.setdefault("fmu", path.name)  # the scene of the system that it describes
             if content["fmu"] != path.name:
-                raise SceneError(
+                raise InputError(
                     f"{name}: fmu = {shown(content['fmu'])} and a table [system] are given; leave out "
                     "fmu to run the system of this file, or put one of them into another file"
                 )
         return dict(flattened(content, name))
-    except SceneError:
+    except InputError:
         raise
     except ParameterError as error:
-        raise SceneError(f"{name}: {error}") from None
+        raise InputError(f"{name}: {error}") from None
     except OSError as error:
-        raise SceneError(f"cannot read {name}: {error.strerror or error}") from None
+        raise InputError(f"cannot read {name}: {error.strerror or error}") from None
     except UnicodeDecodeError as error:
-        raise SceneError(f"{name}: not UTF-8 text (byte {error.start}); save it as UTF-8") from None
+        raise InputError(f"{name}: not UTF-8 text (byte {error.start}); save it as UTF-8") from None
     except RecursionError:
-        raise SceneError(f"{name}: nested too deeply") from None
+        raise InputError(f"{name}: nested too deeply") from None
     except ValueError as error:
-        raise SceneError(f"{name}: not TOML: {error}") from None
+        raise InputError(f"{name}: not TOML: {error}") from None
 
 
 def flattened(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
@@ -384,7 +384,7 @@ def flattened(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
 
     Raises
     ------
-    SceneError : if a key is given twice, or a table within a table is empty.
+    InputError : if a key is given twice, or a table within a table is empty.
     """
     seen: set[str] = set()
 
@@ -392,13 +392,13 @@ def flattened(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
         for key, value in inner.items():
             dotted = f"{prefix}{key}"
             if value == {} and prefix:
-                raise SceneError(
+                raise InputError(
                     f"{name}: {dotted} = {{}}: an empty table sets nothing; give at least one key"
                 )
             if isinstance(value, dict):
                 yield from walk(value, f"{dotted}.")
             elif dotted in seen:
-                raise SceneError(f"{name}: {shown(dotted)} is given twice")
+                raise InputError(f"{name}: {shown(dotted)} is given twice")
             else:
                 seen.add(dotted)
                 yield dotted, value

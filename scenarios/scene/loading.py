@@ -10,7 +10,7 @@ from typing import Any
 from phaseplane.suspension.acting import Idle, idle
 from phaseplane.suspension.variables import MODELS
 
-from ..errors import SceneError
+from ..errors import InputError
 from .equation import EQUATION
 from .fields import RefusedError, keys_of, read_table
 from .layers import (
@@ -49,7 +49,7 @@ def load_scene(
 
     Raises
     ------
-    SceneError : if the scene is not valid; one line with file, key, value and what is allowed.
+    InputError : if the scene is not valid; one line with file, key, value and what is allowed.
     """
     layers, name, path = _layers_of(reference)
     if not expect:
@@ -62,7 +62,7 @@ def load_scene(
         hint = ""
         if error.key == "duration":
             hint = meant(name, "scene") if path is None else _NO_STOP_TIME * (path.suffix == ".fmu")
-        raise SceneError(f"{_format_refusal(error, layers, reference)}{hint}") from None
+        raise InputError(f"{_format_refusal(error, layers, reference)}{hint}") from None
     stated = {*scene.expect, *(one.output for one in scene.during)}
     unchecked = tuple(name for name in layers.unchecked if name not in stated)
     return replace(scene, file=path, unchecked=unchecked, idle=tuple(_idle(scene, layers)))
@@ -101,14 +101,14 @@ def construction_settings(
 
     Raises
     ------
-    SceneError : if a key is not one of `construction`, or a value is not allowed.
+    InputError : if a key is not one of `construction`, or a value is not allowed.
     """
     layers = Layers()
     layers.put({f"construction.{key}": value for key, value in kept.items()}, "results", Path())
     settings = read_settings(overrides)
     for setting in settings:
         if not setting.key.startswith("construction."):
-            raise SceneError(
+            raise InputError(
                 f"{setting.origin} {setting.key.removeprefix('parameters.')}: for results "
                 f"only construction.* can be set: {', '.join(keys_of(Construction))}"
             )
@@ -116,7 +116,7 @@ def construction_settings(
     try:
         return asdict(read_table(Construction, layers.tables()["construction"], "construction"))
     except RefusedError as error:
-        raise SceneError(_format_refusal(error, layers, "results")) from None
+        raise InputError(_format_refusal(error, layers, "results")) from None
 
 
 def _format_refusal(refused: RefusedError, layers: Layers, reference: str) -> str:

@@ -17,7 +17,7 @@ from phaseplane.suspension.units import UnitError, nearest, to_si
 from phaseplane.suspension.variable import number
 from phaseplane.suspension.variables import Value, Variable
 
-from ..errors import InputError, SceneError, shown
+from ..errors import InputError, shown
 from ..measures import catalogue
 from ..scene.fields import (
     NUMBER_OR_TEXT,
@@ -276,7 +276,7 @@ class Plan:
 
         Raises
         ------
-        SceneError : if the scene does not accept a value.
+        InputError : if the scene does not accept a value.
         """
         settings = [
             Setting(from_top(key), x, "vary") for key, x in zip(self.keys, point, strict=True)
@@ -367,7 +367,7 @@ def plan_of(path: Path, content: Mapping[str, Any], keys: Mapping[str, str] | No
     if not plan.parameters_only:
         try:
             plan.scene_of(plan.points[0])  # reports an unknown scene key before any run
-        except SceneError as error:
+        except InputError as error:
             raise InputError(f"{path}: {error}") from None
     return plan
 
@@ -381,7 +381,7 @@ def _base(path: Path, reference: str) -> str | Path:
 def _scene(path: Path, reference: str) -> Scene:
     try:
         return load_scene(str(_base(path, reference)))
-    except SceneError as error:
+    except InputError as error:
         raise InputError(f"{path}: scene: {error}") from None
 
 

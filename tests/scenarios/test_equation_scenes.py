@@ -12,7 +12,7 @@ from command_line import BARE, complaint, printed, reported, settings, written
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw import portraits
 from phaseplane.scenarios.draw.constructions import draw_construction
-from phaseplane.scenarios.errors import SceneError
+from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.results.folder import read_results
 from phaseplane.scenarios.scene.loading import load_scene
 from small_sweep import rows, sweep_file
@@ -74,7 +74,7 @@ def test_named_parameters_are_si_and_part_of_the_scene(pendulum: str, tmp_path: 
     ],
 )
 def test_what_is_wrong_is_said_in_a_line(pendulum: str, setting: str, message: str) -> None:
-    with pytest.raises(SceneError, match=message):
+    with pytest.raises(InputError, match=message):
         load_scene(pendulum, [setting])
 
 
@@ -88,7 +88,7 @@ def test_another_equation_drops_the_parameters_of_the_old_one(
     assert not {"l", "R"} & set(given)
     assert "displacement_start" in given
     with pytest.raises(
-        SceneError,
+        InputError,
         match="--set: Equation has no parameter 'R': the equation 'x' does not contain it",
     ):
         load_scene(pendulum, ["R=3", "equation=x"])
@@ -147,7 +147,7 @@ def test_a_motion_that_ends_early_ends_the_rows_of_all(tmp_path: Path) -> None:
 
 
 def test_starts_are_refused_where_there_is_no_equation() -> None:
-    with pytest.raises(SceneError, match=r"construction\.starts: QuarterCar has one start"):
+    with pytest.raises(InputError, match=r"construction\.starts: QuarterCar has one start"):
         load_scene("ap57", ["construction.starts=[[0, 1]]"])
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import complaint, written
-from phaseplane.scenarios.errors import SceneError
+from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.measures.reading import Reading
 from phaseplane.scenarios.results.folder import read_results
 from phaseplane.scenarios.results.tables import read_table, write_table
@@ -138,7 +138,7 @@ def test_a_reference_that_nothing_can_be_compared_with_is_refused(
 ) -> None:
     columns = {"time": np.array(time), "body_velocity": np.array(values)}
     write_table(columns, {}, Path("reference.csv"))
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(InputError) as caught:
         scene(fmu, REFERENCE)
     assert f"reference.csv: {words}" in str(caught.value)
 
@@ -185,7 +185,7 @@ def test_a_reference_is_read_once(fmu: Path, monkeypatch: pytest.MonkeyPatch) ->
 )
 def test_what_cannot_be_expected_is_refused(fmu: Path, expect: str, words: str) -> None:
     written('"x"\n1.0\n', "scene.csv")
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(InputError) as caught:
         scene(fmu, expect)
     assert words in str(caught.value)
 

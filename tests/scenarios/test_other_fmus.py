@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from phaseplane.scenarios.errors import RunError, SceneError
+from phaseplane.scenarios.errors import InputError, RunError
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate import stepping
 from phaseplane.scenarios.simulate.runner import run
@@ -61,7 +61,7 @@ def test_an_fmu_without_a_stop_time_needs_a_duration(tmp_path: Path) -> None:
     path = tmp_path / "Ball.fmu"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", BALL.replace(' stopTime="2"', ""))
-    with pytest.raises(SceneError, match=r"give one, such as --set 'duration=10 s'$"):
+    with pytest.raises(InputError, match=r"give one, such as --set 'duration=10 s'$"):
         load_scene(str(path))
     assert load_scene(str(path), ["duration=10 s"]).duration == 10.0
 

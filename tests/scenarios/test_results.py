@@ -10,7 +10,7 @@ import pytest
 from fmpy.util import read_csv
 from hypothesis import given
 from hypothesis import strategies as st
-from phaseplane.scenarios.errors import FolderError, InputError
+from phaseplane.scenarios.errors import InputError, RunError
 from phaseplane.scenarios.results.folder import (
     SUMMARY,
     TABLE,
@@ -113,7 +113,7 @@ def test_a_swap_that_fails_puts_the_old_results_back(
         return rename(self, target)
 
     monkeypatch.setattr(Path, "rename", refuse_draft)
-    with pytest.raises(FolderError, match="No space left on device"):
+    with pytest.raises(RunError, match="No space left on device"):  # no bad input
         write(folder, [2.0])
     assert read_results(folder).columns["body_displacement"].tolist() == [1.0]
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
@@ -123,14 +123,14 @@ def test_files_of_others_are_never_deleted(tmp_path: Path) -> None:
     notes = tmp_path / "notes"
     notes.mkdir()
     (notes / "diary.txt").write_text("dear diary")
-    with pytest.raises(FolderError, match="contains no results of a run"):
+    with pytest.raises(InputError, match="contains no results of a run"):
         write(notes, [1.0])
     (notes / SUMMARY).write_text('{"some": "other summary"}')
-    with pytest.raises(FolderError, match="contains no results of a run"):
+    with pytest.raises(InputError, match="contains no results of a run"):
         write(notes, [1.0])
     write(tmp_path / "out", [1.0])
     (tmp_path / "out" / "diary.txt").write_text("dear diary")
-    with pytest.raises(FolderError, match=r"contains diary\.txt, which no run wrote"):
+    with pytest.raises(InputError, match=r"contains diary\.txt, which no run wrote"):
         write(tmp_path / "out", [1.0])
     assert (notes / "diary.txt").read_text() == "dear diary"
     assert (tmp_path / "out" / "diary.txt").read_text() == "dear diary"
@@ -139,7 +139,7 @@ def test_files_of_others_are_never_deleted(tmp_path: Path) -> None:
 def test_a_file_appearing_during_the_run_is_not_deleted(tmp_path: Path) -> None:
     folder = tmp_path / "out"
     with (  # noqa: PT012
-        pytest.raises(FolderError, match=r"contains diary\.txt"),
+        pytest.raises(InputError, match=r"contains diary\.txt"),
         replace_folder(Place(folder)) as draft,
     ):
         write_results(results([1.0]), draft)
@@ -150,12 +150,12 @@ def test_a_file_appearing_during_the_run_is_not_deleted(tmp_path: Path) -> None:
 
 def test_no_folder_to_replace(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    with pytest.raises(FolderError, match="is a file"):
+    with pytest.raises(InputError, match="is a file"):
         check_replaceable(Place(tmp_path / "file"))
     for above in (Path(), tmp_path.parent):
-        with pytest.raises(FolderError, match="current folder or a parent"):
+        with pytest.raises(InputError, match="current folder or a parent"):
             check_replaceable(Place(above))
-    with pytest.raises(FolderError, match="cannot write"):
+    with pytest.raises(InputError, match="cannot write"):
         write(tmp_path / "file" / "out", [1.0])
 
 
@@ -185,5 +185,5 @@ def test_damaged_results(tmp_path: Path, table: str | None, words: str) -> None:
 
 
 def test_no_results(tmp_path: Path) -> None:
-    with pytest.raises(FolderError, match=r"has no summary\.json written by a run"):
+    with pytest.raises(InputError, match=r"has no summary\.json written by a run"):
         read_results(tmp_path)

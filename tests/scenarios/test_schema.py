@@ -10,7 +10,7 @@ import pytest
 from command_line import written
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from phaseplane.scenarios.errors import SceneError
+from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.scene.fields import one_of
 from phaseplane.scenarios.scene.layers import KEYS
 from phaseplane.scenarios.scene.loading import construction_settings, load_scene
@@ -23,7 +23,7 @@ MINIMAL = 'fmu = "QuarterCar"\nduration = "1 s"\n'
 
 
 def refusal(reference: str, *overrides: str) -> str:
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(InputError) as caught:
         load_scene(reference, overrides)
     message = str(caught.value)
     assert message.isprintable()
@@ -352,7 +352,7 @@ def test_settings_of_a_construction_again() -> None:
         ("spring.rate=3", r"only construction\.\*"),
         ("construction.x=1", r"unknown key .construction\.x"),
     ):
-        with pytest.raises(SceneError, match=f"--set.*{words}"):
+        with pytest.raises(InputError, match=f"--set.*{words}"):
             construction_settings(kept, [text])
 
 
@@ -379,7 +379,7 @@ def test_any_override_is_taken_or_refused_in_one_line(key: str, value: str) -> N
     said = ""
     try:
         load_scene("ap57", [f"{key}={value}"])
-    except SceneError as error:
+    except InputError as error:
         said = str(error)
     assert said.isprintable()
 

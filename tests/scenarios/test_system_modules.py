@@ -8,7 +8,7 @@ import pytest
 from command_line import phaseplane as phaseplane_command
 from command_line import printed, written
 from phaseplane.scenarios.commands.build import build_models
-from phaseplane.scenarios.errors import InputError, SceneError
+from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.scene.fmus import find_fmu
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.suspension import models
@@ -146,7 +146,7 @@ def test_commands_take_it():
 def test_what_is_wrong_is_said_once_with_the_file_and_the_line(before, after, words):
     module = MODULE.replace("import Element", "import Axle, Element")
     Path("two_masses.py").write_text(module.replace(before, after))
-    with pytest.raises(SceneError, match=words) as refused:
+    with pytest.raises(InputError, match=words) as refused:
         load_scene("two_masses.py")
     assert str(refused.value).count("two_masses.py") == 1
 
@@ -162,7 +162,7 @@ def test_a_module_needs_the_name_of_a_model():
 
 @pytest.mark.slow
 def test_parameters_that_make_rest_unstable_are_refused_wherever_they_come_from():
-    with pytest.raises(SceneError, match="rest is unstable"):
+    with pytest.raises(InputError, match="rest is unstable"):
         load_scene("two_masses.py", ["rate=-3"])
     Path("sweep.toml").write_text(
         'scene = "two_masses.py"\nmeasures = ["peak.upper_displacement"]\n[vary]\nrate = [-3, 800]\n'

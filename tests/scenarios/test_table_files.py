@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from command_line import printed, reported, written
 from fmpy.util import read_csv
-from phaseplane.scenarios.errors import SceneError
+from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.suspension.models import road_from
 from phaseplane.suspension.variables import checked_parameters
@@ -86,17 +86,17 @@ def test_the_columns_of_a_file_with_two_need_no_names() -> None:
     assert load_scene(path).parameters["damper.table"] == "-0.1:-2.0, 0.1:2.0"
     written("v,F,T\n-100,-2,20\n", "table.csv")
     with pytest.raises(
-        SceneError, match=r"columns is missing; give the names of two columns of 'v'"
+        InputError, match=r"columns is missing; give the names of two columns of 'v'"
     ):
         load_scene(path)
     written("v;F\n-100;-2\n", "table.csv")
-    with pytest.raises(SceneError, match=r"two columns of 'v;F', or delimiter = ';'"):
+    with pytest.raises(InputError, match=r"two columns of 'v;F', or delimiter = ';'"):
         load_scene(path)
     written("# nothing yet\n", "table.csv")
-    with pytest.raises(SceneError, match=r"table.csv is empty"):
+    with pytest.raises(InputError, match=r"table.csv is empty"):
         load_scene(path)
     written("-100,-2\n100,2\n", "table.csv")  # its first point was lost
-    with pytest.raises(SceneError, match=r"has no heading, as its first row is -100, -2; write"):
+    with pytest.raises(InputError, match=r"has no heading, as its first row is -100, -2; write"):
         load_scene(path)
 
 
@@ -151,7 +151,7 @@ def test_what_is_wrong_is_said_with_file_and_key(
 ) -> None:
     assert old in SCENE
     written(SCENE.replace(old, new, 1))
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(InputError) as caught:
         load_scene(scene)
     assert str(caught.value).startswith(scene)
     assert re.search(complaint, str(caught.value)), caught.value
