@@ -195,6 +195,15 @@ def complain(message: object) -> None:
     click.echo(f"phaseplane: {one_line(message)}", err=True)
 
 
+def failed(name: str, reasons: Sequence[str]) -> int:
+    """Print the first of the reasons for which something failed, if any; return the exit status."""
+    if not reasons:
+        return DONE
+    more = f" (and {len(reasons) - 1} more)" if len(reasons) > 1 else ""
+    complain(f"{name}: {reasons[0]}{more}")
+    return FAILED
+
+
 def warn(messages: Iterable[str]) -> None:
     """Print warnings on stderr, one line each."""
     for message in messages:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -9,7 +10,7 @@ import click
 from ..design.job import Study, fit_parameters
 from ..design.job import optimise as find_optimum
 from ..results.plain import as_json
-from .console import DONE, FAILED, complain, json_option, output_option, progress_bar
+from .console import failed, json_option, output_option, progress_bar
 
 _output = output_option("out/studies/FILE")
 
@@ -27,11 +28,8 @@ def optimise(file: Path, output: Path | None, as_data: bool) -> int:
     """
     with progress_bar(file.stem) as progress:
         study = find_optimum(file, output, progress)
-    _print(study, as_data)
-    if study.summary["feasible"]:
-        return DONE
-    complain(f"{file.stem}: no point satisfies all bounds")
-    return FAILED
+    infeasible = [] if study.summary["feasible"] else ["no point satisfies all bounds"]
+    return _ended(file, study, as_data, infeasible)
 
 
 @click.command()
@@ -46,9 +44,9 @@ def fit(file: Path, output: Path | None, as_data: bool) -> int:
     """
     with progress_bar(file.stem) as progress:
         study = fit_parameters(file, output, progress)
-    _print(study, as_data)
-    return DONE
+    return _ended(file, study, as_data)
 
 
-def _print(study: Study, as_data: bool) -> None:
+def _ended(file: Path, study: Study, as_data: bool, reasons: Sequence[str] = ()) -> int:
     click.echo(as_json(study.summary) if as_data else study.report)
+    return failed(file.stem, [*reasons, *study.summary["problems"]])

@@ -31,10 +31,8 @@ from ..scene.loading import load_scene
 from ..simulate import runner
 from ..simulate.evaluation import read_at
 from .console import (
-    DONE,
-    FAILED,
     TERMINATED,
-    complain,
+    failed,
     json_option,
     output_option,
     progress_bar,
@@ -108,12 +106,9 @@ def run(
         )
         warn(summary["warnings"])
         click.echo(as_json(summary) if as_data else report(summary, folder))
-        reasons = failures(summary)
-        if reasons:
-            more = f" (and {len(reasons) - 1} more)" if len(reasons) > 1 else ""
-            complain(f"{summary['scene']}: {reasons[0]}{more}")
+        status = failed(summary["scene"], failures(summary))
         until_interrupted(server)
-    return FAILED if reasons else DONE
+    return status
 
 
 def run_scene(

@@ -9,15 +9,7 @@ import click
 from ..results.plain import as_json
 from ..sweeps.job import run_sweep
 from ..sweeps.report import format_sweep
-from .console import (
-    DONE,
-    FAILED,
-    complain,
-    json_option,
-    output_option,
-    progress_bar,
-    warn,
-)
+from .console import failed, json_option, output_option, progress_bar, warn
 
 
 @click.command()
@@ -63,9 +55,8 @@ def sweep(
         )
     warn(summary["warnings"])
     click.echo(as_json(summary) if as_data else format_sweep(plan, summary, folder))
-    failures = summary["failures"]
+    failures, reasons = summary["failures"], list(summary["problems"])
     if failures:
-        complain(
-            f"{plan.name}: {len(failures)} of {summary['runs']} runs failed: {failures[0]['reason']}"
-        )
-    return FAILED if failures else DONE
+        number = f"{len(failures)} of {summary['runs']} runs failed"
+        reasons.insert(0, f"{number}: {failures[0]['reason']}")
+    return failed(plan.name, reasons)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from phaseplane.suspension import engine
@@ -30,6 +30,9 @@ from ..scene.names import SCENE_FILES, meant
 from .fit import Fit, fit, read_task
 from .optimum import Optimum, read_problem, solve
 from .space import Space
+
+if TYPE_CHECKING:
+    from phaseplane.figures.style import Figure
 
 SCENE, TABLE, PICTURE = "scene.toml", "runs.csv", "study.png"
 
@@ -78,7 +81,7 @@ def optimise(
     place = _place(path, folder, "optimise")
     found = solve(problem, _journal(place), progress or silent)
     return _written(place, problem.space, found.best, _optimum_data(found), _format_optimum(found),
-                    lambda draft: _draw_optimum(found, draft))  # fmt: skip
+                    _optimum_runs(found), lambda runs: _draw_optimum(found, runs))  # fmt: skip
 
 
 def fit_parameters(
@@ -104,7 +107,7 @@ def fit_parameters(
     found = fit(task, _journal(place), progress or silent)
     shares = task.space.shares(found.values.tolist())
     return _written(place, task.space, shares, _fit_data(found), _format_fit(found),
-                    lambda draft: _draw_fit(found, draft))  # fmt: skip
+                    _fit_signals(found), lambda _: _draw_fit(found))  # fmt: skip
 
 
 def _file(file: str | os.PathLike[str]) -> Path:
@@ -127,15 +130,16 @@ def _journal(place: Place) -> Path:
 
 def _written(
     place: Place, space: Space, shares: Any, facts: Mapping[str, Any], words: list[str],
-    draw: Callable[[Path], None],
+    columns: dict[str, Any], draw: Callable[[dict[str, Any]], Figure],
 ) -> Study:  # fmt: skip
     values = dict(zip(space.plan.keys, space.values(shares).tolist(), strict=True))
     problems = []
     slow = [] if engine.compiled else [f"run in this process{UNCOMPILED}"]
     with replace_folder(place) as draft:
         (draft / SCENE).write_text(_scene(space, values, place.folder), encoding="utf-8")
+        write_table(columns, {}, draft / TABLE)
         try:
-            draw(draft)
+            figures.save(draw(columns), draft / PICTURE)
         except Exception as error:  # a picture that fails must not cost the study
             problems.append(one_line(f"{PICTURE} was not drawn: {error}"))
         summary = {
@@ -237,12 +241,16 @@ def _format_optimum(found: Optimum) -> list[str]:
     return lines
 
 
-def _draw_optimum(found: Optimum, draft: Path) -> None:
+def _optimum_runs(found: Optimum) -> dict[str, Any]:
+    """Return the parameters and the measures of all runs."""
+    runs = np.column_stack([found.problem.space.values(found.points), found.measured])
+    names = (*found.problem.space.plan.keys, *found.problem.measures)
+    return dict(zip(names, runs.T, strict=True))
+
+
+def _draw_optimum(found: Optimum, columns: Mapping[str, Any]) -> Figure:
     problem, space = found.problem, found.problem.space
     keys, measures = space.plan.keys, problem.measures
-    runs = np.column_stack([space.values(found.points), found.measured])
-    columns = dict(zip((*keys, *measures), runs.T, strict=True))
-    write_table(columns, {}, draft / TABLE)
     known = catalogue(space.plan.scene.fmu.outputs())
     others = [name for name in (problem.against, *problem.bounds) if name]
     if not others or others[0] == problem.objective:
@@ -254,8 +262,7 @@ def _draw_optimum(found: Optimum, draft: Path) -> None:
         }
         unit, factor = shown_in(known[problem.objective].unit)
         taken = {problem.objective: (unit, (factor * columns[problem.objective]).tolist())}
-        figures.save(figures.sweep(varied, taken, title=space.plan.title), draft / PICTURE)
-        return
+        return figures.sweep(varied, taken, title=space.plan.title)
     pair = (problem.objective, others[0])
     shown = [shown_in(known[name].unit) for name in pair]
     labels = [
@@ -281,11 +288,10 @@ def _draw_optimum(found: Optimum, draft: Path) -> None:
     for label, numbers in (("before", found.numbers_before), ("found", found.numbers)):
         x, y = scaled(numbers)
         marked[label] = (float(x[0]), float(y[0]))
-    picture = figures.pareto(
+    return figures.pareto(
         scaled(found.measured), (labels[0], labels[1]), front=scaled(found.envelope),
         marked=marked, limits=(limits[0], limits[1]), title=space.plan.title,
     )  # fmt: skip
-    figures.save(picture, draft / PICTURE)
 
 
 # -- fit ---------------------------------------------------------------------------------------------
@@ -329,15 +335,19 @@ def _format_fit(found: Fit) -> list[str]:
     return lines
 
 
-def _draw_fit(found: Fit, draft: Path) -> None:
+def _fit_signals(found: Fit) -> dict[str, Any]:
+    """Return every signal as measured and as fitted."""
+    columns = {"time": found.task.time}
+    for name, signal in found.task.signals.items():
+        columns |= {f"{name}.measured": signal, f"{name}.fitted": found.columns[name]}
+    return columns
+
+
+def _draw_fit(found: Fit) -> Figure:
     task, time = found.task, found.task.time
     units = {n: v.unit for n, v in task.space.plan.scene.fmu.outputs().items()}
-    columns = {"time": time}
-    for name, signal in task.signals.items():
-        columns |= {f"{name}.measured": signal, f"{name}.fitted": found.columns[name]}
-    write_table(columns, {}, draft / TABLE)
     each = {
         name: {"measured": (time, signal), "fitted": (time, found.columns[name])}
         for name, signal in task.signals.items()
     }
-    figures.save(figures.runs(each, units, title=task.space.plan.title), draft / PICTURE)
+    return figures.runs(each, units, title=task.space.plan.title)

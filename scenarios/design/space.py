@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +17,7 @@ import numpy.typing as npt
 
 from ..errors import InputError, shown
 from ..progress import Progress, silent
-from ..simulate.versions import versions
-from ..sweeps.journal import open_journal
+from ..sweeps.journal import key_of, open_journal
 from ..sweeps.plan import Plan, plan_of
 from ..toml_files import dotted
 
@@ -199,8 +197,7 @@ def journaled(
     ------
     KeyboardInterrupt : on Ctrl-C, with what to do.
     """
-    text = repr((space.plan.hash, said, versions(), space.plan.scene.fmu.content))
-    key = sha256(text.encode()).hexdigest()[:24]
+    key = key_of(space.plan.hash, said, space.plan.scene.fmu.content)
     with open_journal(journal, key) as (before, keep):
         runs = Runs(space, make, lambda *run: keep(run), stages, progress)
         for point, numbers in before:

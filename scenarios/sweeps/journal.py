@@ -5,10 +5,17 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from ..errors import RunError
+from ..simulate.versions import versions
+
+
+def key_of(*said: object) -> str:
+    """Return a hash of what decides the records, and of the versions that make them."""
+    return sha256(repr((*said, versions())).encode()).hexdigest()[:24]
 
 
 @contextmanager

@@ -21,7 +21,6 @@ from concurrent.futures import (
 from concurrent.futures import wait as wait_for
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
-from hashlib import sha256
 from math import ceil, isfinite
 from multiprocessing import Pipe, get_context, parent_process
 from multiprocessing.connection import Connection, wait
@@ -41,8 +40,7 @@ from ..progress import Progress, silent
 from ..scene.equation import EQUATION
 from ..simulate import runner
 from ..simulate.interrupts import deferred_interrupt
-from ..simulate.versions import versions
-from .journal import open_journal
+from .journal import key_of, open_journal
 from .plan import Plan
 
 if TYPE_CHECKING:
@@ -368,5 +366,4 @@ def _follow_parent(receiver: Connection) -> None:
 
 def journal_key(plan: Plan, through: str) -> str:
     """Return a hash of everything that decides the rows; a sweep continues only if it is equal."""
-    said = (plan.hash, through, versions(), plan.scene.fmu.content)
-    return sha256(repr(said).encode()).hexdigest()[:24]
+    return key_of(plan.hash, through, plan.scene.fmu.content)

@@ -42,6 +42,34 @@ def study(text):
     return written(f'scene = "car.toml"\n{text}', "study.toml")
 
 
+SHORT = (
+    'minimise = "rms.body_displacement"\n[vary]\nspeed = { from = 5, to = 10 }\n'
+    "[search]\npopulation = 1\ngenerations = 0\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("part", "told", "left"),
+    [
+        ("phaseplane.figures.save", "study: study.png was not drawn: no ink", True),
+        (
+            "phaseplane.scenarios.design.job.write_table",
+            "cannot write out/studies/study: no ink",
+            False,
+        ),
+    ],
+)
+def test_a_picture_that_fails_costs_itself_alone_and_a_table_everything(
+    part, told, left, monkeypatch
+):
+    def fail(*_, **__):
+        raise OSError("no ink")
+
+    monkeypatch.setattr(part, fail)
+    assert told in phaseplane_command("optimise", study(SHORT)).stderr
+    assert Path("out/studies/study/runs.csv").exists() == left
+
+
 @pytest.mark.slow
 def test_the_stiffness_of_least_settling_time_is_that_of_a_scan():
     found = phaseplane.optimise(

@@ -84,7 +84,7 @@ def test_a_journal_is_that_of_one_way_to_run_one_version_and_one_content(
     assert key == journal_key(load_plan("sweep.toml"), "process")
     assert key != journal_key(plan, "fmu")
     with monkeypatch.context() as patch:
-        patch.setattr(running, "versions", lambda: {"phaseplane": "99"})
+        patch.setattr("phaseplane.scenarios.sweeps.journal.versions", lambda: {"phaseplane": "99"})
         assert key != journal_key(plan, "process")
     own = tmp_path / "own.fmu"
     own.write_bytes(fmu.read_bytes())

@@ -331,8 +331,10 @@ def test_a_picture_that_cannot_be_drawn_is_told(monkeypatch: pytest.MonkeyPatch)
         raise OSError("no space left")
 
     monkeypatch.setattr("phaseplane.figures.save", full)
-    result = printed("sweep", sweep_file(), "--workers", "1")
-    assert "sweep.png was not drawn: no space left" in result.splitlines()
+    result = phaseplane("sweep", sweep_file(), "--workers", "1")
+    told = "sweep.png was not drawn: no space left"
+    assert (result.exit_code, result.stderr) == (1, f"phaseplane: sweep: {told}\n")  # as of a run
+    assert told in result.stdout.splitlines()
     assert sorted(os.listdir("out/sweeps/sweep")) == ["runs.csv", "summary.json"]
 
 
