@@ -6,11 +6,11 @@ The pictures are kept in `artefacts/`.
 from __future__ import annotations
 
 import os
-import socket
 import subprocess
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import pytest
 from browsers import browser
-from hosting import HANGS
+from hosting import wait_until
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.commands.viewing import recordings_in
 from phaseplane.scenarios.scene.names import case_names
@@ -28,7 +28,7 @@ from rerun.experimental import ViewerClient
 
 from phaseplane.picture.styles import Hue, hue_of, style_of
 from phaseplane.recording import serving
-from phaseplane.recording.server import viewer_program
+from phaseplane.recording.server import free_port, viewer_program
 
 ARTEFACTS = Path(__file__).parents[2] / "artefacts"
 SIZE = (1600, 1000)
@@ -52,9 +52,7 @@ def viewer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ViewerClient]:
     """A viewer without a screen."""
     if not drivers():
         pytest.skip("no Vulkan driver: install mesa-vulkan-drivers and libvulkan1")
-    with socket.socket() as trial:
-        trial.bind(("127.0.0.1", 0))
-        port = trial.getsockname()[1]
+    port = free_port("127.0.0.1", 0)
     process = subprocess.Popen(
         [viewer_program(), "--headless", "--bind", "127.0.0.1", "--port", str(port),
          "--window-size", "{}x{}".format(*SIZE)],
@@ -71,18 +69,15 @@ def viewer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ViewerClient]:
         process.wait()
 
 
-def until(holds: Any) -> None:
+def until(holds: Callable[[], object]) -> None:
     """Wait until a condition holds; errors count as not yet."""
-    end = time.monotonic() + HANGS
-    while True:
-        try:
-            if holds():
-                return
-        except (RuntimeError, ConnectionError):
-            if time.monotonic() > end:
-                raise
-        assert time.monotonic() < end, "nothing to be seen in time"
-        time.sleep(0.2)
+
+    def holds_by_now() -> object:
+        with suppress(RuntimeError, ConnectionError):
+            return holds()
+        return False
+
+    wait_until(holds_by_now)
 
 
 def pixels(picture: Path, hue: Hue) -> int:
