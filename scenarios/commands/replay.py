@@ -106,14 +106,14 @@ def replay(
             what, settings, save, figure, shown_in, over, kind=kind, look=look, at_step=at_step
         )
         places = ", ".join([*summary["files"], *([viewer] if viewer else [])])
-        click.echo(
-            as_json(summary)
-            if as_data
-            else f"{summary['title']}: {counted(summary['steps'], 'step')}"
-            + (f" in {places}" if places else "")
-            + format_missed(summary)
-        )
-        until_interrupted(server)
+        with until_interrupted(server):
+            click.echo(
+                as_json(summary)
+                if as_data
+                else f"{summary['title']}: {counted(summary['steps'], 'step')}"
+                + (f" in {places}" if places else "")
+                + format_missed(summary)
+            )
 
 
 def replay_construction(

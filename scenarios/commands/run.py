@@ -31,6 +31,8 @@ from ..scene.loading import load_scene
 from ..simulate import runner
 from ..simulate.evaluation import read_at
 from .console import (
+    DONE,
+    FAILED,
     TERMINATED,
     failed,
     json_option,
@@ -104,11 +106,12 @@ def run(
             realtime=realtime,
             expect=not no_expect,
         )
-        warn(summary["warnings"])
-        click.echo(as_json(summary) if as_data else report(summary, folder))
-        status = failed(summary["scene"], failures(summary))
-        until_interrupted(server)
-    return status
+        reasons = failures(summary)
+        with until_interrupted(server):
+            warn(summary["warnings"])
+            click.echo(as_json(summary) if as_data else report(summary, folder))
+            failed(summary["scene"], reasons)
+    return FAILED if reasons else DONE
 
 
 def run_scene(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from functools import wraps
 from pathlib import Path
 from signal import SIGTERM, default_int_handler, signal
@@ -148,8 +148,10 @@ def page(wanted: bool, address: str, files: Sequence[Path] = (), viewer: str = "
         signal(SIGTERM, before)
 
 
-def until_interrupted(shown: Any) -> None:
-    """Serve a page until Ctrl-C, if there is one."""
-    if shown:
-        with suppress(KeyboardInterrupt):
+@contextmanager
+def until_interrupted(shown: Any) -> Iterator[None]:
+    """Serve a page, if there is one, until Ctrl-C, which may come while the block still reports."""
+    with suppress(KeyboardInterrupt) if shown else nullcontext():
+        yield
+        if shown:
             shown.wait()

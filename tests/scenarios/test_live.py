@@ -225,17 +225,27 @@ def test_a_folder_on_a_page_until_it_is_interrupted(tmp_path: Path) -> None:
     assert not is_running(server)
 
 
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("serve . --address 0.0.0.0", "viewing.warn"),
+        ("run ap57 --serve", "run.report"),
+        ("replay ap57 --serve", "replay.format_missed"),
+    ],
+)
 def test_serving_ends_well_when_it_is_interrupted_before_it_waits(
-    monkeypatch: pytest.MonkeyPatch,
+    line: str, said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def interrupt(_: object) -> None:
+    """The address is known by then, and all that was asked for is done."""
+
+    def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    server = SimpleNamespace(page="http://0.0.0.0:1/")
+    server = SimpleNamespace(page="http://127.0.0.1:1/", url="")
     monkeypatch.setattr("phaseplane.recording.serving", lambda *_: nullcontext(server))
-    monkeypatch.setattr("phaseplane.scenarios.commands.viewing.warn", interrupt)
+    monkeypatch.setattr(f"phaseplane.scenarios.commands.{said}", interrupt)
     Path("f.rrd").touch()
-    printed("serve . --address 0.0.0.0")
+    assert phaseplane(line, *(BARE if line.startswith("run") else ())).exit_code == 0
 
 
 @pytest.mark.parametrize(
