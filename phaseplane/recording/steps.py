@@ -23,9 +23,10 @@ from .clock import Clock, Integers
 SHEET, ARMS, CHART, WORDS = "/sheet", "/arms", "/chart", "/words"
 SLICE = 4096  # steps that are encoded at once
 _REPEATED = 0.4  # opacity of what a rule repeats
-# gaps between a letter and its point, em, and directions from it, the best ones first
-_GAPS = (0.8, 1.3, NEAR - 0.1)
-_WAYS = np.exp(0.25j * np.pi * np.array([1, 3, -1, -3, 2, -2, 0, 4]))
+# gaps between a letter and its point, em, and directions from it, the best ones first: between values
+# of the axes of small planes there is often but one place
+_GAPS = (0.8, 1.1, 1.5, NEAR - 0.1)
+_WAYS = np.exp(0.125j * np.pi * np.array([2, 6, -2, -6, 4, -4, 0, 8, 1, 3, 5, 7, -1, -3, -5, -7]))
 _LEAST_COVERED = 2  # squares of a motion behind a plate that are not missed
 
 # path of an entity up to the scheme, and beyond it; its style, its columns, how many items each step has
