@@ -146,6 +146,8 @@ class Look:
             "axes.edgecolor": palette.faint, "axes.labelcolor": palette.ink,
             "axes.labelsize": 9.0, "axes.titlesize": 9.5,
             "axes.axisbelow": True, "axes.grid": True,
+            # values so short that names of axes, which stand at one distance, are clear of them
+            "axes.formatter.limits": (-3, 5), "axes.formatter.use_mathtext": True,
             "grid.color": palette.grid, "grid.linewidth": 0.6,
             "xtick.color": palette.ink, "ytick.color": palette.ink,
             "xtick.labelsize": 8.0, "ytick.labelsize": 8.0,

@@ -95,7 +95,7 @@ def _lines(abscissa: str, varied: Quantities, measured: Quantities, look: Look) 
                 **styles[k] | ({"linestyle": ""} if texts else {}),
             )  # fmt: skip
         name_up(axes, _words(name, measure_unit))
-        _plain(axes, counted=measure_unit == "count")
+        _count(axes, measure_unit)
     if texts:
         panels[-1].set_xticks(
             range(len(texts)), [fill(_short(str(text)), _LONGEST // 2) for text in texts]
@@ -154,7 +154,6 @@ def _maps(varied: Quantities, measured: Quantities, look: Look) -> Printed:
         axes.set_title(words)
         axes.set_xlabel(_words(x_key, x_unit, broken=False))
         axes.set_ylabel(_words(y_key, y_unit, broken=False))
-        _plain(axes)
     for axes in panels[len(measured) :]:
         axes.set_axis_off()
     return figure
@@ -169,7 +168,7 @@ def _matrix(varied: Quantities, measured: Quantities, look: Look) -> Printed:
             axes = panels[i, j]
             blue = look.palette.chart(BLUE)
             axes.plot(x, y, ".", color=blue, markersize=3, alpha=0.6, clip_on=False, zorder=3)
-            _plain(axes, counted=unit == "count")
+            _count(axes, unit)
             axes.xaxis.set_major_locator(MaxNLocator(4))
             if j == 0:
                 name_up(axes, _words(name, unit))
@@ -191,10 +190,10 @@ def _short(text: str) -> str:
     return (text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}...") or "none"
 
 
-def _plain(axes: Axes, *, counted: bool = False) -> None:
-    if counted:
+def _count(axes: Axes, unit: str) -> None:
+    """Write only whole numbers on the axis of a count."""
+    if unit == "count":
         axes.yaxis.set_major_locator(MaxNLocator(5, integer=True))
-    axes.ticklabel_format(scilimits=(-3, 5), useMathText=True)  # so that labels stay short
 
 
 @styled

@@ -27,11 +27,11 @@ QUANTITIES = (
     CENTIMETRES,
     Quantity("velocity", "m/s", 1.0, "m/s", ("velocity", "_rate")),
     Quantity("acceleration", "m/s²", 1.0, "m/s2", ("acceleration",)),
-    Quantity("force", "N", 1.0, "N", ("force",)),
-    Quantity("energy", "J", 1.0, "J", ("energy",)),
     Quantity("angle", "°", _DEGREES, "rad", ("angle",)),
     Quantity("angular velocity", "rad/s", 1.0, "rad/s"),
     Quantity("angular acceleration", "rad/s²", 1.0, "rad/s2"),
+    Quantity("force", "N", 1.0, "N", ("force",)),
+    Quantity("energy", "J", 1.0, "J", ("energy",)),
 )
 RADIANS = Quantity("angle", "rad", 1.0, "rad")
 _LENGTHS = ((2.0, "m", 1.0), (0.01, "cm", 100.0), (0.0, "mm", 1000.0))

@@ -27,7 +27,7 @@ from phaseplane.constructions import (
     tangent,
 )
 from phaseplane.constructions.letters import is_letter, typeset
-from phaseplane.figures import construction_sheet, phase_planes, save, time_histories
+from phaseplane.figures import construction_sheet, phase_planes, runs, save, time_histories
 from phaseplane.figures.histories import airborne_spans
 from phaseplane.figures.style import Look
 from phaseplane.picture.paper import Box
@@ -257,6 +257,21 @@ def test_spans_at_both_ends():
 def test_a_panel_without_columns_is_left_out():
     columns = {name: c for name, c in histories().items() if "acceleration" not in name}
     assert len(time_histories(columns).axes) == 2
+
+
+@pytest.mark.parametrize(("size", "unit"), [(2.8, "m"), (0.3, "cm"), (0.003, "mm")])
+def test_motions_are_in_the_unit_that_suits_their_size(size: float, unit: str) -> None:
+    (axes,) = time_histories({"time": TIMES, "body_displacement": size * TIMES / TIMES[-1]}).axes
+    assert axes.get_ylabel() == f"displacement [{unit}]"
+    assert 1.0 < np.ptp(axes.lines[0].get_ydata()) < 100.0
+
+
+def test_the_names_of_axes_are_clear_of_large_values() -> None:
+    figure = runs({"contact_force": {"": (TIMES, 830e3 * TIMES)}}, {"contact_force": "N"})
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    name = axes.yaxis.label.get_window_extent()
+    assert not any(name.overlaps(value.get_window_extent()) for value in axes.get_yticklabels())
 
 
 @pytest.mark.slow

@@ -16,6 +16,7 @@ from phaseplane.picture.page import Arrow, Lines
 from phaseplane.picture.paper import Box, around
 from phaseplane.recording import VIEWS, AxleView, Content, Vehicle, record
 from phaseplane.recording.drawer import Begin, Drawer
+from phaseplane.recording.histories import panels
 from phaseplane.recording.lanes import SHEET_SHARE, lanes_share
 from phaseplane.recording.motion import made_planes, pages_of
 from phaseplane.recording.side_view import view_box
@@ -382,6 +383,12 @@ def test_columns_of_any_unit_are_plotted(tmp_path: Path) -> None:
     made = read_back(replace(content, numbers=("gain",)), tmp_path)
     assert {"/histories/Pa/pressure", "/histories/gain/gain"} <= set(made.rows)
     assert any(name.startswith("[Pa]") for name in made.names.values())
+
+
+def test_plots_of_motions_come_before_those_of_forces_and_energies() -> None:
+    units = {"kinetic": "J", "force": "N", "turn": "rad", "spin": "rad/s", "lift": "m"}
+    shown = Content("any", histories=dict.fromkeys(("time", *units), TIME), units=units)
+    assert [panel.quantity.si for panel in panels(shown)] == ["m", "rad", "rad/s", "N", "J"]
 
 
 def test_the_range_of_a_plot_ends_in_zero_if_only_rounding_goes_below(tmp_path: Path) -> None:
