@@ -28,10 +28,9 @@ from .content import Content
 from .lanes import SHEET_SHARE, lanes_share
 
 _HALF_WIDTH = 0.1  # half width of a plane, m of paper
-_CLOSE, _ACROSS = 0.3, 0.51  # distances between the origins of planes, m of paper
+_CLOSE, _ACROSS = 0.25, 0.51  # distances between the origins of planes, m of paper
 _MOST = 2000  # vertices of a motion that texts keep clear of
 _AT_REST = 1e-3  # of the largest motion with the same unit
-_ROUND = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0)
 # width and height of the sheet with its lanes, of the bar above it, and of its type in the viewer, in
 # pixels of a window of 1366x768; the width is less, since larger windows are higher
 _WIDTH, _HEIGHT, _BAR, _TYPE = 875.0, 700.0, 30.0, 16.75
@@ -108,8 +107,8 @@ def made_planes(
     def axis(name: str, origin: complex, direction: complex) -> Axis:
         unit, label = _unit(name, units), "" if direction.real else in_words(name)
         moves = largest[name] >= _AT_REST * of_unit[unit]
-        reach = rounded(largest[name] if moves else of_unit[unit])
-        return Axis(label, unit, origin, direction, _HALF_WIDTH / reach)
+        reach = largest[name] if moves else of_unit[unit]
+        return Axis(label, unit, origin, direction, _HALF_WIDTH / (reach or 1.0))
 
     planes = []
     for i, (displacement, rate) in enumerate(pairs):
@@ -125,14 +124,6 @@ def made_planes(
 def _unit(name: str, units: Mapping[str, str]) -> str:
     quantity = quantity_of(name, units)
     return units.get(name) or (quantity.si if quantity else "")
-
-
-def rounded(value: float) -> float:
-    """Return the next round number that is not smaller; 1 for 0."""
-    if not value > 0.0:
-        return 1.0
-    decade = 10.0 ** np.floor(np.log10(value))
-    return float(next(r * decade for r in _ROUND if r * decade >= value * (1.0 - 1e-9)))
 
 
 def pages_of(content: Content) -> list[Page]:
