@@ -43,10 +43,9 @@ _HOLD = 3  # ticks that show the end
 
 @styled
 def animation(
-    drawing: Drawing, path: str | os.PathLike[str],
-    *, rate: float = 1.0, title: str = "", look: Look = PLAIN,
-) -> Path:  # fmt: skip
-    """Write a construction as an animation, completely or not at all.
+    drawing: Drawing, path: str | os.PathLike[str], *, title: str = "", look: Look = PLAIN
+) -> Path:
+    """Write a construction as an animation, one stage a second, completely or not at all.
 
     It shows the empty sheet, some steps stage by stage, lift-off and touchdown, and the whole motion,
     with the arm of the turn angles below.
@@ -54,7 +53,6 @@ def animation(
     Parameters
     ----------
     path : ends with .gif, or with .mp4 if the program ffmpeg is installed
-    rate : stages per second
 
     Raises
     ------
@@ -75,9 +73,9 @@ def animation(
     pictures += pictures[-1:] * _HOLD
     with replace_file(target) as temporary:
         if program is not None and suffix == ".mp4":
-            _write_mp4(program, pictures, temporary, rate)
+            _write_mp4(program, pictures, temporary)
         else:
-            _write_gif(pictures, temporary, rate)
+            _write_gif(pictures, temporary)
     return target
 
 
@@ -170,7 +168,7 @@ def _pictures(page: Page, arms: Page, look: Look, *heading: str) -> Iterator[Pix
         yield image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2]
 
 
-def _write_gif(pictures: list[Pixels], path: Path, rate: float) -> None:
+def _write_gif(pictures: list[Pixels], path: Path) -> None:
     from PIL import Image  # noqa: PLC0415  (comes with matplotlib)
 
     # every colour counts once: few points of a picture have the colour of a thin line; whole rows and
@@ -182,16 +180,16 @@ def _write_gif(pictures: list[Pixels], path: Path, rate: float) -> None:
     images = [
         Image.fromarray(p).quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures
     ]
-    options: dict[str, Any] = {"save_all": True, "loop": 0, "duration": round(1000.0 / rate)}
+    options: dict[str, Any] = {"save_all": True, "loop": 0, "duration": 1000}
     images[0].save(path, append_images=images[1:], optimize=False, **options)
 
 
-def _write_mp4(program: str, pictures: list[Pixels], path: Path, rate: float) -> None:
+def _write_mp4(program: str, pictures: list[Pixels], path: Path) -> None:
     height, width, _ = pictures[0].shape
     done = subprocess.run(
         [
             program, "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24",
-            "-s", f"{width}x{height}", "-r", f"{rate:g}", "-i", "-", "-pix_fmt", "yuv420p",
+            "-s", f"{width}x{height}", "-r", "1", "-i", "-", "-pix_fmt", "yuv420p",
             "-r", "12", os.fspath(path),
         ],
         input=b"".join(picture.tobytes() for picture in pictures),

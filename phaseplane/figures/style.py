@@ -24,10 +24,6 @@ from phaseplane.picture import styles as hues
 from phaseplane.picture.files import replace_file
 from phaseplane.picture.styles import Hue, Shade
 
-COLOURS = (
-    hues.BLUE, hues.ORANGE, hues.GREEN, hues.VIOLET, hues.RED, hues.TEAL, hues.PINK, hues.OCHRE
-)  # fmt: skip
-"""Hues of curves beside one another, as many as can be distinguished."""
 DASHES = ("-", "--", "-.", ":")
 """Of curves over one another, and of black ones."""
 
@@ -83,7 +79,7 @@ class Palette:
     def curve(self, number: int) -> dict[str, Any]:
         """Return colour and dashes of one of several curves; only black lines are dashed."""
         dashes = DASHES[number % len(DASHES)] if self.mono else "-"
-        return {"color": self.chart(COLOURS[number % len(COLOURS)]), "linestyle": dashes}
+        return {"color": self.chart(hues.hue_of("", number)), "linestyle": dashes}
 
     def plate(self) -> dict[str, Any]:
         """Return a ground that keeps text legible on lines; an outline would make it paths in SVG."""

@@ -13,17 +13,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from phaseplane.picture.styles import BLUE, GREY, ORANGE, RED
+from phaseplane.picture.styles import BLUE, GREY, ORANGE, RED, SERIES
 from phaseplane.picture.text import bracketed
 
-from .style import COLOURS, PLAIN, Look, Palette, Printed, name_up, styled
+from .style import PLAIN, Look, Palette, Printed, name_up, styled
 
 Values: TypeAlias = Sequence[float] | Sequence[str]
 Quantities = Mapping[str, tuple[str, Values]]
 Pair = tuple[npt.ArrayLike, npt.ArrayLike]
 _MOST = 6  # measures
 _LEVELS = 14
-_FAMILY = len(COLOURS)  # curves that can still be distinguished
+_FAMILY = len(SERIES)  # curves that can still be distinguished
 _LONGEST = 36  # most characters of an entry in the legend
 
 

@@ -90,7 +90,8 @@ PARTS = {
     "supplied": PINK,
 }
 """The hue of each part of a car and of each energy, by the words in the names of their variables."""
-_OTHERS = (BLUE, ORANGE, GREEN, VIOLET, TEAL, PINK, OCHRE, RED, GREY)
+SERIES = (BLUE, ORANGE, GREEN, VIOLET, RED, TEAL, PINK, OCHRE)
+"""Hues of curves beside one another, as many as can be distinguished."""
 
 
 def style_of(role: str) -> Style:
@@ -103,7 +104,7 @@ def style_of(role: str) -> Style:
 def hue_of(variable: str, number: int = 0) -> Hue:
     """Return the hue of a variable by the part it belongs to, else the hue with this number."""
     part = part_of(variable)
-    return PARTS[part] if part else _OTHERS[number % len(_OTHERS)]
+    return PARTS[part] if part else SERIES[number % len(SERIES)]
 
 
 def part_of(variable: str) -> str:

@@ -21,6 +21,7 @@ from .content import Content
 HISTORIES = "/histories"
 MOST_NAMED = 8  # curves of a plot that are named in it; more names would hide them
 _WIDTH = 2.0  # of a curve, in points of the screen
+_THICK = 2.0  # relative width of a curve between two of its hue
 _MOST_MARKED = 300  # points on a curve; more of them are small, for they would be a band
 _PLACES = ("front", "rear", "left", "right")
 
@@ -148,12 +149,16 @@ def send_readings(
 
 
 def log_series(recording: rr.RecordingStream, panel: Panel, content: Content) -> None:
-    """Log names and looks of the curves of a panel: a right wheel's are fainter, a rear one's thin."""
+    """Log names and looks of the curves of a panel.
+
+    Those of a right wheel are fainter, of a rear one thin, and of a whole body thick beside its ends.
+    """
     several = content.drawing is not None and len(content.drawing.frames) > _MOST_MARKED
     for number, name in enumerate(panel.names):
         words = legible(in_words(name))
         colour = colours([rgba(hue_of(name, number), strength_of(name))])
-        line = rr.SeriesLines(names=words, colors=colour, widths=_WIDTH * weight_of(name))
+        weight = _THICK if f"front_{name}" in panel.names else weight_of(name)
+        line = rr.SeriesLines(names=words, colors=colour, widths=_WIDTH * weight)
         recording.log(panel.entity(name), line, static=True)
         if name in panel.drawn:
             points = rr.SeriesPoints(

@@ -31,7 +31,7 @@ def drawing() -> Drawing:
 def test_a_gif_tells_the_story_and_does_not_give_the_end_away(
     drawing: Drawing, tmp_path: Path
 ) -> None:
-    path = animation(drawing, tmp_path / "a.gif", rate=2.0, title="A bump", look=Look(dark=True))
+    path = animation(drawing, tmp_path / "a.gif", title="A bump", look=Look(dark=True))
     assert [p.name for p in tmp_path.iterdir()] == ["a.gif"]
     with Image.open(path) as moving:
         pictures = []
@@ -43,7 +43,7 @@ def test_a_gif_tells_the_story_and_does_not_give_the_end_away(
     ticks = 2 + sum(
         len(drawing.schemes[drawing.frames[i].scheme].stages) for i in told_steps(drawing)
     )
-    assert lasting == pytest.approx(500 * (ticks + 3))  # the end stays
+    assert lasting == pytest.approx(1000 * (ticks + 3))  # the end stays
     assert pictures[0].mean() < 60.0  # dark
     bright = [float((p > 70.0).sum()) for p in pictures]
     assert bright[0] < min(bright[1:])  # the empty sheet
@@ -118,7 +118,7 @@ def test_what_ffmpeg_says_is_passed_on(drawing, tmp_path, monkeypatch) -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="there is no ffmpeg")
 def test_mp4(drawing: Drawing, tmp_path: Path) -> None:
-    path = animation(drawing, tmp_path / "a.mp4", rate=1.0)
+    path = animation(drawing, tmp_path / "a.mp4")
     assert path.read_bytes()[4:8] == b"ftyp"
     subprocess.run(
         ["ffmpeg", "-v", "error", "-i", path, "-r", "1", tmp_path / "%03d.png"], check=True

@@ -377,6 +377,16 @@ def test_more_curves_of_several_wheels_have_a_plot_for_each_part(tmp_path: Path)
     assert "/histories/wheel\\ displacement/rear_left_wheel_displacement" in made.rows
 
 
+def test_the_ends_of_a_body_and_the_whole_of_it_differ_in_their_plot(tmp_path: Path) -> None:
+    columns = {f"{part}body_displacement": TIME for part in ("", "front_", "rear_")}
+    made = read_back(Content("a run", histories={"time": TIME, **columns}), tmp_path)
+    widths = [
+        row["SeriesLines:widths"][0] for _, row in sorted(made.static.items())
+        if "SeriesLines:widths" in row
+    ]  # fmt: skip
+    assert widths == [4.0, 2.0, 1.0]
+
+
 def test_columns_of_any_unit_are_plotted(tmp_path: Path) -> None:
     columns = {"time": TIME, "pressure": TIME, "gain": TIME}
     content = Content("any", histories=columns, units={"pressure": "Pa", "gain": ""})
