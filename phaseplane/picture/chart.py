@@ -15,14 +15,11 @@ from phaseplane.constructions.storage import StoredFrames
 
 from .frames import read_over
 from .page import Page, Text
-from .paper import Box
+from .paper import Box, Integers, Reals
 from .quantities import Quantity
 from .styles import PARTS, part_of, strength_of, weight_of
 from .subject import Subject
 from .text import bracketed, in_words, number
-
-Reals = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.int64]
 
 _WIDTH, _HEIGHT = 0.3, 0.15  # of the chart, m of paper
 _NAMES = 1.17 * _WIDTH  # where the names of the columns begin

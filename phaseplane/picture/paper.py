@@ -15,6 +15,8 @@ import numpy.typing as npt
 
 Points = npt.NDArray[np.complex128]
 Lengths = npt.NDArray[np.floating]
+Reals = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
 Strip = Sequence[complex] | Points
 NOTHING: Points = np.zeros((0, 2), complex)  # no segments
 SEEN = 2e-4  # distance of two points that are seen apart, m of paper

@@ -15,10 +15,8 @@ import pyarrow as pa
 import rerun as rr
 
 from phaseplane.picture.page import Arrow, Dots, Lines, Page
-from phaseplane.picture.paper import Points, Strip, vertices
+from phaseplane.picture.paper import Integers, Points, Strip, vertices
 from phaseplane.picture.styles import GREY, MOVING_POINT, Hue, style_of
-
-from .clock import Integers
 
 UPRIGHT = rr.Transform3D(scale=[1.0, -1.0, 1.0])
 """Turns a view up whose y axis the viewer draws downwards; letters stay upright."""

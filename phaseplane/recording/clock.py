@@ -16,9 +16,7 @@ import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.constructions.primitives import Drawing
-
-Integers = npt.NDArray[np.int64]
-Reals = npt.NDArray[np.float64]
+from phaseplane.picture.paper import Integers, Reals
 
 _LEAST_SHOWN = 40  # ticks in which the viewer plays all steps, if there are as many
 
@@ -85,12 +83,7 @@ class Clock:
         )
         if len(steps):
             yield self.times[steps], self.columns(steps)
-            nearest = np.searchsorted(self.times, times)
-            beside = np.minimum(
-                abs(times - self.times[np.minimum(nearest, len(self.times) - 1)]),
-                abs(times - self.times[np.maximum(nearest - 1, 0)]),
-            )
-            times = times[beside > 1e-9]
+            times = times[~np.isin(np.rint(1e9 * times), np.rint(1e9 * self.times))]
         if len(times):
             yield times, [seconds(times)]
         if len(ticks):

@@ -18,7 +18,8 @@ import numpy as np
 import rerun as rr
 from rerun.experimental import ViewerClient
 
-from .clock import Reals
+from phaseplane.picture.paper import Reals
+
 from .content import Content
 from .lanes import send_lanes
 from .layout import blueprint

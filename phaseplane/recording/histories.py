@@ -9,13 +9,14 @@ import numpy as np
 import rerun as rr
 
 from phaseplane.picture.frames import read_over
+from phaseplane.picture.paper import Reals
 from phaseplane.picture.quantities import QUANTITIES, RADIANS, Quantity, quantity_of
 from phaseplane.picture.styles import hue_of, strength_of, weight_of
 from phaseplane.picture.subject import read_off
 from phaseplane.picture.text import in_words
 
 from .canvas import colours, legible, rgba
-from .clock import Clock, Reals, seconds
+from .clock import Clock, seconds
 from .content import Content
 
 HISTORIES = "/histories"

@@ -10,11 +10,12 @@ import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.picture.frames import read_over, switches_of
+from phaseplane.picture.paper import Integers, Reals
 from phaseplane.picture.styles import GREEN, ORANGE, RED, Hue
 from phaseplane.picture.text import in_words
 
 from .canvas import colours, rgba, send
-from .clock import Clock, Integers, Reals, seconds
+from .clock import Clock, seconds
 from .content import Content
 
 Bools = npt.NDArray[np.bool_]

@@ -17,13 +17,12 @@ from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import draw_curves
 from phaseplane.picture.frames import motions_of
 from phaseplane.picture.page import Page
-from phaseplane.picture.paper import Box, Points, around
+from phaseplane.picture.paper import Box, Integers, Points, Reals, around
 from phaseplane.picture.quantities import quantity_of, rate_of
 from phaseplane.picture.subject import Subject
 from phaseplane.picture.text import in_words
 from phaseplane.picture.views import views_of
 
-from .clock import Integers, Reals
 from .content import Content
 from .lanes import SHEET_SHARE, lanes_share
 

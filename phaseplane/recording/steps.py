@@ -15,10 +15,10 @@ from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture.layers import Layer, is_main, layers_of
 from phaseplane.picture.letters import NEAR, Room, away, text_box
 from phaseplane.picture.page import PLATE
-from phaseplane.picture.paper import Box, Points
+from phaseplane.picture.paper import Box, Integers, Points
 
 from . import canvas
-from .clock import Clock, Integers
+from .clock import Clock
 
 SHEET, ARMS, CHART, WORDS = "/sheet", "/arms", "/chart", "/words"
 SLICE = 4096  # steps that are encoded at once

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-Reals = npt.NDArray[np.float64]
+from phaseplane.picture.paper import Reals
+
 Polyline = list[complex]
 Columns = Mapping[str, Reals]
 
