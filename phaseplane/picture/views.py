@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from phaseplane.constructions.primitives import Drawing, Plane
+from phaseplane.constructions.primitives import Axis, Drawing, Plane
 from phaseplane.constructions.sheet import TURN, longest_normal, turn_angles, with_turn_angles_at
 from phaseplane.constructions.storage import Frame, StoredFrames
 
@@ -99,14 +99,8 @@ def views_of(drawing: Drawing, motions: Sequence[Points]) -> list[Box]:
 
 
 def _framed(drawing: Drawing, planes: Sequence[Plane], motions: Mapping[Plane, Points]) -> Points:
-    points: list[Points] = []
-    for plane in planes:
-        motion = motions[plane]
-        motion = motion[np.isfinite(motion)]
-        points += [motion, np.array([plane.displacement.origin])]
-        points.append(np.array([axis.at(v) for axis in (plane.displacement, plane.scaled_velocity)
-                       for v in graduation_of(axis, motion).values], complex))  # fmt: skip
-    known = corners(np.concatenate([*points, _others(drawing, np.concatenate(points))]))
+    own = [_marked(p, motions[p], (p.displacement, p.scaled_velocity)) for p in planes]
+    known = corners(_with_others(drawing, np.concatenate(own)))
     size = float(np.ptp(known.real) + np.ptp(known.imag)) or _AT_REST
     feet = columns(drawing.frames, [plane.foot for plane in planes])
     feet = feet[np.isfinite(feet)]
@@ -160,25 +154,26 @@ def name_room(drawing: Drawing, points: Points) -> Points:
 
 def motion_points(drawing: Drawing) -> Points:
     """Return the motion in all planes, with the origins and the values on the y-bar axes."""
-    points = []
-    for plane, motion in zip(drawing.planes, motions_of(drawing), strict=True):
-        axis = plane.scaled_velocity
-        values = [axis.at(value) for value in graduation_of(axis, motion).values]
-        points += [motion, np.array([plane.displacement.origin, *values])]
-    own = np.concatenate(points)
-    return np.append(own, _others(drawing, own))
+    motions = zip(drawing.planes, motions_of(drawing), strict=True)
+    own = [_marked(plane, motion, (plane.scaled_velocity,)) for plane, motion in motions]
+    return _with_others(drawing, np.concatenate(own))
 
 
-def _others(drawing: Drawing, own: Points) -> Points:
-    """Return the motions from other starts, kept to twice the size of the construction's own.
+def _marked(plane: Plane, motion: Points, axes: Sequence[Axis]) -> Points:
+    """Return the points of a motion, the origin and the values on some axes of a plane."""
+    values = [axis.at(value) for axis in axes for value in graduation_of(axis, motion).values]
+    return np.append(motion[np.isfinite(motion)], [plane.displacement.origin, *values])
+
+
+def _with_others(drawing: Drawing, own: Points) -> Points:
+    """Add the motions from other starts, kept to twice the size of the construction's own.
 
     A pendulum that goes round and round would leave no room for one that swings.
     """
     others = [np.array(curve.vertices) for curve in drawing.curves if curve.role == "trail"]
     z = np.concatenate([np.zeros(0, complex), *others])
-    low, high = corners(own[np.isfinite(own)])
+    low, high = corners(own)
     size = high - low or 2.0 * _AT_REST * (1 + 1j)
     low, high = low - size / 2, high + size / 2
-    return np.asarray(
-        np.clip(z.real, low.real, high.real) + 1j * np.clip(z.imag, low.imag, high.imag)
-    )
+    kept = np.clip(z.real, low.real, high.real) + 1j * np.clip(z.imag, low.imag, high.imag)
+    return np.append(own, kept)
