@@ -11,7 +11,7 @@ from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.storage import Frame
 from phaseplane.picture.axes import draw_axes
-from phaseplane.picture.curves import draw_curves, draw_missed, draw_trails
+from phaseplane.picture.curves import draw_curves, draw_missed, draw_own_curves, draw_trails
 from phaseplane.picture.frames import motions_of
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, Points
@@ -59,6 +59,7 @@ def step_page(drawing: Drawing, frame: Frame, look: Look, beside: float = 0.0) -
     page = new_page(drawing, Box(view.centre + room, view.half + room), look)
     draw_axes(page, step_lines(page, frame))
     draw_curves(page)
+    draw_own_curves(page, frame)
     draw_trails(page, recent=0)  # the lettered step is rarely one of the last
     draw_missed(page)
     draw_step(page, frame)

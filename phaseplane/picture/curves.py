@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence, Set
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 
 from phaseplane.constructions.letters import MINUS, typeset
 from phaseplane.constructions.primitives import Curve, Drawing, Plane
+from phaseplane.constructions.storage import Frame
 
 from .frames import columns
 from .letters import away
@@ -55,6 +57,16 @@ def draw_curves(page: Page, roles: Sequence[str] | None = CURVES) -> None:
             page.dots(curve.role, [curve.vertices[place]])
             starts = [motion[0] for motion in page.subject.motions]
             page.letter([(curve.vertices[place], words, curve.role)], VALUE, others=starts)
+
+
+def draw_own_curves(page: Page, frame: Frame, stage: float = inf) -> None:
+    """Draw the auxiliary curves through the points A of a step that are found up to a stage."""
+    marks = page.drawing.schemes[frame.scheme].marks
+    known = {mark.point for mark in marks if mark.stage <= stage}
+    for plane in page.drawing.planes:
+        if (found := f"A{plane.number}") in known:
+            through = curve_through(page.drawing, plane, frame.points[found])
+            page.lines("auxiliary", through)
 
 
 def curve_through(drawing: Drawing, plane: Plane, point: complex) -> list[Strip]:

@@ -17,7 +17,7 @@ from phaseplane.constructions.storage import StoredFrames
 from phaseplane.suspension.units import counted
 
 from . import dimensions, text
-from .curves import CURVES, curve_through, draw_curves, draw_trails, words_at_end
+from .curves import CURVES, draw_curves, draw_own_curves, draw_trails, words_at_end
 from .frames import readings, table
 from .layers import Part
 from .letters import text_box
@@ -298,10 +298,7 @@ def _stage(stays: Page, lettered: Page, index: int, stage: int) -> Page:
     frame = drawing.frames[index]
     scheme = drawing.schemes[frame.scheme]
     page = _page(stays, index)
-    for plane in drawing.planes:
-        found = f"A{plane.number}"
-        if any(mark.point == found and mark.stage <= stage for mark in scheme.marks):
-            page.lines("auxiliary", curve_through(drawing, plane, frame.points[found]))
+    draw_own_curves(page, frame, stage)
     draw_step(page, frame, _WHOLE, stage=stage)
     arrives = any(mark.stage == stage and mark.role == "successor" for mark in scheme.marks)
     for role in MOVING_POINT[2 if arrives else 0 :]:  # the ring would hide a short step

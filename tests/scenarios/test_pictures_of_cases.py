@@ -29,13 +29,13 @@ from phaseplane.figures.style import PLAIN
 from phaseplane.picture.curves import curve_through
 from phaseplane.picture.frames import motions_of, table
 from phaseplane.picture.letters import NEAR, Room, text_box
-from phaseplane.picture.page import PLATE, Arrow, Page
-from phaseplane.picture.paper import Box, around, segments_of
+from phaseplane.picture.page import PLATE, Arrow, Lines, Page
+from phaseplane.picture.paper import SEEN, Box, around, segments_of
 from phaseplane.picture.step import mark_events, write_letters
 from phaseplane.picture.story import MOST, arms_page, story_of, told_steps
 from phaseplane.picture.subject import read_off
 from phaseplane.picture.text import control_text, end_text, step_head, step_text
-from phaseplane.picture.views import frame_at, gathered, motion_points, view_of
+from phaseplane.picture.views import frame_at, gathered, motion_points, telling_frame, view_of
 from phaseplane.recording import Content
 from phaseplane.recording.canvas import legible
 from phaseplane.recording.histories import panels
@@ -528,6 +528,13 @@ def test_every_auxiliary_point_is_on_a_curve_that_is_drawn(name: str) -> None:
             gaps = [distance(point, strip) for strip in (*fixed, *through)]
             assert min(gaps) < 2e-3 * max(abs(strip[-1] - strip[0]) for strip in fixed)
     assert bool(own) == (name != "ap57")
+
+
+def test_the_auxiliary_point_of_a_lettered_step_is_on_a_curve_of_its_figure() -> None:
+    drawing = drawing_of("h83_example23")
+    page = step_page(drawing, telling_frame(drawing), PLAIN)
+    curves = [s for lines in page.of(Lines) if lines.role == "auxiliary" for s in lines.strips]
+    assert min(distance(telling_frame(drawing).points["A"], s) for s in curves) < SEEN
 
 
 def distance(point: complex, strip: Sequence[complex]) -> float:
