@@ -17,7 +17,7 @@ from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.systems import damper_family
 
-from .style import PLAIN, Look, draw_zero, styled
+from .style import PLAIN, draw_zero, styled
 
 _COLUMNS = 4
 
@@ -40,14 +40,14 @@ class Panel(NamedTuple):
 
 
 @styled
-def characteristics_sheet(*, look: Look = PLAIN) -> Figure:
+def characteristics_sheet() -> Figure:
     """Draw springs, dampers, stops, tyres, friction and yielding, one panel each.
 
     Dots mark corners, at which the integrator ends a step. Loops are results of runs.
     """
     panels = [*_springs(), *_dampers(), _tyre(), *_loops()]
     rows = -(-len(panels) // _COLUMNS)
-    palette, figure = look.palette, look.blank(2.8 * _COLUMNS, 2.5 * rows)
+    palette, figure = PLAIN.palette, PLAIN.blank(2.8 * _COLUMNS, 2.5 * rows)
     for k, panel in enumerate(panels, start=1):
         axes = figure.add_subplot(rows, _COLUMNS, k)
         deflection = panel.argument == "deflection"

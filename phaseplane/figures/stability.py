@@ -17,7 +17,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, VIOLET
 
-from .style import PLAIN, Look, Palette, styled
+from .style import PLAIN, Palette, styled
 
 Values = npt.NDArray[np.float64]
 
@@ -55,8 +55,6 @@ def stability_sheet(
     limits: Mapping[str, float],
     growth: Sequence[GrowthMap],
     found: Sequence[tuple[str, str, float, float | None]],
-    *,
-    look: Look = PLAIN,
 ) -> Figure:
     """Draw undamped spectral radii, maps of growth, and ratios of measured to theoretical limits.
 
@@ -73,7 +71,7 @@ def stability_sheet(
     """
     if not curves:
         raise ValueError("there is nothing to draw: no curves")
-    palette, figure = look.palette, look.blank(12.0, 9.6)
+    palette, figure = PLAIN.palette, PLAIN.blank(12.0, 9.6)
     places = figure.subplot_mosaic("RRRFFF;001122")
     colours = dict(zip(curves, map(palette.chart, cycle(_COLOURS)), strict=False))
     axes = places["R"]

@@ -15,7 +15,7 @@ from matplotlib.ticker import EngFormatter, FixedLocator, NullFormatter
 
 from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, VIOLET
 
-from .style import PLAIN, Look, Palette, Printed, styled
+from .style import PLAIN, Palette, styled
 
 _LARGEST, _FAILED, _SMALLEST = 1.0, 10.0, 1e-13  # error: axis end, failed runs, axis start
 _COLOURS = (TEAL, ORANGE, RED, GREEN, PINK, OCHRE, VIOLET)
@@ -51,9 +51,7 @@ Lines = dict[str, Any]
 
 
 @styled
-def work_precision(
-    panels: Sequence[tuple[str, Sequence[Curve]]], *, title: str = "", look: Look = PLAIN
-) -> Figure:
+def work_precision(panels: Sequence[tuple[str, Sequence[Curve]]], *, title: str = "") -> Figure:
     """Draw run time over error, both on logarithmic scales, for several problems.
 
     Lower left is better. Runs without a solution are crosses in the shaded strip at the right.
@@ -68,13 +66,13 @@ def work_precision(
     """
     if not panels:
         raise ValueError("there is nothing to draw: no panels")
-    palette = look.palette
+    palette = PLAIN.palette
     columns = min(len(panels), 3)
     rows = ceil(len(panels) / columns)
     names = list(dict.fromkeys((c.name, c.family) for _, curves in panels for c in curves))
     names.sort(key=lambda name: list(_DASHES).index(name[1]))
     lines = _lines(names, palette)
-    figure = Printed(look, look.inches or max(4.0 * columns, 7.0), 3.3 * rows)
+    figure = PLAIN.blank(max(4.0 * columns, 7.0), 3.3 * rows)
     for k, (heading, curves) in enumerate(panels):
         axes = figure.add_subplot(rows, columns, k + 1)
         _style(axes, palette)
