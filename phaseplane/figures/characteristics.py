@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
+from phaseplane.picture.text import number
 from phaseplane.suspension import characteristics as law
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.session import simulate
@@ -53,8 +54,8 @@ def characteristics_sheet() -> Figure:
         deflection = panel.argument == "deflection"
         draw_zero(axes, palette)
         factor = 1e3 if deflection else 1.0
-        for number, line in enumerate(panel.lines):
-            style = palette.curve(number)
+        for i, line in enumerate(panel.lines):
+            style = palette.curve(i)
             axes.plot(factor * line.x, 1e-3 * line.force, linewidth=1.5, label=line.name, **style)
             for x, force in line.corners:
                 axes.plot(factor * x, 1e-3 * force, "o", color=style["color"], markersize=3.5)
@@ -106,7 +107,7 @@ def _dampers() -> Iterator[Panel]:
             part.damper.force(rate) * part.modulation.force(deflection) for part in parts
         )
 
-    lines = (_surface(f"at {1e3 * d:g} mm", at(d), 1.0) for d in (-0.05, -0.025, 0.0))
+    lines = (_surface(f"at {number(1e3 * d)} mm", at(d), 1.0) for d in (-0.05, -0.025, 0.0))
     yield Panel("damper by deflection", tuple(lines), "rate")
 
 
@@ -119,7 +120,7 @@ def _tyre() -> Panel:
 
     lines = (
         _line("at rest", tyre + law.constant(0.0), 0.04),
-        *(_surface(f"at {rate:+g} m/s", at(rate), 0.04) for rate in (1.0, -1.0)),
+        *(_surface(f"at {number(rate)} m/s", at(rate), 0.04) for rate in (1.0, -1.0)),
     )
     at_rest = Line("at rest", lines[0].x, np.minimum(lines[0].force, load), lines[0].corners)
     return Panel("tyre that cannot pull", (at_rest, *lines[1:]))
