@@ -27,7 +27,7 @@ _KINDS = {
     "unstable": ("o", ORANGE),
     "degenerate": ("s", GREY),
 }
-_DIRECTED = ("energy", "orbit", "separatrix", "attracting", "repelling", "semistable")
+_DIRECTED = ("attracting", "repelling", "semistable", "separatrix", "orbit", "energy")
 _STROKE, _APART = 0.022, 0.075  # windows: length of the strokes on isoclines, and between them
 # windows from the centre: isoclines that end farther in are not labelled; labels stay farther out
 _OUTER, _INNER = 0.42, 0.25
@@ -83,8 +83,9 @@ def portrait(
         ],
     }
     _slopes(axes, shown, colours, np.array(_LABEL) * _SIZE[0] / figure.get_figwidth())
+    middles: list[np.ndarray] = []
     for role in _DIRECTED:
-        _arrows(axes, roles[role], window, colours.chart(_LINES[role][0]))
+        _arrows(axes, roles[role], window, colours.chart(_LINES[role][0]), middles)
     handles: list[Artist] = []
     for role, curves in roles.items():
         if curves:
@@ -155,8 +156,10 @@ def _slopes(axes: Axes, shown: Portrait, colours: Palette, room: np.ndarray) -> 
         )  # fmt: skip
 
 
-def _arrows(axes: Axes, curves: Sequence[np.ndarray], window: Window, colour: str) -> None:
-    """Draw arrows in the sense of time on curves: to the right where x' is positive."""
+def _arrows(
+    axes: Axes, curves: Sequence[np.ndarray], window: Window, colour: str, taken: list[np.ndarray]
+) -> None:
+    """Draw arrows in the sense of time on curves, clear of others: to the right where x' is positive."""
     sides = np.array([window.width, window.height])
     for curve in curves:
         went = _went(curve, sides)
@@ -172,6 +175,9 @@ def _arrows(axes: Axes, curves: Sequence[np.ndarray], window: Window, colour: st
             middle, way = 0.5 * (ends[0] + ends[1]), ends[1] - ends[0]
             if abs(middle[1]) < 0.02 * window.height and abs(way[0]) / sides[0] < 0.3 * _HEAD:
                 continue  # beside the axis the sense does not follow from x' alone
+            if any(np.hypot(*((middle - other) / sides)) < 2.0 * _HEAD for other in taken):
+                continue
+            taken.append(middle)
             start, end = ends if way[0] * middle[1] > 0.0 else ends[::-1]
             axes.annotate(
                 "", end, start, zorder=3.5, annotation_clip=True,

@@ -42,6 +42,10 @@ def test_van_der_pol_shows_its_cycle_in_a_window_that_holds_it() -> None:
     low, high = figure.axes[0].get_ylim()
     assert low < cycle[:, 1].min() < cycle[:, 1].max() < high
     assert to_hex(figure.get_facecolor()) == Look(dark=True).palette.paper
+    arrows = [np.add(t.xy, t.xyann) / 2.0 for t in figure.axes[0].texts if t.arrow_patch]
+    apart = np.array([a - b for a, b in combinations(arrows, 2)])
+    sides = (made.window.width, made.window.height)
+    assert np.hypot(*(apart / sides).T).min() > 0.029  # two arrows long: none lies on another
     # integral curves from the border end on the cycle
     for orbit in strips(figure, "orbit"):
         end = orbit[-1]
