@@ -72,6 +72,15 @@ def test_a_fixed_step_below_the_rounding_of_time_ends_the_run(step: float) -> No
         session.advance(1.1)
 
 
+def test_steps_stay_long_when_a_motion_has_no_digits_left() -> None:
+    """Damped to denormal numbers, whose signs are random, it no longer passes corners of its dampers."""
+    session = Session("QuarterCar", {"road.shape": "flat", "initial.body_displacement": 0.05})
+    session.advance(300.0)
+    before = session.value("step_count")
+    session.advance(400.0)
+    assert session.value("step_count") - before < before
+
+
 @pytest.mark.parametrize("until", [nan, inf, -inf])
 def test_a_time_that_is_no_number_is_refused(until: float) -> None:
     with pytest.raises(ValueError, match="the time must be finite"):

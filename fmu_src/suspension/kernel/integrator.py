@@ -331,6 +331,7 @@ class Integrator(TimeLoop):
 
         They are written to `sample_a` and `sample_f`, for the branches of the last step; the force of
         dry friction that sticks is the one needed to hold it. `sample_set` gets the permanent sets.
+        Each call needs a `sample` before it, as it uses up the accelerations of that.
         """
         self._show_last_branches()
         self.reading.find_forces(t, self.dense.end - self.dense.start)

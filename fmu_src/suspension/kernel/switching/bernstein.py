@@ -11,6 +11,8 @@ from math import fabs
 from ..language import Doubles
 
 _CLOSE = 1e-8  # of a step; Newton's next correction would be of the order of its square
+# a motion that has decayed so far is at rest: soon its numbers have no digits left, and random signs
+_NOTHING = 1e-290
 
 
 class Crossing:
@@ -76,6 +78,8 @@ class Crossing:
         for i in range(degree + 1):
             c[i] = (self.bezier[i] - bound) * -side
             largest = max(largest, fabs(c[i]))
+        if largest < _NOTHING:
+            return 2.0
         if departing and fabs(c[0]) <= 1e-3 * largest:
             # a value that has just entered its branch starts exactly on the bound, despite rounding
             start = c[0]
