@@ -91,7 +91,8 @@ def check_number(name: str, value: float, least: float = -inf, *, exclusive: boo
     """
     if not isfinite(value) or value < least or (exclusive and value == least):
         relation = "greater than" if exclusive else "at least"
-        raise ValueError(f"{name} = {value!r}: must be finite and {relation} {least:g}")
+        bound = f" and {relation} {least:g}" if least > -inf else ""
+        raise ValueError(f"{name} = {value!r}: must be finite{bound}")
 
 
 def check_contact(rule: str) -> None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
+from math import nan
 
 from phaseplane.constructions.construction import CONTACT, Window
 from phaseplane.constructions.one_plane import OnePlane
@@ -86,11 +87,13 @@ class SwitchedPlane(OnePlane):
     def points(self, mode: str, states: States, window: Window) -> Points:
         """Construct P, Q, A, A* and D, on the branch of the auxiliary curve of the mode."""
         signs, p, plane = _mode(mode), states[0], self.lienard
+        x, v = plane.values(p)
+        if not self.switching.is_defined(signs, v, x, window.start):
+            return dict.fromkeys(("P", "Q", "A", "A*", "D"), complex(nan, nan))
         if 0 not in signs:
             q, a, foot = plane.raised(p, self.epsilon_in(signs))
             moved = plane.plane.displacement.scale * self.shift_in(signs, states, window)
             return {"P": p, "Q": q, "A": a, "A*": foot, "D": foot + moved}
-        x, v = plane.values(p)
         mean = window.mean(lambda t: self.switching.acceleration(signs, v, x, t))
         axis = plane.plane.displacement
         q = complex(p.real, axis.origin.imag)

@@ -169,6 +169,8 @@ def steps(
     t, (x, v) = time, start
     least = 1e-14 * max(abs(time), abs(end))
     mode = system.settled(v, x, t)
+    if not system.is_defined(mode, v, x, t):
+        raise MotionError(t)
     h = min(longest, end - time)
     recent: list[float] = []
     rejected = 0  # steps in succession
@@ -183,6 +185,12 @@ def steps(
         h = min(h, end - t, longest)
         made = _step(system, mode, t, x, v, a, h)
         error = _error(made, largest, (x, v), tolerance)
+        if error <= 1.0:
+            step, met = _up_to_switch(system, mode, t, (x, v, a), made, h, rounding, left)
+            if met is None and end - t <= h * (1.0 + 1e-12):
+                step = step._replace(end=end)
+            if not system.is_defined(mode, step.last[1], step.last[0], step.end):
+                error, h = inf, step.end - t
         rejected = 0 if error <= 1.0 else rejected + 1
         if rejected == _STUBBORN:
             # what moves is the rounding of large forces in balance: errors relative to 1 will do
@@ -192,14 +200,6 @@ def steps(
             if h <= max(1e-15 * abs(t), 1e-300) or h < least * 1e-3:
                 raise MotionError(t)
             continue
-        step = _ended(system, mode, t, (x, v, a), made, h)
-        if end - t <= h * (1.0 + 1e-12):
-            step = step._replace(end=end)
-        met = _first_end(system, step, rounding, left) if mode else None
-        if met is not None:
-            k, part = met
-            made = _step(system, mode, t, x, v, a, part)
-            step = _ended(system, mode, t, (x, v, a), made, part)
         yield step
         t, (x, v, a) = step.end, step.last
         largest = max(largest[0], abs(x)), max(largest[1], abs(v))
@@ -210,31 +210,61 @@ def steps(
         recent = [*recent[1 - _CROWD :], t]
         if len(recent) == _CROWD and t - recent[0] <= _CROWDED * (end - time):
             # ever shorter intervals: the motion comes to rest where its guards meet
-            near = {
-                k
-                for k, g in enumerate(system.guards)
-                if abs(g(v, x, t, mode)) < _CREEP * (1.0 + abs(x))
-            }
-            mode = tuple(0 if k in near else sign for k, sign in enumerate(mode))
+            mode, v, x, rounding = _gathered(system, mode, t, v, x, rounding)
             recent = []
-            if mode.count(0) == 1:
-                # along a switch that holds the motion with just its whole jump, errors end the
-                # sliding again and again: only larger ones still do
-                rounding *= 1e3
-                if rounding > _COARSEST or None in system.sides(mode, v, x, t):
-                    raise MotionError(t)
-                v, x = system.project(mode, v, x, t)
-            elif abs(v) <= _CREEP * (1.0 + abs(x)) and system.rests(mode, x, t):
-                v = 0.0
-            else:
-                raise MotionError(t)
         else:
-            mode, left = system.settled(v, x, t, [k], mode), k
+            mode, left = system.settled(v, x, t, [met], mode), met
             if 0 in mode:
                 v, x = system.project(mode, v, x, t)
         a = _acceleration(system, mode, t, x, v)
         h = min(h, _first(t, x, v, a, end)) if h > 0.0 else _first(t, x, v, a, end)
     raise MotionError(t)
+
+
+def _up_to_switch(
+    system: Switching,
+    mode: Mode,
+    t: float,
+    first: tuple[float, float, float],
+    made: tuple[float, float, float, float],
+    h: float,
+    rounding: float,
+    left: int | None,
+) -> tuple[Step, int | None]:
+    """Return a step that has been made, up to the guard at which its mode ends, and that guard."""
+    step = _ended(system, mode, t, first, made, h)
+    met = _first_end(system, step, rounding, left) if mode else None
+    if met is None:
+        return step, None
+    k, part = met
+    return _ended(system, mode, t, first, _step(system, mode, t, *first, part), part), k
+
+
+def _gathered(
+    system: Switching, mode: Mode, t: float, v: float, x: float, rounding: float
+) -> tuple[Mode, float, float, float]:
+    """Return mode, velocity, displacement and rounding where switches follow ever faster.
+
+    Raises
+    ------
+    MotionError : the motion neither slides nor comes to rest there.
+    """
+    near = {
+        k for k, g in enumerate(system.guards) if abs(g(v, x, t, mode)) < _CREEP * (1.0 + abs(x))
+    }
+    mode = tuple(0 if k in near else sign for k, sign in enumerate(mode))
+    if mode.count(0) == 1:
+        # along a switch that holds the motion with just its whole jump, errors end the
+        # sliding again and again: only larger ones still do
+        rounding *= 1e3
+        if rounding > _COARSEST or None in system.sides(mode, v, x, t):
+            raise MotionError(t)
+        v, x = system.project(mode, v, x, t)
+    elif abs(v) <= _CREEP * (1.0 + abs(x)) and system.rests(mode, x, t):
+        v = 0.0
+    else:
+        raise MotionError(t)
+    return mode, v, x, rounding
 
 
 def _ended(

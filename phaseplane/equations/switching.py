@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from math import isfinite
+from math import isfinite, isnan, nan
 
 Signs = Sequence[float]
 _Function = Callable[..., float]
@@ -43,12 +43,16 @@ class Switching:
     jumps: bool = True
 
     def signs(self, v: float, x: float, t: float) -> list[float]:
-        """Return the signs of all guards at a state; 0 on a guard."""
+        """Return the signs of all guards at a state; 0 on a guard, nan where it is undefined."""
         found = [0.0] * len(self.guards)
         for k, guard in enumerate(self.guards):
             value = guard(v, x, t, found)
-            found[k] = 0.0 if value == 0.0 else (1.0 if value > 0.0 else -1.0)
+            found[k] = nan if isnan(value) else float((value > 0.0) - (value < 0.0))
         return found
+
+    def is_defined(self, mode: Mode, v: float, x: float, t: float) -> bool:
+        """Return whether all guards are numbers at a state."""
+        return not any(isnan(guard(v, x, t, mode)) for guard in self.guards)
 
     @cached_property
     def reversed(self) -> Switching:

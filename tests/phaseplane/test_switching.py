@@ -224,6 +224,24 @@ def test_a_root_of_pieces_is_undefined_where_it_is(text: str):
     assert "not a number" in motion(formula.switching, (0.5, -1.0), [0.0, 2.0]).complaint
 
 
+@pytest.mark.parametrize("text", ["x + 0.2*sign(sqrt(x - 0.5))*v", "x + 2 + sign(log(x - 0.5))"])
+@pytest.mark.parametrize(("start", "reached"), [(1.0, True), (0.2, False)])
+def test_an_equation_is_undefined_where_the_sign_of_something_undefined_is(
+    text: str, start: float, reached: bool
+):
+    formula = Formula(text)
+    assert isnan(formula.switching.value(0.0, 0.2, 0.0))
+    found = motion(formula.switching, (start, 0.0), np.linspace(0.0, 3.0, 61))
+    assert "not a number" in found.complaint
+    assert all(x >= 0.5 for x in found.displacements) == reached
+    assert (len(found.times) > 10) == reached
+    why = "the construction diverges after" if reached else "initial_force = nan: must be finite$"
+    with pytest.raises((ArithmeticError, ValueError), match=why):
+        construct_motion(
+            EquationPlane(formula.switching, initial_displacement=start), step=0.1, duration=3.0
+        )
+
+
 def test_a_switch_of_time_alone_is_no_part_of_rest():
     """Friction holds x while the drive helps; it starts when the sign of the drive changes, at pi."""
     formula = Formula("sign(x) + R*sign(v) - 0.5*sign(sin(t))", {"R": 0.667})
