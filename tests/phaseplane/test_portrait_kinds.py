@@ -506,6 +506,7 @@ def test_the_kind_of_an_equilibrium_does_not_depend_on_the_units(text, kind, len
     assert (found.kind, found.x) == (kind, 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "start", "x", "v"),
     [

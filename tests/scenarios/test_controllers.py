@@ -225,6 +225,7 @@ def test_a_recording_shows_no_energies_of_another_motion(tmp_path):
     assert not any(name.endswith("_energy") for name in shown.histories)
 
 
+@pytest.mark.slow
 def test_a_fit_runs_under_the_controller(tmp_path):
     run = phaseplane.run("skyhook", duration=0.3, expect=False, outputs=["body_acceleration"])
     run.write("measured")

@@ -112,6 +112,7 @@ def cells(figure: Any) -> list[list[str]]:
     return rows
 
 
+@pytest.mark.slow
 def test_a_sheet_gives_what_the_road_lays_off_and_leaves_out_d_of_the_last_point() -> None:
     """The mean of h2/c2 over each step and the weight in flight, in closed form (AP57 section 8)."""
     made = exercises.exercise(load_scene("ap57"), 16, "A4")
