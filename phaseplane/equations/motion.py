@@ -186,8 +186,11 @@ def steps(
         made = _step(system, mode, t, x, v, a, h)
         error = _error(made, largest, (x, v), tolerance)
         if error <= 1.0:
-            step, met = _up_to_switch(system, mode, t, (x, v, a), made, h, rounding, left)
-            if met is None and end - t <= h * (1.0 + 1e-12):
+            step = _ended(system, mode, t, (x, v, a), made, h)
+            met = _first_end(system, step, rounding, left) if mode else None
+            if met is not None:
+                step = _cut(system, step, met[1])
+            elif end - t <= h * (1.0 + 1e-12):
                 step = step._replace(end=end)
             if not system.is_defined(mode, step.last[1], step.last[0], step.end):
                 error, h = inf, step.end - t
@@ -213,7 +216,8 @@ def steps(
             mode, v, x, rounding = _gathered(system, mode, t, v, x, rounding)
             recent = []
         else:
-            mode, left = system.settled(v, x, t, [met], mode), met
+            left = met[0]
+            mode = system.settled(v, x, t, [left], mode)
             if 0 in mode:
                 v, x = system.project(mode, v, x, t)
         a = _acceleration(system, mode, t, x, v)
@@ -221,23 +225,11 @@ def steps(
     raise MotionError(t)
 
 
-def _up_to_switch(
-    system: Switching,
-    mode: Mode,
-    t: float,
-    first: tuple[float, float, float],
-    made: tuple[float, float, float, float],
-    h: float,
-    rounding: float,
-    left: int | None,
-) -> tuple[Step, int | None]:
-    """Return a step that has been made, up to the guard at which its mode ends, and that guard."""
-    step = _ended(system, mode, t, first, made, h)
-    met = _first_end(system, step, rounding, left) if mode else None
-    if met is None:
-        return step, None
-    k, part = met
-    return _ended(system, mode, t, first, _step(system, mode, t, *first, part), part), k
+def _cut(system: Switching, step: Step, length: float) -> Step:
+    """Return a step made again, of a shorter length."""
+    start, first, mode = step.start, step.first, step.mode
+    made = _step(system, mode, start, *first, length)
+    return _ended(system, mode, start, first, made, length)
 
 
 def _gathered(

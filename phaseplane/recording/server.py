@@ -85,11 +85,18 @@ def serving(
 
 
 def _serves(process: subprocess.Popen[bytes], said: Path) -> bool:
-    """Wait until a server says that it serves; what answers at its ports may be another."""
+    """Return whether a server says that it serves before it ends; what answers may be another.
+
+    Raises
+    ------
+    OSError : if it neither says so nor ends.
+    """
     end = time.monotonic() + _START
-    while time.monotonic() < end and process.poll() is None:
+    while process.poll() is None:
         if _SERVES in said.read_bytes():
             return True
+        if time.monotonic() > end:
+            raise OSError(f"the server did not start within {_START:g} s")
         time.sleep(0.05)
     return False
 

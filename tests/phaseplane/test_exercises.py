@@ -1,10 +1,9 @@
-"""Protocols, marking, pages and GeoGebra files of constructions."""
+"""Protocols, pages and GeoGebra files of constructions."""
 
 from __future__ import annotations
 
 import csv
 import json
-import random
 import re
 from io import StringIO
 from pathlib import Path
@@ -14,38 +13,28 @@ from zipfile import ZipFile
 import numpy as np
 import pytest
 from geogebra_reader import evaluated, read_geogebra
-from phaseplane.suspension.roads import table
 from worked_example import ap57
 
 from phaseplane.constructions import (
     RULES,
-    ElastoplasticPlane,
     EquationPlane,
     construct_motion,
     rule_named,
 )
-from phaseplane.constructions.construction import Window
-from phaseplane.constructions.geometry import turned
 from phaseplane.constructions.letters import typeset
-from phaseplane.constructions.primitives import Drawing, Frame
-from phaseplane.constructions.stepping import Stepper
+from phaseplane.constructions.primitives import Frame
 from phaseplane.equations import Formula
 from phaseplane.exercises import (
     Command,
-    blank_readings,
     commands,
     exercise_page,
-    mark,
     protocol,
     protocol_csv,
     protocol_page,
     protocol_text,
-    read_readings,
     sheet_data,
     write_geogebra,
 )
-from phaseplane.exercises.marking import METHOD, READING, RIGHT
-from phaseplane.exercises.readings import Reading
 from phaseplane.figures.exercise import Filled, exercise_sheet
 
 DELTA = rule_named("delta")
@@ -233,359 +222,6 @@ def test_pages_carry_the_construction_and_an_exercise_not_its_solution():
     assert successor not in sheet
 
 
-# Marking.
-
-
-def student(drawing: Drawing, construction: EquationPlane, steps: int) -> list[complex]:
-    """The points of a student who makes no mistake."""
-    return [frame.points["P"] for frame in drawing.instants[: steps + 1]]
-
-
-def follow(
-    construction: EquationPlane, drawing: Drawing, points: list[complex], until: int, rule=DELTA
-) -> list[complex]:
-    """Go on without mistakes from the last point."""
-    stepper = Stepper(construction, rule)
-    while len(points) <= until:
-        frame = drawing.frames[len(points) - 1]
-        states = (points[-1],)
-        mode = construction.mode_at((frame.points["P"],), frame.time)
-        points.append(stepper.step(mode, states, Window(frame.time, frame.duration))[1][0])
-    return points
-
-
-def judged(construction, drawing, points, rule=DELTA, feet=None):
-    read = [Reading(i, (z,), None if feet is None else (feet[i],)) for i, z in enumerate(points)]
-    return mark(construction, rule, drawing, read)
-
-
-@pytest.fixture
-def task():
-    construction = plane_of("(x^2 - 1)*v + x", scale=0.04)
-    return construction, construct_motion(construction, DELTA, step=2.0 * STEP, steps=10)
-
-
-def test_careful_readings_are_all_right(task):
-    construction, drawing = task
-    draw = random.Random(1)
-    points = [
-        z + 2e-4 * complex(draw.gauss(0, 1), draw.gauss(0, 1)) for z in student(*task[::-1], 10)
-    ]
-    marks = judged(construction, drawing, points)
-    assert marks.right == len(marks.marks) == 10
-
-
-def test_an_error_counts_once_where_it_was_made(task):
-    """What follows from a wrong point is right again, though far from the faultless construction."""
-    construction, drawing = task
-    points = student(drawing, construction, 3)
-    points[3] += 0.02 + 0.01j
-    follow(construction, drawing, points, 10)
-    marks = judged(construction, drawing, points)
-    assert [m.number for m in marks.marks if m.verdict != RIGHT] == [3]
-    assert marks.marks[2].verdict == METHOD
-    assert marks.final > 5.0
-
-
-def test_a_little_beside_the_point_is_an_error_of_reading(task):
-    construction, drawing = task
-    points = student(drawing, construction, 3)
-    points[3] += 2e-3 * 1j
-    marks = judged(construction, drawing, points)
-    assert marks.marks[2].verdict == READING
-    assert marks.marks[2].distance == pytest.approx(2.0)
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        (lambda z: z + 6e-3, "the next step starts from the right place"),
-        (lambda z: z.conjugate(), "the sign of the velocity is wrong"),
-    ],
-)
-def test_a_misread_point_does_not_spoil_the_step_after_it(task, change, words):
-    construction, drawing = task
-    points = student(drawing, construction, 8)
-    points[4] = change(points[4])
-    marks = judged(construction, drawing, points)
-    assert [m.number for m in marks.marks if m.verdict != RIGHT] == [4]
-    assert marks.marks[3].verdict == READING
-    assert words in marks.marks[3].said
-
-
-@pytest.mark.parametrize(
-    ("mistake", "words"),
-    [
-        ("turned", "turned in the wrong direction"),
-        ("twice", "laid off twice"),
-        ("tangent", "follows the rule tangent, not delta"),
-        ("mirrored", "wrong side of the axis"),
-        ("no_curve", "the auxiliary curve was not used"),
-        ("no_delta", "delta was omitted"),
-        ("sign", "sign of the velocity is wrong"),
-        ("exchanged", "displacement and velocity are interchanged"),
-    ],
-)
-def test_the_rule_that_was_broken_is_named(task, mistake, words):
-    construction, drawing = task
-    points = student(drawing, construction, 4)
-    frame = drawing.frames[4]
-    state, window = (points[-1],), Window(frame.time, frame.duration)
-    stepper = Stepper(construction, DELTA)
-    if mistake in ("turned", "twice"):
-        stepper.rates = tuple({"turned": -1.0, "twice": 2.0}[mistake] * r for r in stepper.rates)
-        wrong = stepper.step("contact", state, window)[1][0]
-    elif mistake == "tangent":
-        wrong = Stepper(construction, rule_named("tangent")).step("contact", state, window)[1][0]
-    elif mistake in ("mirrored", "no_curve", "no_delta"):
-        turn = stepper.rates[0] * window.duration
-
-        def foot(p: complex) -> complex:
-            points = construction.points("contact", (p,), window)
-            return {"mirrored": -points["D"], "no_curve": points["Q"], "no_delta": 0j}[mistake]
-
-        middle = turned(state[0], foot(state[0]), 0.5 * turn)
-        wrong = turned(state[0], foot(middle), turn)
-    else:
-        right = stepper.step("contact", state, window)[1][0]
-        wrong = {"sign": right.conjugate(), "exchanged": complex(right.imag, right.real)}[mistake]
-    points.append(wrong)
-    follow(construction, drawing, points, 8)
-    marks = judged(construction, drawing, points)
-    assert words in marks.marks[4].said
-    assert marks.marks[4].verdict == METHOD
-    assert all(m.verdict == RIGHT for m in marks.marks if m.number != 5)
-
-
-def step_from(construction, drawing, points, feet, n: int) -> complex:
-    """What follows from point n and its D."""
-    far = [*points[: n + 1], points[n] + 0.1]
-    return judged(construction, drawing, far, feet=feet).marks[n].expected[0]
-
-
-@pytest.mark.parametrize(
-    ("change", "beside", "verdict", "words"),
-    [
-        (lambda d: -d, 0.0, METHOD, ["D of point 2: delta was laid off on the wrong side"]),
-        (lambda d: d + 2.9e-3, 0.0, READING, ["D is 2.9 mm off: read the auxiliary curve again"]),
-        (
-            lambda d: d + 6e-3,
-            0.0,
-            METHOD,
-            ["D of point 2: D is 6 mm off, not explained by a known mistake: find A and D again"],
-        ),
-        (lambda d: d + 6e-3, 2e-3j, METHOD, ["D of point 2: D is 6 mm off", "slightly off"]),
-        (lambda d: d + 6e-3, 8e-3j, METHOD, ["D of point 2: D is 6 mm off", "not explained"]),
-        (lambda d: -d, 2e-3j, METHOD, ["D of point 2: delta was laid off", "slightly off"]),
-    ],
-)
-def test_a_wrong_foot_is_named_and_the_step_judged_from_it(task, change, beside, verdict, words):
-    construction, drawing = task
-    points = student(drawing, construction, 3)
-    feet = [frame.points["D"] for frame in drawing.instants[:4]]
-    feet[2] = change(feet[2])
-    from_it = step_from(construction, drawing, points, feet, 2)
-    assert abs(from_it - points[3]) > 5e-4
-    points[3] = from_it + beside
-    *others, found = judged(construction, drawing, points, feet=feet).marks
-    assert found.verdict == verdict
-    assert all(word in found.said for word in words)
-    assert ("slightly off" in found.said) == (abs(beside) == 2e-3)
-    assert {m.verdict for m in others} == {RIGHT}
-
-
-def test_a_step_with_the_right_foot_is_right_though_another_was_read(task):
-    construction, drawing = task
-    points = student(drawing, construction, 5)
-    feet = [frame.points["D"] for frame in drawing.instants[:6]]
-    feet[2] += 8e-3
-    marks = judged(construction, drawing, points, feet=feet).marks
-    assert [m.number for m in marks if m.verdict != RIGHT] == [3]
-    assert marks[2].verdict == READING
-    assert "D of point 2: the step was made with the right D" in marks[2].said
-    assert marks[2].distance < 1e-6
-
-
-@pytest.mark.parametrize("turn", [-1.0, 2.0])
-def test_a_mistake_is_named_when_it_follows_a_misread_foot(task, turn):
-    construction, drawing = task
-    points = student(drawing, construction, 2)
-    feet = [frame.points["D"] for frame in drawing.instants[:4]]
-    feet[2] += 6e-3
-    frame = drawing.frames[2]
-    angle = turn * Stepper(construction, DELTA).rates[0] * frame.duration
-    middle = turned(points[2], feet[2], 0.5 * angle)
-    window = Window(frame.time, frame.duration)
-    foot = construction.points("contact", (middle,), window)["D"] + 6e-3
-    points.append(turned(points[2], foot, angle))
-    found = judged(construction, drawing, points, feet=feet).marks[2]
-    assert found.verdict == METHOD
-    assert {-1.0: "turned in the wrong direction", 2.0: "laid off twice"}[turn] in found.said
-
-
-def test_a_misread_point_does_not_spoil_the_step_after_it_though_that_is_beside(task):
-    """Point 4 is written down wrongly, point 5 is 2 mm from what follows from the drawn point 4."""
-    construction, drawing = task
-    points = student(drawing, construction, 5)
-    points[4] += 8e-3
-    points[5] += 2e-3j
-    follow(construction, drawing, points, 8)
-    marks = judged(construction, drawing, points).marks
-    assert [m.verdict for m in marks] == [RIGHT] * 3 + [READING, READING] + [RIGHT] * 3
-    assert "slightly off" in marks[4].said
-    feet = [frame.points["D"] for frame in drawing.instants[:6]]
-    feet[4] += 6e-3
-    points = student(drawing, construction, 4)
-    points.append(step_from(construction, drawing, points, feet, 4))
-    points[4] += 8e-3
-    marks = judged(construction, drawing, points, feet=feet).marks
-    assert [m.verdict for m in marks] == [RIGHT] * 3 + [READING, METHOD]
-    assert "next step starts from the right place" in marks[3].said
-
-
-@pytest.mark.parametrize(
-    ("senses", "unit", "words"),
-    [
-        ((1.0, 1.0), 10.0, "the values are in millimetres, not in centimetres"),
-        ((-1.0, 1.0), 1.0, "the normal of plane 1 was turned in the wrong direction"),
-        ((1.0, -1.0), 1.0, "the normal of plane 2 was turned in the wrong direction"),
-    ],
-)
-def test_mistakes_in_the_planes_of_a_car_are_named(senses, unit, words):
-    construction = ap57(initial_deflection=0.05, initial_wheel_displacement=0.02)
-    drawing = construct_motion(construction, DELTA, step=0.005, steps=4)
-    stepper = Stepper(construction, DELTA)
-    stepper.rates = tuple(sense * rate for sense, rate in zip(senses, stepper.rates, strict=True))
-    _, made = stepper.step("contact", construction.initial, Window(0.0, 0.005))
-    origins = [plane.displacement.origin for plane in construction.planes]
-    read = tuple(o + unit * (p - o) for o, p in zip(origins, made, strict=True))
-    start = Reading(0, construction.initial)
-    (found,) = mark(construction, DELTA, drawing, [start, Reading(1, read)]).marks
-    assert (found.verdict, found.said) == (METHOD, words)
-
-
-@pytest.mark.parametrize("rule", ["delta", "mean_normal", "tangent"])
-def test_careful_readings_of_d_are_right_where_it_follows_steeply_from_the_points(rule):
-    """In plane 1 of a car D moves nine times as far as P2 in plane 2."""
-    construction, rule = ap57(), rule_named(rule)
-    drawing = construct_motion(construction, rule, step=2.5e-3, steps=40)
-    draw = random.Random(2)
-    read = [
-        Reading(
-            i,
-            tuple(
-                f.points[p.state] + 2.4e-4 * draw.choice([1, -1, 1j, -1j]) for p in drawing.planes
-            ),
-            tuple(f.points[p.foot] + 2e-4 * draw.choice([1, -1]) for p in drawing.planes),
-        )
-        for i, f in enumerate(drawing.instants)
-    ]
-    marks = mark(construction, rule, drawing, read).marks
-    assert {m.verdict for m in marks} == {RIGHT}
-
-
-@pytest.mark.parametrize("feet", [True, False])
-def test_a_lift_off_that_was_missed_is_named(feet):
-    """The student goes on as if the tyre were still on the road."""
-    construction = ap57(lift_off=True)
-    drawing = construct_motion(construction, DELTA, step=2.5e-3, steps=16)
-    up = next(f for f in drawing.frames if f.event == "lift_off")
-    stepper = Stepper(construction, DELTA)
-    read = []
-    states = construction.initial
-    for f in drawing.instants:
-        points, after = stepper.step("contact", states, Window(f.time, f.duration))
-        read.append(Reading(f.step, states, (points["D1"], points["D2"]) if feet else None))
-        states = after
-    marks = mark(construction, DELTA, drawing, read).marks
-    assert all(m.verdict == RIGHT for m in marks if m.number <= up.step)
-    wrong = [m for m in marks if m.verdict != RIGHT]
-    words = f"the lift-off at t = {up.time:.4g} s was missed"
-    assert len(wrong) >= 3
-    assert all(m.verdict == METHOD and words in m.said for m in wrong)
-
-
-def test_steps_that_end_on_a_switch_do_so_from_the_students_point():
-    construction = EquationPlane(
-        Formula("x + 0.3*sign(v)").switching, scale=0.04, initial_displacement=2.05
-    )
-    drawing = construct_motion(construction, DELTA, step=0.4, duration=8.0)
-    shift = 0.004  # one point beside the faultless ones, from there right
-    points = [frame.points["P"] for frame in drawing.instants[:3]]
-    points[2] += shift
-    while len(points) < len(drawing.instants):
-        frame = drawing.frames[len(points) - 1]
-        mode = construction.mode_at((frame.points["P"],), frame.time)
-        centre = complex(-0.04 * 0.3 if mode == "+" else 0.04 * 0.3, 0.0)
-        ends = drawing.instants[len(points)].points["P"]
-        radius = abs(points[-1] - centre)
-        if abs(ends.imag) < 1e-9:  # the half circle ends on the axis
-            points.append(
-                complex(centre.real + radius * (1.0 if ends.real > centre.real else -1.0), 0)
-            )
-        else:
-            points.append(
-                turned(points[-1], centre, -0.4 if frame.duration > 0.39 else -frame.duration)
-            )
-    marks = judged(construction, drawing, points)
-    wrong = [m for m in marks.marks if m.verdict != RIGHT]
-    assert wrong[0].number == 2
-    assert max(m.distance for m in marks.marks if m.number > 2) < 1.0
-
-
-# Readings.
-
-
-def test_readings_are_read_with_commas_semicolons_and_decimal_commas(task):
-    _, drawing = task
-    plain = "point,x,x_bar,D\n0,2,0.1,\n1,1.98,-0.19,0.2\n2,,,\n"
-    read = read_readings(plain, drawing.planes)
-    assert [r.number for r in read] == [0, 1]
-    assert read[1].states[0] == pytest.approx(0.04 * complex(1.98, -0.19))
-    assert read[1].feet is not None
-    assert read[0].feet is None
-    german = "\ufeffpoint;x;x_bar;D\r\n0;2;0,1;\r\n1;1,98;-0,19;0,2\r\n"
-    assert read_readings(german, drawing.planes) == read
-    quoted = 'point,x,x_bar,D\n0,"2","0,1",\n1,"1,98","-0,19","0,2"\n'
-    assert read_readings(quoted, drawing.planes) == read
-    blank = blank_readings(drawing, 3)
-    assert blank.splitlines()[1].startswith("0,2,0.1")
-    assert len(blank.splitlines()) == 5
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "no readings"),
-        ("point,x\n0,1\n", "no column 'x_bar'; the table needs point, x, x_bar, D"),
-        ("point,x,x_bar\n0,2,0.1\n2,1,1\n", "line 3: point 2 follows point 0"),
-        ("point,x,x_bar\n0,2,0,1\n", "line 2: 4 values for 3 columns; numbers with decimal commas"),
-        ("point,x,x_bar\n0,2,0.1\n1,a,1\n", "line 3: x = 'a' is not a number"),
-        ("point,x,x_bar\n0,2,0.1\n1,inf,1\n", "must be finite"),
-        ("point,x,x_bar\n0,2,0.1\n", "at least the points 0 and 1"),
-    ],
-)
-def test_readings_that_cannot_be_used_are_refused_in_words(task, text, message):
-    with pytest.raises(ValueError, match=re.escape(message)):
-        read_readings(text, task[1].planes)
-
-
-def test_d_of_one_plane_alone_is_refused_and_not_ignored():
-    planes = ap57().planes
-    text = "point,y1,y1_bar,y2,y2_bar,D1,D2\n0,0,0,0,0,,\n1,0,-0.2,0,0.1,-10.7,\n"
-    with pytest.raises(ValueError, match="line 3: D2 = '' is not a number"):
-        read_readings(text, planes)
-
-
-def test_readings_of_another_exercise_are_refused(task):
-    construction, drawing = task
-    points = [z + 0.05 for z in student(drawing, construction, 3)]
-    with pytest.raises(ValueError, match="mm from the start point of the sheet; is this another"):
-        judged(construction, drawing, points)
-    with pytest.raises(ValueError, match="12 points were read, but the construction has 11"):
-        judged(construction, drawing, [drawing.frames[0].points["P"]] * 12)
-
-
 def test_on_a_page_the_turn_angle_lies_just_below_the_planes():
     drawing = construct_motion(plane_of("(x^2 - 1)*v + x"), DELTA, step=STEP, steps=6)
     told = sheet_data(drawing)
@@ -598,18 +234,3 @@ def test_on_a_page_the_turn_angle_lies_just_below_the_planes():
     for step, frame in zip(told["steps"], drawing, strict=True):
         p = 100.0 * frame.points["P"]
         assert step["state"][0] == pytest.approx([p.real, p.imag], abs=1e-4)
-
-
-def test_faultless_readings_of_a_spring_that_yields_are_right() -> None:
-    """Its permanent set is that of the student's points, not the one at the start."""
-    frame = ElastoplasticPlane(
-        mass=100.0, damping=200.0, spring_rate=5000.0, yield_force=6.0,
-        load=table([(0.0, 0.0), (0.2, 8.0), (0.8, 0.0)]),
-    )  # fmt: skip
-    drawing = construct_motion(frame, DELTA, step=0.05, duration=0.9)
-    events = [f.event for f in drawing.frames]
-    assert "yielding" in events[: events.index("unloading")]
-    points = [frame.points["P"] for frame in drawing.instants]
-    marks = judged(frame, drawing, points)
-    assert marks.right == len(marks.marks) == len(points) - 1
-    assert max(m.distance for m in marks.marks) < 0.1

@@ -153,7 +153,7 @@ def test_a_reference_to_no_variable_of_the_type_is_refused(kind: str, car: Any) 
                 given = [[value]] if call == "set" else []
                 getattr(car.fmu, f"{call}{kind}")([reference], *given)
                 refused_step(car)
-                assert "is no variable of this type" in car.texts
+                assert "is not a variable of this type" in car.texts
                 car.fmu.reset()
 
 

@@ -209,17 +209,17 @@ class VehicleSlave(Fmi2Slave):
 
     # -- variables ---------------------------------------------------------------------------------
 
-    def _are(self, kind: type[Value], vrs: list[int]) -> bool:
+    def _have_type(self, kind: type[Value], vrs: list[int]) -> bool:
         """Return whether these are variables of a type, and refuse the next step if not."""
         if self._references[kind].issuperset(vrs):
             return True
         wrong = next(vr for vr in vrs if vr not in self._references[kind])
-        self._refuse(f"value reference {wrong} is no variable of this type")
+        self._refuse(f"value reference {wrong} is not a variable of this type")
         return False
 
     def _get(self, kind: type[Value], vrs: list[int]) -> list[Any]:
         """Return values by value reference; hosts call this most."""
-        if not self._are(kind, vrs):
+        if not self._have_type(kind, vrs):
             return [_NOTHING[kind]] * len(vrs)
         session = self._session
         if session is None or not (self._initialised and session.ok):
@@ -231,7 +231,7 @@ class VehicleSlave(Fmi2Slave):
 
     def _set(self, kind: type[Value], vrs: list[int], values: list[Any]) -> None:
         """Set values by value reference."""
-        if self._are(kind, vrs):
+        if self._have_type(kind, vrs):
             for vr, value in zip(vrs, values, strict=True):
                 self._set_one(self._names[vr], value)
 

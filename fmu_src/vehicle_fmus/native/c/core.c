@@ -550,7 +550,7 @@ static int end_initialisation(Instance *one) {
 /* Return whether there is a variable of this kind, and note if there is none. */
 static int is_of_kind(Instance *one, unsigned k, int kind) {
     if (k < VARIABLES && variables[k].kind == kind) return 1;
-    fail(one, "value reference %u is no variable of this type", k);
+    fail(one, "value reference %u is not a variable of this type", k);
     return 0;
 }
 
