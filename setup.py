@@ -60,7 +60,7 @@ CALLED_FROM_PYTHON = re.compile(r"^static (?=[^;{=\n]*\b__pyx_p[wf]_)", re.MULTI
 # less time, and compiling 1 s more. The attribute resets the flags above, so it names them again.
 INNERMOST = re.compile(
     r"^static (?=[^;{=\n]*\b__pyx_f_\w+_"
-    r"(?:\d+(?:Columns|Inverses|Iteration|Balance|Bends|Laws|Modes)_|(?:multiply|resist)\b))",
+    r"(?:\d+(?:Columns|Dense|Inverses|Iteration|Balance|Bends|Laws|Modes)_|(?:multiply|resist)\b))",
     re.MULTILINE,
 )
 # The loop over steps has two callers. Were it inlined there, as small as it is, the step itself would be

@@ -411,7 +411,7 @@ class Integrator(TimeLoop):
     @open_to_python
     def limited_time_at(self, e: int, t: float) -> float:
         """Return how long element e has been at its limit (a tyre off the road) up to t, s."""
-        late = self.dense.end - t if self.limited.now[e] else 0.0
+        late = self.dense.end - t if self._branch_of_step(e, CONTACT) else 0.0
         return self.limited.time[e] - late
 
     @open_to_python
@@ -422,10 +422,16 @@ class Integrator(TimeLoop):
     @open_to_python
     def yielding(self, e: int) -> bool:
         """Return whether element e, which can yield, did so in the last step."""
-        at = BRANCHES * e + SPRING
-        if self.state.in_step:
-            return self.net.elements.branch[at] != ELASTIC
-        return self.net.branches.kept_branch[at] != ELASTIC
+        return self._branch_of_step(e, SPRING) != ELASTIC
+
+    def _branch_of_step(self, e: int, kind: int) -> int:
+        """Return a branch of element e in the last step."""
+        at = BRANCHES * e + kind
+        return (
+            self.net.elements.branch[at]
+            if self.state.in_step
+            else self.net.branches.kept_branch[at]
+        )
 
     @open_to_python
     def stable_step(self) -> float:

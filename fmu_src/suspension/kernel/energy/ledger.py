@@ -52,6 +52,7 @@ class Ledger:
         self.curved = memory.marks(elements)
         self.dissipating, self.element = 0, memory.marks(elements)  # how many dissipate, and which
         self.needs = memory.marks(most)  # of each row: nothing, `_SUMS` or `_AT_POINTS`
+        self.rows, self.row = 0, memory.marks(most)  # how many rows need either, and which
         self.moving = False  # whether any signal changes within the step
         self.loaded = False  # whether any load is not zero throughout the present segments
         self.readings = StepReadings(rows, dense)
@@ -90,6 +91,11 @@ class Ledger:
                 self.needs[r] = _AT_POINTS if self.curved[e] else max(self.needs[r], _SUMS)
                 self.element[self.dissipating] = e
                 self.dissipating += 1
+        self.rows = 0
+        for r in range(self.elements.rows):
+            if self.needs[r]:
+                self.row[self.rows] = r
+                self.rows += 1
         self.loaded = False
         for m in range(self.net.loads):
             s = self.net.load_signal[m]
@@ -118,11 +124,16 @@ class Ledger:
 
     def _book_parts(self, h: float, moving: bool) -> None:
         """Add the works of elements, roads and loads one by one, with the signals read before."""
-        for r in range(self.elements.rows):
-            if moving or self.needs[r] == _AT_POINTS:
-                self.readings.read_row(r, h, moving)
-            elif self.needs[r] == _SUMS:
-                self.readings.sum_row(r, h)
+        if moving:
+            for r in range(self.elements.rows):
+                self.readings.read_row(r, h, True)
+        else:
+            for k in range(self.rows):
+                r = self.row[k]
+                if self.needs[r] == _AT_POINTS:
+                    self.readings.read_row(r, h, False)
+                else:
+                    self.readings.sum_row(r, h)
         for k in range(self.dissipating):
             self._book_element(self.element[k], h)
         if moving:

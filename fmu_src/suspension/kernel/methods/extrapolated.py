@@ -49,7 +49,7 @@ class Extrapolated(Method):
         self.most_error = _EXCESS
         self.least_damping = _LEAST_DAMPING[self.order]
         sequence = SEQUENCES[self.order]
-        self.columns = Columns(self.balance, sequence, instants_of(sequence)[1])
+        self.columns = Columns(self.motion, self.balance, sequence, instants_of(sequence)[1])
 
     @staticmethod
     def order_of(system: System, step: float, tolerance: float, order: int) -> int:
@@ -79,14 +79,12 @@ class Extrapolated(Method):
         self.balance.prepare(t, h)
         if self.balance.bends.count:
             self.columns.iteration.enough = self.errors.negligible(h)
-        status = self.columns.attempt(h, self.motion.q, self.motion.v, self.motion.a, self.motion.j)
+        status = self.columns.attempt(h, self.motion.a)
         if status != 0:
             return status
-        if self.columns.extrapolate(self.motion.qb, self.motion.vb) != 0:
+        if self.columns.extrapolate() != 0:
             return DIVERGED
-        self.balance.end(
-            t + h, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb, True
-        )
+        self.balance.end(t + h, True)
         self.errors.find_jerks(h)
         if self.errors.controlled:
             self._find_error(h)

@@ -111,7 +111,7 @@ class Method:
     @inline
     def end(self, t: float) -> None:
         """Find acceleration and jerk at the end of the attempt, t, which is read with the jerks there."""
-        self.balance.end(t, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb, False)
+        self.balance.end(t, False)
         self.errors.keep_jerks()
 
     @of_python

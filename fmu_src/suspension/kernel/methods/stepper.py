@@ -39,7 +39,7 @@ class Stepper:
             )
         self.net, self.n = network, n
         self.motion = Motion(network)
-        self.balance = Balance(network, method.instants(order, theta))
+        self.balance = Balance(self.motion, method.instants(order, theta))
         self.modes = Modes(self.balance)
         self.errors = Errors(self.motion, self.balance, self.modes, tolerance)
         self.rows = Rows(self.motion, self.balance, self.errors)
@@ -51,7 +51,7 @@ class Stepper:
         """Update tangents, acceleration, jerk and fastest mode after a change of branch or state."""
         self.balance.enter()
         self.method.enter()
-        self.balance.begin(t, self.motion.q, self.motion.v, self.motion.a, self.motion.j)
+        self.balance.begin(t)
         if self.net.branches.stuck:
             self.motion.keep_multipliers()
         self.modes.follow()

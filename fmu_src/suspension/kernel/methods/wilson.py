@@ -15,7 +15,7 @@ class Wilson(Method):
 
     def __init__(self, *given: Any) -> None:
         Method.__init__(self, *given)
-        self.columns = Columns(self.balance, (1,), [0])
+        self.columns = Columns(self.motion, self.balance, (1,), [0])
         self.start_a = self.net.memory.zeros(self.n)
 
     @staticmethod
@@ -37,9 +37,7 @@ class Wilson(Method):
         for i in range(n):
             self.start_a[i] = self.motion.a[i] + self.motion.drift[i]
         self.columns.iteration.enough = 0.0
-        status = self.columns.attempt(
-            self.theta * h, self.motion.q, self.motion.v, self.start_a, self.motion.j
-        )
+        status = self.columns.attempt(self.theta * h, self.start_a)
         if status != 0:
             return status
         for i in range(n):

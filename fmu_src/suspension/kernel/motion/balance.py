@@ -14,8 +14,8 @@ from collections.abc import Sequence
 
 from ..language import Doubles, inline
 from ..linear import solve
-from ..network.network import Network
 from .bends import Bends
+from .motion import Motion
 from .straight import Straight
 
 # sizes of the C arrays here, and in what steps with it
@@ -27,14 +27,15 @@ class Balance:
 
     Parameters
     ----------
-    network : network of the system
+    motion : the motion in a system, at whose ends it is evaluated
     fractions : instants at which a step needs the loads, as fractions of it, ascending; the last is
         the end of the step (or the theta of Wilson's method)
     """
 
-    def __init__(self, network: Network, fractions: Sequence[float]) -> None:
-        n, rows = network.n, max(network.elements.rows, 1)
-        self.net, self.n = network, n
+    def __init__(self, motion: Motion, fractions: Sequence[float]) -> None:
+        self.motion, self.net = motion, motion.net
+        self.n = n = self.net.n
+        rows = max(self.net.elements.rows, 1)
         self.elements, self.branches = self.net.elements, self.net.branches
         self.signals = self.net.signals
         memory = self.net.memory
@@ -51,7 +52,7 @@ class Balance:
         # loads at all instants of a step, and at one more within it
         self.loads = memory.zeros(n * (self.instants + 1))
         self.loads_hold = False  # whether the loads of the present branches are constant and known
-        self.straight = Straight(network)
+        self.straight = Straight(self.net)
         self.bends = Bends(self.straight)
         # elevation and rate of the road under each curved row
         self.under = memory.zeros(2 * rows * (self.instants + 1))
@@ -121,28 +122,28 @@ class Balance:
 
     # -- accelerations -----------------------------------------------------------------------------
 
-    def begin(self, t: float, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> None:
-        """Find acceleration and jerk at the start of a step, t, and the loads if they are constant."""
+    def begin(self, t: float) -> None:
+        """Find acceleration and jerk now, at the start of a step, and the loads if they are constant."""
         self.signals.all_signals(t)
         if self.branches.stuck:
-            self._solve_rows(q, v, a, j)
+            self._solve_rows(self.motion.q, self.motion.v, self.motion.a, self.motion.j)
             return
         self._find_loads(self.instants - 1, True)
         if self.signals.still():
             for k in range(self.instants - 1):
                 self._repeat(self.instants - 1, k)
             self.loads_hold = True
-        self._solve(q, v, a, j)
+        self._solve(self.motion.q, self.motion.v, self.motion.a, self.motion.j)
 
-    def end(self, t: float, q: Doubles, v: Doubles, a: Doubles, j: Doubles, prepared: bool) -> None:
-        """Find acceleration and jerk at the end of a step, t, whose loads may have been `prepared`.
+    def end(self, t: float, prepared: bool) -> None:
+        """Find acceleration and jerk at the end of an attempt, t, whose loads may have been `prepared`.
 
         Rows that stick are first set to rest.
         """
         if self.branches.stuck:
             self.signals.all_signals(t)
-            self.net.sticking.rest(self.net.mass_factor, v)
-            self._solve_rows(q, v, a, j)
+            self.net.sticking.rest(self.net.mass_factor, self.motion.vb)
+            self._solve_rows(self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
             return
         if self.loads_hold:
             if self.bends.count:
@@ -150,7 +151,7 @@ class Balance:
         elif not prepared:
             self.signals.all_signals(t)
             self._find_loads(self.instants - 1, True)
-        self._solve(q, v, a, j)
+        self._solve(self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
 
     def accelerations(self, t: float, q: Doubles, v: Doubles, a: Doubles) -> None:
         """Find the accelerations of any state within a step, at time t."""

@@ -46,12 +46,31 @@ class Dense:
         self.terms = memory.zeros(_SEPTIC * n)
         self.known = False  # whether the terms have been found for the present ends
 
+    def move_on(self, t: float) -> None:
+        """Become the attempt, which ends at t; its end becomes the present motion."""
+        # with a constant in place of n the compiler unrolls the loops
+        if self.n == 2:
+            self._move_on(2, t)
+        else:
+            self._move_on(self.n, t)
+
     @inline
-    def take_attempt(self, start: float, end: float, jerk: Doubles, end_jerk: Doubles) -> None:
-        """Become the attempt from `start` to `end`, read with the given jerks at its ends."""
+    def _move_on(self, n: int, t: float) -> None:
+        self._take(n, self.motion.state.time, t, self.motion.jerk, self.motion.end_jerk)
+        for i in range(n):
+            self.motion.q[i], self.motion.v[i] = self.motion.qb[i], self.motion.vb[i]
+            self.motion.a[i], self.motion.j[i] = self.motion.ab[i], self.motion.jb[i]
+            self.motion.drift[i] = self.motion.drift_end[i]
+
+    def take_attempt(self, start: float, end: float) -> None:
+        """Become the attempt from `start` to `end`, read with the jerks at its ends."""
+        self._take(self.n, start, end, self.motion.j, self.motion.jb)
+
+    @inline
+    def _take(self, n: int, start: float, end: float, jerk: Doubles, end_jerk: Doubles) -> None:
         q, v, a = self.motion.q, self.motion.v, self.motion.a
         qb, vb, ab = self.motion.qb, self.motion.vb, self.motion.ab
-        for i in range(self.n):
+        for i in range(n):
             self.qa[i], self.va[i], self.aa[i], self.ja[i] = q[i], v[i], a[i], jerk[i]
             self.qb[i], self.vb[i], self.ab[i], self.jb[i] = qb[i], vb[i], ab[i], end_jerk[i]
         self.start, self.end = start, end

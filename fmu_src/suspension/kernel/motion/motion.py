@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import fabs
 
-from ..language import Doubles, inline
+from ..language import Doubles
 from ..layout import UNBOUNDED
 from ..network.network import Network
 
@@ -50,14 +50,6 @@ class Motion:
         self.state.reach = self.state.speed = 0.0
         for i in range(self.n):
             self.origin[i] = self.q[i]
-
-    @inline
-    def move_on(self) -> None:
-        """Let the end of the attempt be now."""
-        for i in range(self.n):
-            self.q[i], self.v[i] = self.qb[i], self.vb[i]
-            self.a[i], self.j[i] = self.ab[i], self.jb[i]
-            self.drift[i] = self.drift_end[i]
 
     def reach_at(self, q: Doubles) -> float:
         """Return the largest motion so far, including that at displacements q, m."""

@@ -37,10 +37,11 @@ class Rows:
         known = self.start_known and not (self.own_jerks or self.errors.own_jerks)
         self.own_jerks = self.errors.own_jerks
         self.continues = self.continues and known
-        for r in range(self.elements.rows):
-            if not known:
-                self._read_row(r, 0)
-            self._read_row(r, 1)
+        # with a constant in place of n the compiler unrolls the loops
+        if self.elements.n == 2:
+            self._sum_rows(2, known)
+        else:
+            self._sum_rows(self.elements.n, known)
         self.start_known = self.end_known = True
 
     def read_end(self, r: int, t: float) -> None:
@@ -48,7 +49,7 @@ class Rows:
         self.end_known = False
         if not self.balance.loads_hold:
             self._read_road_end(t)
-        self._read_row(r, 1)
+        self._sum_row(self.elements.n, r, 1)
 
     def carry_on(self) -> None:
         """After the attempt was accepted, take its end as the start of the next one."""
@@ -83,16 +84,16 @@ class Rows:
             for k in range(4):
                 self.road[8 * s + 4 * end + k] = self.signals.road[4 * s + k]
 
-    def _read_row(self, r: int, end: int) -> None:
-        """Find the deflection of row r and three derivatives at the start or end of the attempt."""
-        # with a constant in place of n the compiler unrolls the loop
-        if self.elements.n == 2:
-            self._sum_row(2, r, end)
-        else:
-            self._sum_row(self.elements.n, r, end)
+    @inline
+    def _sum_rows(self, n: int, known: bool) -> None:
+        for r in range(self.elements.rows):
+            if not known:
+                self._sum_row(n, r, 0)
+            self._sum_row(n, r, 1)
 
     @inline
     def _sum_row(self, n: int, r: int, end: int) -> None:
+        """Find the deflection of row r and three derivatives at the start or end of the attempt."""
         if end:
             q, v, a, j = self.motion.qb, self.motion.vb, self.motion.ab, self.motion.end_jerk
         else:

@@ -236,7 +236,6 @@ class TimeLoop:
         """Discard all earlier branches and steps, but not the motion and the works of elements."""
         self.pace.since_pause = 0
         self.state.stand_still(time, reach)
-        self.limited.start()
         self.motion.forget()
         self.net.forget()
         self.net.enter_segments(time)
@@ -285,6 +284,7 @@ class TimeLoop:
         self.switches.enter_branches()
         if self.stepper.balance.bends.joined:
             self.knots.enter_branches()
+        self.limited.enter()
         if self.energy:
             self.ledger.enter()
         self.state.entered = True
@@ -562,8 +562,7 @@ class TimeLoop:
             self.ledger.read_rows(self.state.time, h)
         if self.stepper.errors.controlled:
             self.state.speed = self.motion.speed_in(h)
-        self.dense.take_attempt(self.state.time, t, self.motion.jerk, self.motion.end_jerk)
-        self.motion.move_on()
+        self.dense.move_on(t)
         self.state.reach = self.motion.reach_at(self.motion.q)
         self.limited.add_step(h)
         # an element that has just switched stays marked while others switch at the same time

@@ -31,6 +31,7 @@ from math import isfinite
 
 from ..language import Doubles, inline, of_python
 from ..motion.balance import Balance, multiply, resist
+from ..motion.motion import Motion
 from ..outcomes import NOT_POSITIVE
 from .inverses import Inverses
 from .iteration import Iteration
@@ -70,15 +71,20 @@ class Columns:
 
     Parameters
     ----------
+    motion : the motion from whose present state they are taken
     balance : equation of motion of the branches
     sequence : substeps in each column of the extrapolation, one to four columns, ascending
     fraction_index : index of the loads at the end of each substep, 5 for each column
     """
 
     def __init__(
-        self, balance: Balance, sequence: tuple[int, ...], fraction_index: Sequence[int]
+        self,
+        motion: Motion,
+        balance: Balance,
+        sequence: tuple[int, ...],
+        fraction_index: Sequence[int],
     ) -> None:
-        self.balance = balance
+        self.motion, self.balance = motion, balance
         self.n, self.columns = self.balance.n, len(sequence)
         self.elements, self.branches = self.balance.elements, self.balance.branches
         memory = self.balance.net.memory
@@ -94,8 +100,8 @@ class Columns:
         self.f = [0.0] * 32
         self.error_q, self.error_v = [0.0] * 32, [0.0] * 32
 
-    def attempt(self, h: float, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> int:
-        """Take a macro step h from a state: find the end of each column.
+    def attempt(self, h: float, a: Doubles) -> int:
+        """Take a macro step h, which begins with the accelerations a: find the end of each column.
 
         Returns
         -------
@@ -105,29 +111,32 @@ class Columns:
             return NOT_POSITIVE
         n = self.n
         if self.balance.bends.count:
-            self._begin_rows(a, j)
+            self._begin_rows(a)
         # with constants as arguments the compiler unrolls loops and drops branches
         if self.balance.bends.count or self.branches.stuck:
             if n == 2:
-                return self._advance(2, True, q, v, a)
-            return self._advance(4, True, q, v, a) if n == 4 else self._advance(n, True, q, v, a)
+                return self._advance(2, self.columns, True, a)
+            if n == 4:
+                return self._advance(4, self.columns, True, a)
+            return self._advance(n, self.columns, True, a)
+        if n == 2 and self.columns == 1:
+            return self._advance(2, 1, False, a)
         if n == 2:
-            return self._advance(2, False, q, v, a)
+            return self._advance(2, self.columns, False, a)
         if n == 1:
-            return self._advance(1, False, q, v, a)
+            return self._advance(1, self.columns, False, a)
         if n == 4:
-            return self._advance(4, False, q, v, a)
-        return self._advance(n, False, q, v, a)
+            return self._advance(4, self.columns, False, a)
+        return self._advance(n, self.columns, False, a)
 
     @inline
-    def _advance(self, n: int, rows: bool, q: Doubles, v: Doubles, a: Doubles) -> int:
+    def _advance(self, n: int, columns: int, rows: bool, a: Doubles) -> int:
         """Step all columns over the whole macro step; the shorter ones finish first."""
         first = 0
-        columns = self.columns
         for c in range(columns):
             for i in range(n):
-                self.q[n * c + i] = q[i]
-                self.v[n * c + i] = v[i]
+                self.q[n * c + i] = self.motion.q[i]
+                self.v[n * c + i] = self.motion.v[i]
                 self.a[n * c + i] = a[i]
         for k in range(self.inverses.substeps[columns - 1]):
             while k == self.inverses.substeps[first]:
@@ -205,33 +214,35 @@ class Columns:
         self.iteration.keep(bends, c, k)
         return 0
 
-    def _begin_rows(self, a: Doubles, j: Doubles) -> None:
+    def _begin_rows(self, a: Doubles) -> None:
         """Let the accelerations of curved rows begin as those of the step's start, with its jerk."""
         for p in range(self.balance.bends.count):
             r = self.balance.bends.row[p]
             x = self.elements.along(r, a)
-            self.iteration.begin(p, x, self.elements.along(r, j))
+            self.iteration.begin(p, x, self.elements.along(r, self.motion.j))
 
     # -- the end -----------------------------------------------------------------------------------
 
-    def extrapolate(self, q: Doubles, v: Doubles) -> int:
-        """Find the end of the macro step: that of the last column plus small corrections.
+    def extrapolate(self) -> int:
+        """Find the end of the motion's attempt: that of the last column plus small corrections.
 
         `error_q` and `error_v` become the differences of the last two columns of the table. Return 1 if
         the end is not finite.
         """
+        if self.columns == 1:
+            return self._extrapolate(2, 1) if self.n == 2 else self._extrapolate(self.n, 1)
         if self.n == 2:
-            return self._extrapolate(2, q, v)
+            return self._extrapolate(2, self.columns)
         if self.n == 4:
-            return self._extrapolate(4, q, v)
-        return self._extrapolate(self.n, q, v)
+            return self._extrapolate(4, self.columns)
+        return self._extrapolate(self.n, self.columns)
 
     @inline
-    def _extrapolate(self, n: int, q: Doubles, v: Doubles) -> int:
-        last = n * (self.columns - 1)
+    def _extrapolate(self, n: int, columns: int) -> int:
+        last = n * (columns - 1)
         for i in range(n):
             end_q = end_v = error_q = error_v = 0.0
-            for c in range(self.columns - 1):
+            for c in range(columns - 1):
                 x = self.q[n * c + i] - self.q[last + i]
                 end_q += self.weight[c] * x
                 error_q += self.check[c] * x
@@ -239,7 +250,9 @@ class Columns:
                 end_v += self.weight[c] * y
                 error_v += self.check[c] * y
             self.error_q[i], self.error_v[i] = error_q, error_v
-            q[i], v[i] = end_q + self.q[last + i], end_v + self.v[last + i]
-            if not (isfinite(q[i]) and isfinite(v[i])):
+            end_q += self.q[last + i]
+            end_v += self.v[last + i]
+            if not (isfinite(end_q) and isfinite(end_v)):
                 return 1
+            self.motion.qb[i], self.motion.vb[i] = end_q, end_v
         return 0

@@ -97,4 +97,4 @@ class Landing:
 
     def _keep_attempt(self, h: float) -> None:
         time = self.motion.state.time
-        self.whole.take_attempt(time, time + h, self.motion.j, self.motion.jb)
+        self.whole.take_attempt(time, time + h)

@@ -14,19 +14,18 @@ class Limited:
     def __init__(self, network: Network, elements: Sequence[int]) -> None:
         self.elements = network.elements
         self.element, self.count = network.memory.integers(elements), len(elements)
-        kept = network.state.memory
-        # of every element: whether it was at its limit in the last step, and the time spent there, s
-        self.now, self.time = kept.marks(self.elements.count), kept.zeros(self.elements.count)
+        self.time = network.state.memory.zeros(self.elements.count)  # of every element, s
+        self.present = 0  # how many are at their limit
 
-    def start(self) -> None:
-        """No element is at its limit before the first step."""
-        for e in range(self.elements.count):
-            self.now[e] = 0
+    def enter(self) -> None:
+        """Count the elements at their limit in the present branches."""
+        self.present = 0
+        for k in range(self.count):
+            self.present += self.elements.branch[BRANCHES * self.element[k] + CONTACT]
 
     def add_step(self, h: float) -> None:
         """Add a step, in the present branches."""
-        for k in range(self.count):
+        for k in range(self.count if self.present else 0):
             e = self.element[k]
-            self.now[e] = self.elements.branch[BRANCHES * e + CONTACT]
-            if self.now[e]:
+            if self.elements.branch[BRANCHES * e + CONTACT]:
                 self.time[e] += h

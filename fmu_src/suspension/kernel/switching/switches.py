@@ -35,6 +35,8 @@ class Switches:
         self.watched = 0
         self.watched_element, self.watched_kind = memory.marks(most), memory.marks(most)
         self.low, self.high = memory.zeros(most), memory.zeros(most)
+        # the place of each in `row`, and whether straight forces or the row alone give it
+        self.place, self.direct = memory.marks(most), memory.marks(most)
         # the longest step for which the coefficients that an end of the attempt sets are within these
         # bounds, as far as is known, s
         self.far_start, self.far_end = memory.zeros(most), memory.zeros(most)
@@ -65,6 +67,9 @@ class Switches:
                 k = self.watched
                 self.watched_element[k], self.watched_kind[k] = e, kind
                 self.low[k], self.high[k] = low, high
+                self.place[k] = 8 * self.elements.row_of[e] + (1 if kind == DAMPER else 0)
+                curved = kind == CONTACT and self.straight.curved[e]
+                self.direct[k] = not (kind == FRICTION or curved)
                 self.watched += 1
 
     def first(self, t: float, h: float) -> float:
@@ -94,9 +99,7 @@ class Switches:
         Each end sets half of them. If the step continues the last one, those of its start have already
         been compared.
         """
-        if kind == FRICTION or (
-            kind == CONTACT and (self.straight.curved[e] or self._is_slaved(e, h))
-        ):
+        if not self.direct[k] or (kind == CONTACT and self._is_slaved(e, h)):
             return False
         if not self._is_far(k, e, kind, 4, h):
             return False
@@ -107,12 +110,11 @@ class Switches:
 
     def _is_far(self, k: int, e: int, kind: int, end: int, h: float) -> bool:
         """Return whether the coefficients that one end sets (0: the start, 4) are within the bounds."""
-        at = 8 * self.elements.row_of[e] + end
+        at = self.place[k] + end
         if kind == CONTACT:
             self._contact_force(e, at)
             x, dx, ddx = self.elements.force0, self.elements.force1, self.elements.force2
         else:
-            at += 1 if kind == DAMPER else 0
             x, dx, ddx = self.row[at], self.row[at + 1], self.row[at + 2]
         if kind in (CONTACT, DAMPER):  # a quintic; otherwise a septic
             reach = 0.4 * h * fabs(dx) + 0.05 * h * h * fabs(ddx)
@@ -124,8 +126,7 @@ class Switches:
     def carry_on(self) -> None:
         """After the attempt was accepted, take its end as the start of the next one."""
         self.rows.carry_on()
-        for k in range(self.watched):
-            self.far_start[k] = self.far_end[k]
+        self.far_start, self.far_end = self.far_end, self.far_start
 
     def polynomial(self, e: int, kind: int, h: float) -> int:
         """Set the polynomial of a watched quantity over the attempt; return its degree."""
