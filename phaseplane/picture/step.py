@@ -18,6 +18,7 @@ from .text import LETTER_OF_EVENT, number
 
 MOST_LETTERED = 24  # events that are lettered; more of them are small dots
 _SHARED = 3.0  # em: events of a kind that are nearer to each other share a letter
+_TOGETHER, _MOST_TOGETHER = 1.5, 4  # em: points about a point, and how many of them are lettered
 _RECEDING = 0.45  # opacity of what earlier stages drew
 
 
@@ -50,7 +51,8 @@ def draw_step(
 def write_letters(page: Page, frame: Frame, marks: Sequence[Mark] | None = None) -> None:
     """Write the letters of marks, at the rim if they are out of view.
 
-    By default they are those of the step itself, and the origins.
+    By default they are those of the step itself, and the origins. Of many points that lie together, as in
+    a plane at rest, only the state point has its letter.
     """
     named: list[Named] = []
     far: list[Named] = []
@@ -65,10 +67,14 @@ def write_letters(page: Page, frame: Frame, marks: Sequence[Mark] | None = None)
     of_step = page.drawing.schemes[frame.scheme].marks
     others = [frame.points[m.point] for m in of_step if m.label and is_main(m.point)]
     own = [at for at, *_ in named]
+    named += [at for at in origins if page.view.holds(at[0])]
+    points = np.array([z for z, *_ in named])
+    together = (abs(points[:, None] - points) < _TOGETHER * page.em).sum(axis=1)
     page.letter(
-        named + [at for at in origins if page.view.holds(at[0])],
+        [at for at, near in zip(named, together, strict=True)
+         if near <= _MOST_TOGETHER or at[2] == "state"],
         others=[z for z in others if z not in own],
-    )
+    )  # fmt: skip
     for z, text, role in far:
         _at_the_rim(page, z, text, role)
 

@@ -25,6 +25,7 @@ from phaseplane.picture.frames import table
 from phaseplane.picture.page import PLATE, Arrow, Lines
 from phaseplane.picture.paper import Box, arcs, around, segments_of, telling_vertices
 from phaseplane.picture.quantities import display_unit
+from phaseplane.picture.step import write_letters
 from phaseplane.picture.story import arms_page, story_of
 from phaseplane.picture.views import gathered
 from phaseplane.recording import Content
@@ -220,3 +221,15 @@ def test_only_turn_angles_are_on_their_arm_which_fills_its_view() -> None:
     ends = [z for page in drawn for lines in page.of(Lines) for s in lines.strips for z in s]
     assert len(ends) > 20
     assert all(around_arm.holds(complex(z)) for z in ends)
+
+
+@pytest.mark.slow
+def test_a_plane_at_rest_is_lettered_at_its_state_point_only() -> None:
+    drawn = construct_motion(ap57(), delta, step=0.0025, duration=0.025)
+    lettered = []
+    for frame in (drawn.frames[0], drawn.frames[8]):
+        page = step_page(drawn, frame, PLAIN)
+        write_letters(page, frame)
+        lettered.append({text.text for text in page.texts if text.kind == "letter"})
+    assert lettered[0] & {"P₁", "P₂", "Q₁", "Q₂", "A₁", "A₂", "O₁", "O₂"} == {"P₁", "P₂"}
+    assert lettered[1] >= {"P₁", "P₂", "Q₁", "Q₂", "A₁", "A₂", "O₁", "O₂"}
