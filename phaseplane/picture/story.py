@@ -46,11 +46,8 @@ _WHOLE: tuple[Part, ...] = ("step", "repeated")
 _EMPTY = "The empty sheet: axes and auxiliary curves"
 _MOST_DRIFT = 0.5  # root mean square over the motion, in parts of that of the state
 _LEFT = "**The construction has left the run.** Choose a shorter step."
-_HELP = (
-    "**How to use this view.** Space plays and pauses, the arrow keys go one tick back or forward. "
-    "The timeline *stage* shows how a few steps are drawn, *step* and *t* go through all of them. Drag "
-    "to move the sheet, turn the mouse wheel to zoom, double-click to reset the view. Ctrl and + makes "
-    "all type larger, as for a projector."
+_HELP = text.HELP.format(
+    " The timeline *stage* shows how a few steps are drawn, *step* and *t* go through all of them."
 )
 
 

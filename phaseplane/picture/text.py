@@ -31,6 +31,12 @@ _EVENTS = {
 _ROW, _MOST_ROWS = 68, 20
 _NOTHING = 1e-12  # a smaller reading is one of rounding
 _DIFFERS = 0.1  # of the largest displacement of a body: a difference of its control that is told
+HELP = (
+    "**How to use this view.** Space plays and pauses, the arrow keys go one tick back or forward.{} "
+    "Drag to move the sheet, turn the mouse wheel to zoom, double-click to reset the view. Ctrl and + "
+    "makes all type larger, as for a projector."
+)
+"""How to use the viewer, with room for a sentence on timelines."""
 LETTER_OF_EVENT = {"lift_off": "U", "touchdown": "V", "jolt": "J", "sticking": "F"}
 _MARKS = {
     "lift_off": "lift-off", "jolt": "jump of the road", "sticking": "dry friction begins to hold"
@@ -195,6 +201,17 @@ def end_text(drawing: Drawing, quantities: Mapping[str, Quantity | None], run: f
     told = f"**The construction ends** at t = {end:.5f} s{more}."
     read = readings_table((drawing.end or last).readings, quantities, is_laid_over(drawing))
     return "\n\n".join(filter(None, (told, read, control_text(drawing, quantities))))
+
+
+def motion_text(*, planes: bool, vehicle: bool, plots: bool) -> str:
+    """Return what is seen of a motion without the description of its steps, in Markdown."""
+    seen = [
+        "The axes of a phase plane are a displacement and its rate; the disc is the present state, and "
+        "the curve the motion up to it." * planes,
+        "The side view is to scale and travels with the vehicle." * vehicle,
+        "The line across plots stands at the present time." * plots,
+    ]
+    return "\n\n".join([" ".join(filter(None, seen)), HELP.format("")])
 
 
 def control_text(drawing: Drawing, quantities: Mapping[str, Quantity | None]) -> str:

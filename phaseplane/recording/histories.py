@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import rerun as rr
 
+from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture.frames import read_over
 from phaseplane.picture.paper import Reals
-from phaseplane.picture.quantities import QUANTITIES, RADIANS, Quantity, quantity_of
+from phaseplane.picture.quantities import (
+    QUANTITIES,
+    RADIANS,
+    Quantity,
+    display_unit,
+    quantity_of,
+)
 from phaseplane.picture.styles import hue_of, strength_of, weight_of
 from phaseplane.picture.subject import read_off
 from phaseplane.picture.text import in_words
@@ -61,10 +68,11 @@ class Panel:
         return self.quantity.factor * content.column(name)
 
 
-def panels(content: Content) -> list[Panel]:
+def panels_of(content: Content) -> list[Panel]:
     """Return the columns by quantity: those of the table first, then other units, then bare numbers.
 
-    Without a construction, those of more than `MOST_NAMED` columns are split by the part of the car.
+    Lengths are in the unit of the axes of a construction, or in one for the largest range. Without a
+    construction, those of more than `MOST_NAMED` columns are split by the part of the car.
     """
     drawing = content.drawing
     known = read_off(drawing) if drawing is not None else {}
@@ -89,16 +97,24 @@ def panels(content: Content) -> list[Panel]:
             "energies" if quantity.name == "energy" else "histories"
         ):
             found.setdefault(quantity, []).append(name)
+    shown = {quantity: names for quantity, names in found.items() if names}
+    if drawing is None:
+        parts = (part for of, names in shown.items() for part in _by_part(content, of, names))
+        return [Panel(quantity, tuple(names)) for quantity, names in parts]
     return [
-        Panel(of, tuple(several), tuple(name for name in several if name in known))
-        for quantity, names in found.items()
-        if names
-        for of, several in (_by_part(quantity, names) if drawing is None else [(quantity, names)])
+        Panel(quantity, tuple(names), tuple(name for name in names if name in known))
+        for quantity, names in shown.items()
     ]
 
 
-def _by_part(quantity: Quantity, names: list[str]) -> list[tuple[Quantity, list[str]]]:
+def _by_part(
+    content: Content, quantity: Quantity, names: list[str]
+) -> list[tuple[Quantity, list[str]]]:
     """Return columns of a quantity together, or many of them by the parts of several wheels."""
+    if quantity.si == "m" and len(content.times):
+        values = np.concatenate([[0.0], *map(content.column, names)])
+        unit, factor = display_unit("m", float(np.ptp(values[np.isfinite(values)])))
+        quantity = replace(quantity, unit=unit, factor=factor)
     parts: dict[str, list[str]] = {}
     for name in names:
         part = "_".join(word for word in name.split("_") if word not in _PLACES)
@@ -109,8 +125,8 @@ def _by_part(quantity: Quantity, names: list[str]) -> list[tuple[Quantity, list[
     return [(replace(quantity, name=part), several) for part, several in largest]
 
 
-def _curves(content: Content) -> Iterator[tuple[str, Reals]]:
-    for panel in panels(content) if len(content.times) else ():
+def _curves(panels: Sequence[Panel], content: Content) -> Iterator[tuple[str, Reals]]:
+    for panel in panels if len(content.times) else ():
         for name in panel.names:
             yield panel.entity(name), panel.values(content, name)
 
@@ -121,16 +137,20 @@ def _send(
     recording.send_columns(path, times, rr.Scalars.columns(scalars=values))
 
 
-def send_histories(recording: rr.RecordingStream, content: Content) -> None:
+def send_histories(
+    recording: rr.RecordingStream, panels: Sequence[Panel], content: Content
+) -> None:
     """Send curves over `t` as given."""
-    for path, values in _curves(content):
+    for path, values in _curves(panels, content):
         _send(recording, path, [seconds(content.times)], values)
 
 
-def send_at_ticks(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
+def send_at_ticks(
+    recording: rr.RecordingStream, panels: Sequence[Panel], content: Content, clock: Clock
+) -> None:
     """Send the curves of a whole run over `step` and `stage`, at their ticks."""
     steps = [clock.counts(np.arange(len(clock.steps)))]
-    for path, values in _curves(content):
+    for path, values in _curves(panels, content):
         for when, times in ((clock.times, steps), (clock.ticks, clock.story)):
             if len(when):
                 at = np.interp(when, content.times, values, left=np.nan, right=np.nan)
@@ -138,12 +158,12 @@ def send_at_ticks(recording: rr.RecordingStream, content: Content, clock: Clock)
 
 
 def send_readings(
-    recording: rr.RecordingStream, content: Content, clock: Clock, first: int, last: int
-) -> None:
+    recording: rr.RecordingStream, panels: Sequence[Panel], drawing: Drawing, clock: Clock,
+    first: int, last: int,
+) -> None:  # fmt: skip
     """Send what was read off the construction in a range of steps, as points on the curves."""
-    assert content.drawing is not None
-    for panel in panels(content):
-        _, read = read_over(content.drawing, panel.drawn, first, last)
+    for panel in panels:
+        _, read = read_over(drawing, panel.drawn, first, last)
         times = clock.columns(first + np.arange(len(read)))
         for name, values in zip(panel.drawn, panel.quantity.factor * read.T, strict=True):
             _send(recording, panel.points(name), times, values)

@@ -17,7 +17,7 @@ from phaseplane.picture.text import in_words, number
 
 from .canvas import PARTS, legible
 from .content import Content
-from .histories import MOST_NAMED, Panel, panels
+from .histories import MOST_NAMED, Panel
 from .lanes import LANES, SHEET_SHARE, lanes_share
 from .motion import state_planes
 from .recorder import MOST_ROWS, Recorder
@@ -27,6 +27,7 @@ from .steps import ARMS, CHART, SHEET, WORDS
 _STAGES_PER_SECOND = 1.0
 _LONGEST = 60.0  # s that the viewer takes to play the motion
 _LIVE = 1.0  # s of a live run that are drawn in full
+_NOTE = 0.4  # height of a note, relative to what is below it
 _ROUNDING = 1e-6  # of the range of a plot: an end that is as good as zero
 
 Part = tuple[float, rrb.View | rrb.Container]
@@ -57,14 +58,17 @@ def blueprint(recorder: Recorder) -> rrb.Blueprint:
         beside.append(_view(ARMS, "turn angles", recorder.arms_page.view))
     if beside:
         right.append((1.9, rrb.Horizontal(*beside)))
-    plots: list[rrb.View] = [_plot(panel, content) for panel in panels(content)]
+    plots: list[rrb.View] = [_plot(panel, content) for panel in recorder.panels]
     if recorder.chart is not None:
         plots.insert(0, _view(CHART, "over time", recorder.chart.stays.view))
     if plots and (recorder.words or beside):
         right.append((2.6, rrb.Tabs(*plots)))
     elif plots:  # high enough for the names of four wheels
-        more = [rrb.Tabs(*plots[3:])] if plots[3:] else []
-        right.append((2.5, rrb.Vertical(*plots[:3], *more)))
+        more = [rrb.Tabs(*plots[2:])] if plots[2:] else []
+        right.append((2.5, rrb.Vertical(*plots[:2], *more)))
+    if recorder.note:  # a few lines, above what they are about
+        height = _NOTE * sum(share for share, _ in right)
+        right.insert(0, (height or 1.0, rrb.TextDocumentView(origin=WORDS, name="what is seen")))
     columns = [
         views[0] if len(views) == 1 else rrb.Vertical(*views, row_shares=list(shares))
         for shares, views in (zip(*parts, strict=True) for parts in (left, right) if parts)

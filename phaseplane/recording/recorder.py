@@ -18,15 +18,15 @@ from phaseplane.picture.quantities import Quantity
 from phaseplane.picture.step import event_pages, mark_events
 from phaseplane.picture.story import VERTICES, Tick, arms_page, story_of
 from phaseplane.picture.subject import joined, read_off
-from phaseplane.picture.text import control_text, end_text, step_text
+from phaseplane.picture.text import control_text, end_text, motion_text, step_text
 
 from .canvas import Viewer, legible, send
 from .clock import Clock, seconds
 from .content import Content
-from .histories import log_series, panels, send_at_ticks, send_histories, send_readings
+from .histories import log_series, panels_of, send_at_ticks, send_histories, send_readings
 from .lanes import send_lanes
 from .motion import pages_of, state_planes, thinned
-from .side_view import log_vehicle, send_vehicle
+from .side_view import log_vehicle, send_vehicle, vehicle_of
 from .steps import ARMS, CHART, SHEET, SLICE, WORDS, send_steps
 
 _PATIENCE = 60.0  # s; once its writer has failed, rerun may wait for it for ever
@@ -48,6 +48,7 @@ class Recorder:
         self.sheet, self.arms, self.over_time = (
             Viewer(recording, root) for root in (SHEET, ARMS, CHART)
         )
+        self.panels = panels_of(content)
         self.pages = pages_of(content)  # those that stay: the whole sheet, and one for each plane
         self.ticks: list[Tick] = []
         if content.detail == "stages" and self.arms_page is not None:
@@ -88,7 +89,7 @@ class Recorder:
     def chart(self) -> Chart | None:
         """The displacements, or else other readings, over the time of the construction."""
         content = self.content
-        drawn = [panel for panel in panels(content) if panel.drawn]
+        drawn = [panel for panel in self.panels if panel.drawn]
         if (
             content.constructed is None
             or content.live
@@ -107,6 +108,16 @@ class Recorder:
         """Whether steps are described."""
         content = self.content
         return content.drawing is not None and content.shows("words") and content.detail != "trail"
+
+    @property
+    def note(self) -> str:
+        """What is seen where no steps are described; empty if no words are wanted."""
+        if self.words or not self.content.shows("words"):
+            return ""
+        return motion_text(
+            planes=bool(self.pages), vehicle=vehicle_of(self.content) is not None,
+            plots=bool(self.panels),
+        )  # fmt: skip
 
     def all(self) -> None:
         """Log the whole content, and wait until it is written.
@@ -134,7 +145,10 @@ class Recorder:
         if self.chart is not None:
             self.over_time.begin(self.chart.stays)
         log_vehicle(self.recording, content)
-        for panel in panels(content):
+        if self.note:
+            words = rr.TextDocument(self.note, media_type=rr.MediaType.MARKDOWN)
+            self.recording.log(WORDS, words, static=True)
+        for panel in self.panels:
             log_series(self.recording, panel, content)
 
     def steps(self, first: int, last: int) -> None:
@@ -175,7 +189,7 @@ class Recorder:
             cursors = np.array([self.chart.cursor(t) for t in self.clock.times[start:end]])
             now = self.clock.columns(np.arange(start, end))
             self.over_time.line("cursor", "value", cursors, now)
-        send_readings(self.recording, self.content, self.clock, start, end)
+        send_readings(self.recording, self.panels, drawing, self.clock, start, end)
 
     def run(self, histories: dict[str, np.ndarray]) -> None:
         """Log the motion given by the columns of a run, or by some of their rows."""
@@ -184,7 +198,7 @@ class Recorder:
         if len(few.get("time", ())) > 1:
             self._send_run(few)
         send_vehicle(self.recording, part, self.clock)
-        send_histories(self.recording, part)
+        send_histories(self.recording, self.panels, part)
         send_lanes(self.recording, part, self.clock)
 
     def _send_run(self, histories: dict[str, np.ndarray]) -> None:
@@ -219,7 +233,7 @@ class Recorder:
 
     def story(self) -> None:
         """Log the story on the timeline `stage`, and the plots of a whole run at all ticks."""
-        send_at_ticks(self.recording, self.content, self.clock)
+        send_at_ticks(self.recording, self.panels, self.content, self.clock)
         if not self.ticks:
             return
         times = self.clock.story

@@ -234,7 +234,7 @@ def of_table(
         columns=columns,
         units=units,
         duration=float(columns["time"][-1]),
-        shown={"views": ("planes", "histories"), "planes": [plane] if plane else []},
+        shown={"views": ("planes", "histories", "words"), "planes": [plane] if plane else []},
     )
 
 

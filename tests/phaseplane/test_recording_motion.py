@@ -16,7 +16,7 @@ from phaseplane.picture.page import Arrow, Lines
 from phaseplane.picture.paper import Box, around
 from phaseplane.recording import VIEWS, AxleView, Content, Vehicle, record
 from phaseplane.recording.drawer import Begin, Drawer
-from phaseplane.recording.histories import panels
+from phaseplane.recording.histories import panels_of
 from phaseplane.recording.lanes import SHEET_SHARE, lanes_share
 from phaseplane.recording.motion import made_planes, pages_of
 from phaseplane.recording.side_view import view_box
@@ -395,10 +395,33 @@ def test_columns_of_any_unit_are_plotted(tmp_path: Path) -> None:
     assert any(name.startswith("[Pa]") for name in made.names.values())
 
 
+@pytest.mark.parametrize(("reach", "unit"), [(0.005, "mm"), (0.3, "cm"), (7.0, "m")])
+def test_lengths_of_a_run_are_plotted_in_a_unit_for_their_range(reach: float, unit: str) -> None:
+    columns = {
+        "time": TIME,
+        "body_displacement": reach * TIME / TIME[-1],
+        "road_elevation": 0 * TIME,
+    }
+    (panel,) = panels_of(Content("a run", histories=columns))
+    assert panel.quantity.unit == unit
+    live = Content("a run", histories=dict.fromkeys(columns, np.zeros(0)), live=True)
+    assert panels_of(live)[0].quantity.unit == "cm"  # the range is not known yet
+
+
+def test_what_is_seen_of_a_run_is_said_where_no_steps_are(tmp_path: Path) -> None:
+    pairs = (("body_displacement", "body_velocity"),)
+    made = read_back(Content("a run", histories=MOTION, pairs=pairs, vehicle=QUARTER), tmp_path)
+    (text,) = made.static["/words"]["TextDocument:text"]
+    assert all(words in text for words in ("phase plane", "side view", "plots", "Space plays"))
+    alone = read_back(Content("a run", histories={"time": TIME, "y": TIME}), tmp_path)
+    (text,) = alone.static["/words"]["TextDocument:text"]
+    assert not any(words in text for words in ("phase plane", "side view", "stage"))
+
+
 def test_plots_of_motions_come_before_those_of_forces_and_energies() -> None:
     units = {"kinetic": "J", "force": "N", "turn": "rad", "spin": "rad/s", "lift": "m"}
     shown = Content("any", histories=dict.fromkeys(("time", *units), TIME), units=units)
-    assert [panel.quantity.si for panel in panels(shown)] == ["m", "rad", "rad/s", "N", "J"]
+    assert [panel.quantity.si for panel in panels_of(shown)] == ["m", "rad", "rad/s", "N", "J"]
 
 
 def test_the_range_of_a_plot_ends_in_zero_if_only_rounding_goes_below(tmp_path: Path) -> None:

@@ -38,7 +38,7 @@ from phaseplane.picture.text import control_text, end_text, step_head, step_text
 from phaseplane.picture.views import frame_at, gathered, motion_points, telling_frame, view_of
 from phaseplane.recording import Content
 from phaseplane.recording.canvas import legible
-from phaseplane.recording.histories import panels
+from phaseplane.recording.histories import panels_of
 from phaseplane.recording.lanes import lanes_of
 from phaseplane.recording.layout import blueprint
 from phaseplane.recording.motion import pages_of, state_planes
@@ -174,7 +174,7 @@ def test_a_replay_has_a_chart_of_the_displacements_of_its_planes(name: str) -> N
     columns = readings(drawing)
     shown = Content(name, drawing, columns)
     of_planes = {plane.name for plane in drawing.planes}
-    drawn = [set(panel.drawn) for panel in panels(shown)]
+    drawn = [set(panel.drawn) for panel in panels_of(shown)]
     assert any(of_planes <= names for names in drawn)
     assert state_planes(shown) == []
 
