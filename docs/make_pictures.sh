@@ -6,7 +6,7 @@ phaseplane replay ap57 --figure ap57_phase_planes.png
 phaseplane replay ap57_figure13 --figure ap57_figure13.png --kind figure13
 phaseplane replay ap57_figure13 --figure ap57_figure4b.png --kind figure4b --step "7.5 ms"
 phaseplane portrait van_der_pol --figure van_der_pol.png
-python -c "from phaseplane.figures import *; save(characteristics_sheet(), 'characteristics.png')"
+python characteristics.py
 # smaller files: 256 colours do
 python - ap57_phase_planes.png ap57_figure13.png ap57_figure4b.png van_der_pol.png characteristics.png <<'END'
 import sys

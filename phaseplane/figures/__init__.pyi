@@ -1,6 +1,5 @@
 from .animation import animation as animation
 from .animation import storyboard as storyboard
-from .characteristics import characteristics_sheet as characteristics_sheet
 from .exercise import Filled as Filled
 from .exercise import exercise_sheet as exercise_sheet
 from .exercise import sheet_room as sheet_room

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from runpy import run_path
+
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from phaseplane.suspension import characteristics as law
 
-from phaseplane.figures import characteristics_sheet
+_DOCS = Path(__file__).parents[2] / "docs"
 
 
 @pytest.fixture(scope="module")
 def sheet() -> Figure:
-    return characteristics_sheet()
+    sheet: Figure = run_path(str(_DOCS / "characteristics.py"))["characteristics_sheet"]()
+    return sheet
 
 
 def panel(sheet: Figure, title: str) -> Axes:

@@ -1,8 +1,4 @@
-"""All kinds of characteristics in one figure, drawn from the laws that the integrator evaluates.
-
->>> from phaseplane.figures import characteristics_sheet, save
->>> save(characteristics_sheet(), "characteristics.png")  # doctest: +SKIP
-"""
+"""All kinds of characteristics in one picture, drawn from the laws that the integrator evaluates."""
 
 from __future__ import annotations
 
@@ -11,14 +7,13 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
-
-from phaseplane.picture.text import number
 from phaseplane.suspension import characteristics as law
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.systems import damper_family
 
-from .style import PLAIN, draw_zero, styled
+from phaseplane.figures.style import PLAIN, draw_zero, save, styled
+from phaseplane.picture.text import number
 
 _COLUMNS = 4
 
@@ -144,3 +139,7 @@ def _loops() -> Iterator[Panel]:
         run = simulate("Elastoplastic", frame, [0.002 * k for k in range(701)], names)
         x, force = (np.array(run[name]) for name in names)
         yield Panel(title, (Line("", x, force),))
+
+
+if __name__ == "__main__":
+    save(characteristics_sheet(), "characteristics.png")
