@@ -16,21 +16,20 @@ from matplotlib.ticker import MaxNLocator
 from phaseplane.picture.styles import BLUE, GREY, ORANGE, RED, SERIES
 from phaseplane.picture.text import bracketed
 
-from .style import PLAIN, Look, Palette, Printed, name_up, styled
+from .style import PLAIN, Printed, name_up, styled
 
 Values: TypeAlias = Sequence[float] | Sequence[str]
 Quantities = Mapping[str, tuple[str, Values]]
 Pair = tuple[npt.ArrayLike, npt.ArrayLike]
 _MOST = 6  # measures
 _LEVELS = 14
+_MAP = "viridis"
 _FAMILY = len(SERIES)  # curves that can still be distinguished
 _LONGEST = 36  # most characters of an entry in the legend
 
 
 @styled
-def sweep(
-    varied: Quantities, measured: Quantities, *, title: str = "", look: Look = PLAIN
-) -> Figure:
+def sweep(varied: Quantities, measured: Quantities, *, title: str = "") -> Figure:
     """Draw the measures of a sweep over the varied parameters.
 
     Curves over one number, a family of curves if other parameters take few values, maps over two
@@ -50,10 +49,10 @@ def sweep(
     shown = dict(list(measured.items())[:_MOST])
     abscissa = _abscissa(varied)
     if abscissa:
-        figure = _lines(abscissa, varied, shown, look)
+        figure = _lines(abscissa, varied, shown)
     else:
         numbers = {key: column for key, column in varied.items() if not _are_texts(column[1])}
-        figure = (_maps if len(numbers) == 2 else _matrix)(numbers, shown, look)
+        figure = (_maps if len(numbers) == 2 else _matrix)(numbers, shown)
     return figure.finished(title)
 
 
@@ -72,16 +71,17 @@ def _are_texts(values: Values) -> bool:
     return any(isinstance(value, str) for value in values)
 
 
-def _lines(abscissa: str, varied: Quantities, measured: Quantities, look: Look) -> Printed:
+def _lines(abscissa: str, varied: Quantities, measured: Quantities) -> Printed:
     """Draw a panel for each measure, with a curve for each combination of the other parameters."""
     unit, x = varied[abscissa]
     others = {key: column for key, column in varied.items() if key != abscissa}
     family = list(_family(others, len(x)))
-    palette, figure = look.palette, look.blank(7.5, 0.6 + 1.8 * len(measured))
-    styles = [palette.curve(k) for k in range(len(family))]
+    figure = PLAIN.blank(7.5, 0.6 + 1.8 * len(measured))
+    styles = [PLAIN.palette.curve(k) for k in range(len(family))]
     if len(family) > _FAMILY:  # colours of a continuous scale
-        scale = colormaps[_map_of(palette)]
-        styles = [{"color": scale(0.92 * k / (len(family) - 1))} for k in range(len(family))]
+        styles = [
+            {"color": colormaps[_MAP](0.92 * k / (len(family) - 1))} for k in range(len(family))
+        ]
     panels = figure.subplots(len(measured), 1, sharex=True, squeeze=False)[:, 0]
     texts = list(dict.fromkeys(x)) if _are_texts(x) else []
     places = np.array([texts.index(value) for value in x] if texts else x, float)
@@ -121,16 +121,12 @@ def _family(others: Quantities, runs: int) -> Iterator[tuple[str, npt.NDArray[np
         yield label, np.array([k for k, c in enumerate(combinations) if c == found])
 
 
-def _map_of(palette: Palette) -> str:
-    return "Greys_r" if palette.mono else "viridis"
-
-
-def _maps(varied: Quantities, measured: Quantities, look: Look) -> Printed:
+def _maps(varied: Quantities, measured: Quantities) -> Printed:
     """Draw a map with contours for each measure; only points if they are collinear."""
     (x_key, (x_unit, x)), (y_key, (y_unit, y)) = varied.items()
     columns = min(2, len(measured))
     rows = -(-len(measured) // columns)
-    palette, figure = look.palette, look.blank(0.6 + 4.6 * columns, 0.4 + 3.6 * rows)
+    palette, figure = PLAIN.palette, PLAIN.blank(0.6 + 4.6 * columns, 0.4 + 3.6 * rows)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, (name, (unit, z)) in zip(panels, measured.items(), strict=False):
         px, py, pz = (np.asarray(v, float) for v in (x, y, z))
@@ -141,14 +137,14 @@ def _maps(varied: Quantities, measured: Quantities, look: Look) -> Printed:
         elif len(np.unique(px)) > 1 and len(np.unique(py)) > 1 and len(pz) > 2:
             counts = unit == "count" and np.ptp(pz) < _LEVELS  # a band for each integer
             levels = np.arange(pz.min() - 0.5, pz.max() + 1.0) if counts else _LEVELS
-            filled = axes.tricontourf(px, py, pz, levels=levels, cmap=_map_of(palette))
+            filled = axes.tricontourf(px, py, pz, levels=levels, cmap=_MAP)
             axes.tricontour(
                 px, py, pz, levels=levels, colors=palette.paper, linewidths=0.4, linestyles="-"
             )
             ticks = np.arange(pz.min(), pz.max() + 0.5) if counts else None
             figure.colorbar(filled, ax=axes, ticks=ticks)
         else:
-            dots = axes.scatter(px, py, c=pz, cmap=_map_of(palette), clip_on=False, zorder=3)
+            dots = axes.scatter(px, py, c=pz, cmap=_MAP, clip_on=False, zorder=3)
             figure.colorbar(dots, ax=axes)
         axes.plot(px, py, ".", color=palette.ink, markersize=1.5, clip_on=False, zorder=4)
         axes.set_title(words)
@@ -159,14 +155,14 @@ def _maps(varied: Quantities, measured: Quantities, look: Look) -> Printed:
     return figure
 
 
-def _matrix(varied: Quantities, measured: Quantities, look: Look) -> Printed:
+def _matrix(varied: Quantities, measured: Quantities) -> Printed:
     rows, columns = len(measured), len(varied)
-    figure = look.blank(max(6.0, 0.8 + 2.1 * columns), 0.6 + 1.7 * rows)
+    figure = PLAIN.blank(max(6.0, 0.8 + 2.1 * columns), 0.6 + 1.7 * rows)
     panels = figure.subplots(rows, columns, squeeze=False, sharex="col", sharey="row")
     for i, (name, (unit, y)) in enumerate(measured.items()):
         for j, (key, (key_unit, x)) in enumerate(varied.items()):
             axes = panels[i, j]
-            blue = look.palette.chart(BLUE)
+            blue = PLAIN.palette.chart(BLUE)
             axes.plot(x, y, ".", color=blue, markersize=3, alpha=0.6, clip_on=False, zorder=3)
             _count(axes, unit)
             axes.xaxis.set_major_locator(MaxNLocator(4))
@@ -205,7 +201,6 @@ def pareto(
     marked: Mapping[str, tuple[float, float]] | None = None,
     limits: tuple[Sequence[float], Sequence[float]] = ((), ()),
     title: str = "",
-    look: Look = PLAIN,
 ) -> Figure:
     """Draw one measure against another for many runs, with the front that no run beats.
 
@@ -223,9 +218,9 @@ def pareto(
     x, y = (np.asarray(column, float) for column in runs)
     if not np.isfinite(x + y).any():
         raise ValueError("no run has both measures")
-    figure = look.blank(7.0, 5.4)
+    figure = PLAIN.blank(7.0, 5.4)
     axes = figure.subplots()
-    grey, blue, orange, red = map(look.palette.chart, (GREY, BLUE, ORANGE, RED))
+    grey, blue, orange, red = map(PLAIN.palette.chart, (GREY, BLUE, ORANGE, RED))
     axes.plot(x, y, ".", color=grey, markersize=3.5, alpha=0.55, label="runs", zorder=2)
     if np.size(front[0]):
         axes.plot(
