@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from math import ceil
 from textwrap import fill
 from typing import Any
@@ -12,7 +12,7 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from phaseplane.picture.quantities import QUANTITIES, display_unit
+from phaseplane.picture.quantities import QUANTITIES, unit_of_columns
 from phaseplane.picture.styles import hue_of
 from phaseplane.picture.text import bracketed, in_words
 
@@ -195,7 +195,7 @@ def _rows(tables: list[Table], *, split: bool) -> list[Row]:
         known = [table[name] for table in tables for name in columns if name in table]
         if not known:
             continue
-        unit = _shown(quantity.si, known)
+        unit = unit_of_columns(quantity.si, known)
         if split and _BODY in columns and any(_is_flat(table, columns) for table in tables):
             own = {name: columns[name] for name in columns if name in _OF_BODY}
             rest = {name: columns[name] for name in columns if name not in own}
@@ -266,7 +266,9 @@ def runs(
     labels = list(dict.fromkeys(label for curves in values.values() for label in curves))
     drawn = {}
     for axes, (name, curves) in zip(panels, values.items(), strict=False):
-        unit, factor = _shown(units.get(name, ""), [column for _, column in curves.values()])
+        unit, factor = unit_of_columns(
+            units.get(name, ""), [column for _, column in curves.values()]
+        )
         name_up(axes, fill(in_words(name), _LINE) + bracketed(unit).replace(" ", "\n", 1))
         for label, (time, column) in curves.items():
             number = labels.index(label)
@@ -302,7 +304,7 @@ def plane_of_columns(
     figure = look.blank(6.5, 5.6)
     axes = figure.subplots()
     shown = [
-        _shown(units.get(name, ""), columns)
+        unit_of_columns(units.get(name, ""), columns)
         for name, columns in zip(names, zip(*curves.values(), strict=True), strict=True)
     ]
     for number, (label, both) in enumerate(curves.items()):
@@ -315,10 +317,3 @@ def plane_of_columns(
     if len(curves) > 1:
         axes.legend()
     return figure.finished(title)
-
-
-def _shown(unit: str, columns: Iterable[npt.ArrayLike]) -> tuple[str, float]:
-    """Return the unit in which a column of all runs is shown, and its number in one `unit`."""
-    values = np.concatenate([np.zeros(0), *(np.asarray(column, float) for column in columns)])
-    values = values[np.isfinite(values)]
-    return display_unit(unit, float(np.ptp(values)) if values.size else 0.0)

@@ -14,6 +14,7 @@ from phaseplane.constructions.two_planes import STUCK
 from phaseplane.constructions.yielding import FLOWS
 
 from .paper import Lengths, Points
+from .quantities import display_unit
 
 
 def table(frames: StoredFrames, names: Sequence[str]) -> Points:
@@ -95,6 +96,11 @@ def motions_of(drawing: Drawing) -> list[Points]:
     if all(name in drawing.frames[-1].points for name in ends):
         states = np.concatenate([states, table(drawing.frames[-1:], ends)])
     return list(states.T)
+
+
+def unit_of(axis: Axis, motion: Points) -> tuple[str, float]:
+    """Return the unit in which a motion on an axis is shown, and its number in that of the axis."""
+    return display_unit(axis.unit, float(np.ptp(reach_of(axis, motion))))
 
 
 def reach_of(axis: Axis, motion: Points) -> tuple[float, float]:

@@ -16,10 +16,9 @@ from phaseplane.constructions.construction import FLIGHT
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing, Plane
 
-from .frames import reach_of
+from .frames import unit_of
 from .letters import NEAR, place, text_box
 from .paper import NOTHING, Box, Points, Strip, segments_of
-from .quantities import display_unit
 from .styles import style_of
 from .subject import Subject
 from .text import marks_text
@@ -125,11 +124,8 @@ class Page:
     @cached_property
     def units(self) -> dict[str, tuple[str, float]]:
         """The display unit of each plane's displacement, as on its axis, and its number in one unit."""
-        found = {}
-        for plane in self.drawing.planes:
-            low, high = reach_of(plane.displacement, self.motion(plane))
-            found[plane.name] = display_unit(plane.displacement.unit, high - low)
-        return found
+        planes = self.drawing.planes
+        return {plane.name: unit_of(plane.displacement, self.motion(plane)) for plane in planes}
 
     def motion(self, plane: Plane) -> Points:
         """Return the state points of a plane, with those in view of the motions from other starts."""

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
+
+import numpy as np
+import numpy.typing as npt
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +45,13 @@ def display_unit(unit: str, span: float) -> tuple[str, float]:
     if unit != "m":
         return unit_text(unit), 1.0
     return next((name, factor) for least, name, factor in _LENGTHS if span >= least)
+
+
+def unit_of_columns(unit: str, columns: Iterable[npt.ArrayLike]) -> tuple[str, float]:
+    """Return the unit in which columns are shown together, and its number in one `unit`."""
+    values = np.concatenate([np.zeros(0), *(np.asarray(column, float) for column in columns)])
+    values = values[np.isfinite(values)]
+    return display_unit(unit, float(np.ptp(values)) if values.size else 0.0)
 
 
 @cache

@@ -12,10 +12,10 @@ import numpy.typing as npt
 from phaseplane.constructions.primitives import Drawing, Plane, Scheme
 from phaseplane.constructions.storage import Frame, StoredFrames
 
-from .frames import columns, motions_of, reach_of
+from .frames import columns, motions_of, unit_of
 from .layers import Layer, layers_of
 from .paper import Points, arcs, telling_vertices
-from .quantities import CENTIMETRES, QUANTITIES, Quantity, by_ending, display_unit, rate_unit
+from .quantities import CENTIMETRES, QUANTITIES, Quantity, by_ending, rate_unit
 
 _WOUND = 20.0  # times width and height together: about ten turns, or more smaller ones
 
@@ -120,8 +120,7 @@ def read_off(drawing: Drawing) -> dict[str, Quantity | None]:
     Lengths are in the unit of the axes; those of a plain equation may be angles or have no unit.
     """
     axis = drawing.planes[0].displacement
-    low, high = reach_of(axis, motions_of(drawing)[0])
-    unit, factor = display_unit(axis.unit, high - low)
+    unit, factor = unit_of(axis, motions_of(drawing)[0])
     found = {name: by_ending(name) for name in drawing.frames[0].readings}
     if axis.unit == "m":
         length = replace(CENTIMETRES, unit=unit, factor=factor)

@@ -15,8 +15,8 @@ from phaseplane.picture.quantities import (
     QUANTITIES,
     RADIANS,
     Quantity,
-    display_unit,
     quantity_of,
+    unit_of_columns,
 )
 from phaseplane.picture.styles import hue_of, strength_of, weight_of
 from phaseplane.picture.subject import read_off
@@ -112,8 +112,7 @@ def _by_part(
 ) -> list[tuple[Quantity, list[str]]]:
     """Return columns of a quantity together, or many of them by the parts of several wheels."""
     if quantity.si == "m" and len(content.times):
-        values = np.concatenate([[0.0], *map(content.column, names)])
-        unit, factor = display_unit("m", float(np.ptp(values[np.isfinite(values)])))
+        unit, factor = unit_of_columns("m", map(content.column, names))
         quantity = replace(quantity, unit=unit, factor=factor)
     parts: dict[str, list[str]] = {}
     for name in names:
