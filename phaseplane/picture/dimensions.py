@@ -15,6 +15,7 @@ from .page import TYPE, Page, Text
 from .paper import Box
 
 _SIZE = 8.0 / TYPE  # of the text, em
+_WRITTEN = 10.0  # a text on another is worse than one on a line
 _PARTS = np.array([0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8])  # positions of the text along the line
 
 
@@ -42,7 +43,7 @@ def length(
     boxes = Box(centres[:, None], np.array(half))
     written = boxes.overlap(Box.of(page.taken)).sum(axis=1) / page.em
     crossed = boxes.inside(page.segments[:, 0], page.segments[:, 1]).sum(axis=1)
-    page.write(replace(words, centre=complex(centres[(written + crossed).argmin()])))
+    page.write(replace(words, centre=complex(centres[(_WRITTEN * written + crossed).argmin()])))
 
 
 def witness(page: Page, start: complex, end: complex) -> None:

@@ -136,6 +136,9 @@ def test_a_dimension_stays_beside_its_line_in_a_column(drawing: Drawing) -> None
     written = [text for text in axes.texts if text.get_text().endswith(" cm")]
     assert len(written) == 3
     assert {text.get_rotation() for text in written} == {90.0}
+    figure.draw_without_rendering()
+    for name in (text for text in axes.texts if text.get_gid() == "axis_name"):
+        assert not any(name.get_window_extent().overlaps(w.get_window_extent()) for w in written)
 
 
 def test_long_motions_are_not_blotted_by_marks_and_run_in_seconds() -> None:
