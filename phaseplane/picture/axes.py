@@ -86,8 +86,10 @@ def draw_axes(page: Page, clear: Points = NOTHING) -> None:
             names.append(name)
             values.append(of_axis)
     ways = _ways(page, clear)
-    for name in names if not beside else ():  # which keep clear of the axes of all planes
-        _name(page, ways, *name)
+    lines = [_line(*axis) for axis, *_ in names]
+    for line, name in zip(lines, names, strict=True) if not beside else ():
+        upright = line.half.real == 0.0  # which keep clear of the axes of all planes
+        _name(page, ways, *name, [of for of in lines if (of.half.real == 0.0) == upright])
     for of_axis in values:
         _write_values(page, of_axis, ways)
 
@@ -247,6 +249,12 @@ def _struck(box: Box, ways: Sequence[Points]) -> int:
     return sum(2**i for i, way in enumerate(ways) if box.inside(*way).any())
 
 
+def _line(start: complex, tip: complex) -> Box:
+    """Return an axis as a box without width or without height."""
+    half = (tip - start) / 2.0
+    return Box(start + half, complex(abs(half.real), abs(half.imag)))
+
+
 def _name(
     page: Page,
     ways: Sequence[Points],
@@ -254,19 +262,19 @@ def _name(
     edge: complex,
     name: str,
     sense: float,
+    parallel: Sequence[Box] = (),
 ) -> None:
     """Write the name of an axis, ending (sense > 0) or beginning at the edge of the view.
 
     It avoids the axes, and lines I and II, which may be close to them; if it can the motion, too, and
     then the auxiliary curves. Of the places that are equally free it takes the one nearest to the axis;
     the unit may stand in a row of its own. Where all places at its tip are on the motion, an upright axis
-    may have its name at its lower end.
+    may have its name at its lower end. No place is nearer to one of the other `parallel` axes.
     """
     words = name, name.replace(" [", "\n[")
     texts = [Text("axis", each, edge, 8.5 / TYPE, "name") for each in dict.fromkeys(words)]
     low, high = page.view.grown(-0.3 * page.em).corners
-    line = Box(sum(axis) / 2.0, (axis[1] - axis[0]) / 2.0)
-    line = replace(line, half=complex(abs(line.half.real), abs(line.half.imag)))
+    line = _line(*axis)
     heights = [edge.imag, (axis[0] + axis[1] - edge).imag] if line.half.real == 0.0 else [edge.imag]
     found = []
     for (foot, end), (rows, text), other, back, up in product(
@@ -278,8 +286,9 @@ def _name(
         x -= back * sense * half.real
         centre = complex(2.0 * axis[1].real - x if other else x, height)
         box = Box(centre, half)
-        if page.view.contains(box):
-            far = line.gap(box) + (rows + 0.3 * other + 1.5 * back) * page.em
+        gap = line.gap(box)
+        if page.view.contains(box) and all(gap <= other.gap(box) for other in parallel):
+            far = gap + (rows + 0.3 * other + 1.5 * back) * page.em
             struck = _struck(box.grown(PLATE * page.em), ways)
             found.append((struck >= _MOTION, foot, struck, far, replace(text, centre=centre)))
     page.write_first(text for *_, text in sorted(found, key=itemgetter(0, 1, 2, 3)))

@@ -168,6 +168,19 @@ def test_an_axis_passes_the_middle_between_planes_where_the_other_leaves_room() 
     assert any(abs(z.real - axis.origin.real) < 1e-9 and z.imag > below.imag.max() for z in ticks)
 
 
+@pytest.mark.slow
+def test_the_name_of_an_upright_axis_stands_nearest_to_it_on_a_tiny_sheet() -> None:
+    """As in a storyboard in a column, where the names of two axes stood the wrong way round."""
+    made = made_of("half_car_rigid_tyres", 4.0)
+    page = step_page(made, made.frames[32], Look(width=0.0425))
+    axes = [Box((a.start + a.tip) / 2.0, (a.tip - a.start) / 2.0)
+            for a in page.of(Arrow) if a.start.real == a.tip.real]  # fmt: skip
+    for plane, own in zip(made.planes, axes, strict=True):
+        short = typeset(plane.scaled_velocity.label).partition(" =")[0]
+        (name,) = (text.box(page.em) for text in page.texts if text.text.startswith(short))
+        assert own.gap(name) == min(axis.gap(name) for axis in axes)
+
+
 def test_the_name_of_an_axis_leaves_the_motion_free_on_a_narrow_sheet() -> None:
     """Of a frame that yields: its state moves up and right from the axis, where the name would stand."""
     made = made_of("h83_example40", 0.8)
