@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import reduce
 from math import inf
 from operator import add
@@ -65,26 +65,10 @@ def of_system(
 
     Raises
     ------
-    ValueError : if the system is of another kind, or has dry friction and more than one axle.
+    ValueError : if the system is of another kind, or has what no construction draws.
     """
-    sticking = [element.name for element in system.elements if element.friction]
-    if sticking and len(system.axles) > 1:
-        raise ValueError(
-            f"{sticking[0]} has dry friction, for which there is a construction with one axle only "
-            "(OneDof and QuarterCar)"
-        )
-    series = [e.name for e in system.elements if e.series < inf]
-    if series:
-        raise ValueError(
-            f"{series[0]}: there is no construction of a spring in series with a damper, whose force "
-            "does not depend on displacement and velocity alone"
-        )
-    breaking = [e.name for e in system.elements if e.holding > e.friction]
-    if breaking:
-        raise ValueError(
-            f"{breaking[0]}: there is no construction of friction whose breakaway force is above its "
-            "sliding force"
-        )
+    if why := next(_obstacles(system), ""):
+        raise ValueError(why)
     tyres = sum(bool(axle.tyre) for axle in system.axles)
     make = {
         (0, 0): _elastoplastic,
@@ -98,6 +82,29 @@ def of_system(
     rest = [0.0] * len(system.coordinates)
     given = {name: value for name, value in settings.items() if value is not None}
     return make(system, given, start or (rest, rest))
+
+
+def _obstacles(system: System) -> Iterator[str]:
+    """Yield what a system has that no construction draws."""
+    for e in system.elements:
+        if e.friction and len(system.axles) > 1:
+            yield (
+                f"{e.name} has dry friction, for which there is a construction with one axle only "
+                "(OneDof and QuarterCar)"
+            )
+        if e.series < inf:
+            yield (
+                f"{e.name}: there is no construction of a spring in series with a damper, whose force "
+                "does not depend on displacement and velocity alone"
+            )
+        if e.holding > e.friction:
+            yield (
+                f"{e.name}: there is no construction of friction whose breakaway force is above its "
+                "sliding force"
+            )
+    for load in system.loads if system.axles else ():
+        if system.signals[load.signal].scale:
+            yield f"{load.signal}: there is no construction of a vehicle under forces on its body"
 
 
 def _one_dof(system: System, settings: Mapping[str, Any], start: Start) -> Construction:

@@ -170,14 +170,24 @@ def test_a_damper_that_depends_on_deflection_is_drawn_as_a_family():
     assert one.damper(0.2, 0.025) == pytest.approx(350.0)
 
 
-def test_what_sticks_is_refused():
-    """With one axle dry friction is constructed; two axles that hold one another are not."""
-    for model in ("HalfCar", "HalfCarRigidTyres"):
-        with pytest.raises(ValueError, match=r"friction has dry friction.*with one axle only"):
-            of_system(build(model, {"rear.friction": 50.0}), {})
-    for model in ("OneDof", "QuarterCar"):
-        made = of_system(build(model, {"friction": 50.0}), {})
-        assert made.friction == 50.0  # type: ignore[attr-defined]
+ONE_AXLE = "friction has dry friction.*with one axle only"
+
+
+@pytest.mark.parametrize(
+    ("model", "parameters", "why"),
+    [
+        ("HalfCar", {"rear.friction": 50.0}, ONE_AXLE),
+        ("HalfCarRigidTyres", {"rear.friction": 50.0}, ONE_AXLE),
+        ("OneDof", {"body_force.table": "0:0, 0.1:400"}, "vehicle under forces on its body"),
+        ("QuarterCar", {"body_force.table": "0:400, 1:400"}, "vehicle under forces on its body"),
+    ],
+)
+def test_what_no_construction_draws_is_refused(model, parameters, why):
+    with pytest.raises(ValueError, match=why):
+        of_system(build(model, parameters), {})
+
+
+def test_what_has_no_construction_is_refused():
     with pytest.raises(InputError, match=r"Tractor has no construction.*show.planes draws"):
         planes_of("Tractor", {}, {})
 
