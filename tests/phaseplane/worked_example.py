@@ -20,7 +20,7 @@ C1, C2, K2 = 1500.0 * KGF, 15000.0 * KGF, 100.0 * KGF
 STEP = 0.0025
 
 
-def ap57(**changes) -> QuarterCarPlanes:
+def ap57(kind=QuarterCarPlanes, **changes) -> QuarterCarPlanes:
     """AP57 section 8 in SI."""
     data = {
         "sprung_mass": M,
@@ -31,7 +31,7 @@ def ap57(**changes) -> QuarterCarPlanes:
         "tyre_damping": K2,
         "road": roads.bump(0.05, 1.0, 20.0),
     }
-    return QuarterCarPlanes(**(data | changes))
+    return kind(**(data | changes))
 
 
 def elevation(t: float) -> tuple[float, float]:
