@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from io import StringIO
 from math import isfinite
 
+from phaseplane.constructions.letters import MINUS
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.steps import States
 from phaseplane.exercises.protocol import display, displayed, point_of
@@ -34,16 +35,15 @@ def columns(planes: Sequence[Plane]) -> list[str]:
 
     Values are on the axes of the plane, displacements in m in cm.
     """
-    found = ["point"]
-    for plane in planes:
-        letter = plane.displacement.label
-        unit = display(plane.displacement)[1]
-        suffix = f" [{unit}]" if unit else ""
-        found += [f"{letter}{suffix}", f"{letter}_bar{suffix}"]
-    for plane in planes:
-        unit = display(plane.displacement)[1]
-        found.append(f"{plane.foot} [{unit}]" if unit else plane.foot)
-    return found
+    named = [
+        (plane, name)
+        for plane in planes
+        for name in (plane.displacement.label, f"{plane.displacement.label}_bar")
+    ]
+    named += [(plane, plane.foot) for plane in planes]
+    units = (display(plane.displacement)[1] for plane, _ in named)
+    heads = zip(named, units, strict=True)
+    return ["point", *(f"{name} [{unit}]" if unit else name for (_, name), unit in heads)]
 
 
 def blank_readings(drawing: Drawing, steps: int) -> str:
@@ -62,23 +62,29 @@ def blank_readings(drawing: Drawing, steps: int) -> str:
 
 
 def read_readings(text: str, planes: Sequence[Plane]) -> list[Reading]:
-    """Read a CSV of readings: with commas or semicolons, and decimal points or (in quotes) commas.
+    """Read a CSV of readings: with commas, semicolons or tabs, and decimal points or (in quotes) commas.
 
     Rows that are not filled in are left out at the end.
 
     Raises
     ------
-    ValueError : if columns are missing, a value is not a number, or points do not follow each other.
+    ValueError : if columns are missing or in other units, a value is not a number, or points do not
+        follow each other.
     """
     lines = [line for line in text.lstrip("\ufeff").splitlines() if line.strip()]
-    delimiter = ";" if lines and ";" in lines[0] else ","
-    rows = list(csv.reader(lines, delimiter=delimiter))
-    if not rows:
+    if not lines:
         raise ValueError("no readings")
+    delimiter = next((mark for mark in ";\t" if mark in lines[0]), ",")
+    rows = list(csv.reader(lines, delimiter=delimiter))
     wanted = columns(planes)
-    names = [name.partition("[")[0].strip() for name in wanted]
-    head = [name.partition("[")[0].strip() for name in rows[0]]
-    needed = names[: 1 + 2 * len(planes)]
+    units = dict(map(_name_and_unit, wanted))
+    head = []
+    for given in rows[0]:
+        name, unit = _name_and_unit(given)
+        if unit and unit != units.get(name, unit):
+            raise ValueError(f"column {given!r}: must be in {units[name] or 'no unit'}")
+        head.append(name)
+    needed = [*units][: 1 + 2 * len(planes)]
     missing = [name for name in needed if name not in head]
     if missing:
         raise ValueError(f"no column {missing[0]!r}; the table needs {', '.join(wanted)}")
@@ -116,9 +122,14 @@ def read_readings(text: str, planes: Sequence[Plane]) -> list[Reading]:
     return found
 
 
+def _name_and_unit(head: str) -> tuple[str, str]:
+    name, _, unit = head.partition("[")
+    return name.strip(), unit.strip(" ]")
+
+
 def _number(text: str, line: int, name: str) -> float:
     try:
-        value = float(text.replace(",", "."))
+        value = float(text.replace(",", ".").replace(MINUS, "-"))
     except ValueError:
         raise ValueError(f"line {line}: {name} = {text!r} is not a number") from None
     if not isfinite(value):

@@ -335,18 +335,31 @@ def test_steps_that_end_on_a_switch_do_so_from_the_students_point():
 # Readings.
 
 
-def test_readings_are_read_with_commas_semicolons_and_decimal_commas(task):
+PLAIN_READINGS = "point,x,x_bar,D\n0,2,0.1,\n1,1.98,-0.19,0.2\n2,,,\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "\ufeffpoint;x;x_bar;D\r\n0;2;0,1;\r\n1;1,98;-0,19;0,2\r\n;;;\r\n",
+        'point,x,x_bar,D\n0,"2","0,1",\n1,"1,98","-0,19","0,2"\n',
+        PLAIN_READINGS.replace(",", "\t").replace(".", ","),
+        PLAIN_READINGS.replace("-", "\N{MINUS SIGN}"),
+        "D,x_bar,x,point,note\n,0.1,2,0,start\n0.2,-0.19,1.98,1,\n",
+    ],
+)
+def test_readings_are_read_as_spreadsheets_write_them(task, text):
+    planes = task[1].planes
+    assert read_readings(text, planes) == read_readings(PLAIN_READINGS, planes)
+
+
+def test_readings_are_read_and_begin_with_the_start_point(task):
     _, drawing = task
-    plain = "point,x,x_bar,D\n0,2,0.1,\n1,1.98,-0.19,0.2\n2,,,\n"
-    read = read_readings(plain, drawing.planes)
+    read = read_readings(PLAIN_READINGS, drawing.planes)
     assert [r.number for r in read] == [0, 1]
     assert read[1].states[0] == pytest.approx(0.04 * complex(1.98, -0.19))
     assert read[1].feet is not None
     assert read[0].feet is None
-    german = "\ufeffpoint;x;x_bar;D\r\n0;2;0,1;\r\n1;1,98;-0,19;0,2\r\n"
-    assert read_readings(german, drawing.planes) == read
-    quoted = 'point,x,x_bar,D\n0,"2","0,1",\n1,"1,98","-0,19","0,2"\n'
-    assert read_readings(quoted, drawing.planes) == read
     blank = blank_readings(drawing, 3)
     assert blank.splitlines()[1].startswith("0,2,0.1")
     assert len(blank.splitlines()) == 5
@@ -367,6 +380,12 @@ def test_readings_are_read_with_commas_semicolons_and_decimal_commas(task):
 def test_readings_that_cannot_be_used_are_refused_in_words(task, text, message):
     with pytest.raises(ValueError, match=re.escape(message)):
         read_readings(text, task[1].planes)
+
+
+def test_readings_in_another_unit_are_refused_and_not_taken_for_centimetres():
+    text = "point,y1 [mm],y1_bar [mm],y2 [mm],y2_bar [mm]\n0,0,0,0,0\n1,0,-2,0,1\n"
+    with pytest.raises(ValueError, match=r"column 'y1 \[mm\]': must be in cm"):
+        read_readings(text, ap57().planes)
 
 
 def test_d_of_one_plane_alone_is_refused_and_not_ignored():
