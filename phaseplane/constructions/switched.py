@@ -143,11 +143,14 @@ class SwitchedPlane(OnePlane):
         return after if after != CONTACT and after != self.scheme_of(mode) else ""
 
     def _rests(self, signs: Mode) -> bool:
-        """Whether a held motion is at rest: on the velocity's own guard, on two, or on one of x."""
+        """Return whether a held motion is at rest: on v = 0, on two guards, or on one of x alone."""
         if signs.count(0) > 1:
             return True
-        g_v, g_x, g_t = self.switching.gradient(signs.index(0), signs, 0.0, 0.0, 0.0)
-        return (g_x == 0.0 and g_t == 0.0) or g_v == 0.0
+        k, still = signs.index(0), (0.0, 0.0, 0.0)
+        g_v, g_x, g_t = self.switching.gradient(k, signs, *still)
+        if g_x == g_t == 0.0:
+            return self.switching.guards[k](*still, signs) == 0.0  # a relay may hold another velocity
+        return g_v == 0.0
 
     @cached_property
     def guards(self) -> tuple[Callable[[float, float], float], ...]:

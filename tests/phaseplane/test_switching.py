@@ -381,7 +381,13 @@ def test_the_construction_of_dry_friction_is_exact_and_ends_its_steps_on_the_swi
 
 
 @pytest.mark.parametrize(
-    "text", ["sign(x + 0.3*v)", "x + 0.3*sign(v) + 0.5*cos(1.1*t)", "x + 3*dead_zone(x, 0.5)"]
+    "text",
+    [
+        "sign(x + 0.3*v)",
+        "x + 0.3*sign(v) + 0.5*cos(1.1*t)",
+        "x + 3*dead_zone(x, 0.5)",
+        "0.3*x + sin(x) + 3*relay(v, 0.2)",  # held at a velocity that is no rest
+    ],
 )
 def test_the_construction_keeps_its_order_through_switches(text):
     formula = Formula(text)
@@ -389,6 +395,7 @@ def test_the_construction_keeps_its_order_through_switches(text):
     errors = []
     for step in (0.1, 0.05, 0.025):
         drawing = construct_motion(one, rule_named("delta"), step=step, duration=6.0)
+        assert drawing.instants[-1].time == 6.0
         known = motion(formula.switching, (2.0, 0.0), [f.time for f in drawing])
         errors.append(
             max(abs(f.readings["displacement"] - x)
