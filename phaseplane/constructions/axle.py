@@ -278,7 +278,9 @@ class Axle:
         if self.lift_off:
             way = max(height, 0.0)
             if self.contact == "gap" and way > 0.0:
-                way = max(0.0, way - max(0.0, self.gap(states[1], time) + height))
+                # plane 2 shows x2 over the road that has risen, or y2 over the road before
+                gap = self.gap(states[1], time) + height * self.linear_tyre
+                way = max(0.0, way - max(0.0, gap))
         rate = self.tyre.damping_rate(-height) if way else 0.0
         push = rate * way / self.data.unsprung_mass
         one = self.suspension.state(0.0, -push) - self.suspension.state(0.0, 0.0)

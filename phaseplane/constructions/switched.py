@@ -149,7 +149,9 @@ class SwitchedPlane(OnePlane):
         k, still = signs.index(0), (0.0, 0.0, 0.0)
         g_v, g_x, g_t = self.switching.gradient(k, signs, *still)
         if g_x == g_t == 0.0:
-            return self.switching.guards[k](*still, signs) == 0.0  # a relay may hold another velocity
+            return (
+                self.switching.guards[k](*still, signs) == 0.0
+            )  # a relay may hold another velocity
         return g_v == 0.0
 
     @cached_property

@@ -10,11 +10,12 @@ import pytest
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import damper, linear
 from phaseplane.suspension.session import Session
-from worked_example import C2, KGF, STEP, M, ap57, by_scipy, column, m
+from worked_example import C2, K2, KGF, STEP, M, ap57, by_scipy, column, m
 
 from phaseplane.constructions import (
     RULES,
     OneDofPlane,
+    Strut,
     Window,
     construct_motion,
     delta,
@@ -25,6 +26,10 @@ from phaseplane.constructions import (
 from phaseplane.constructions.switching import _end_of
 
 BY_FORCE = ap57(contact="force")
+IN_ITS_DEFLECTION = {
+    "tyre_stiffness": 0.0, "tyre_damping": 0.0, "tyre": Strut(linear(C2), linear(K2)),
+}  # fmt: skip
+"""The same tyre drawn like a nonlinear one, over y2 = x2 - xi."""
 
 
 @pytest.fixture(scope="module")
@@ -214,14 +219,15 @@ def test_no_force_pulls_and_by_gap_none_acts_across_a_gap(contact):
     assert (across == 0.0) == (contact == "gap")
 
 
+@pytest.mark.parametrize("tyre", [{}, IN_ITS_DEFLECTION], ids=["x2", "y2"])
 @pytest.mark.parametrize("contact", ["gap", "force"])
 @pytest.mark.parametrize("height", [0.004, 0.012, 0.03])
-def test_a_kerb_met_in_flight_is_that_of_the_run(contact, height):
+def test_a_kerb_met_in_flight_is_that_of_the_run(contact, height, tyre):
     """By gap the two lower ones, which leave a gap, do nothing; of the highest one the rest acts."""
     up, at = 0.04, 0.01
     car = ap57(
         contact=contact, road=roads.step(height, at), initial_wheel_displacement=up,
-        damper=damper(200.0 * KGF, 50.0 * KGF),
+        damper=damper(200.0 * KGF, 50.0 * KGF), **tyre,
     )  # fmt: skip
     drawing = construct_motion(car, step=STEP / 8, duration=0.15)
     before, jolt = next((f, g) for f, g in pairwise(drawing.frames) if g.time == at)
