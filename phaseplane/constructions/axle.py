@@ -10,12 +10,13 @@ projection that finds D1 from A1* is drawn backwards, from D1 to A1*.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import isfinite, sqrt
 
-from phaseplane.constructions.construction import Window
+from phaseplane.constructions.construction import Construction, Window
 from phaseplane.constructions.control import Before, added, controlled, deflected, moved
 from phaseplane.constructions.coupling import Lines, lines_across
 from phaseplane.constructions.laws import (
@@ -24,11 +25,12 @@ from phaseplane.constructions.laws import (
     Epsilon,
     Jumps,
     Strut,
+    check_contact,
     check_number,
     check_positive,
 )
 from phaseplane.constructions.lienard import Lienard
-from phaseplane.constructions.primitives import Curve
+from phaseplane.constructions.primitives import Curve, Plane
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import StoredFrames
@@ -97,7 +99,7 @@ class AxleData:
             raise ValueError("give either tyre_stiffness and tyre_damping or a tyre, not both")
         for name in ("tyre_damping", "static_load", "friction"):
             check_number(name, getattr(self, name), 0.0)
-        if not all(map(isfinite, self.initial)):
+        if not all(map(isfinite, self.initial)) or len(self.initial) != 4:
             raise ValueError(f"initial = {self.initial}: must be four finite numbers")
 
 
@@ -111,8 +113,7 @@ class Axle:
     body_compliance : 1/M, acceleration of the body above the strut per unit of its force, 1/kg
     place : position on the sheet
     may_lift_off : whether the wheel may leave the road, if there is weight
-    contact : contact rule: `gap`, contact ends at the tyre's free length; or `force`, contact lasts
-        while the tyre's spring and damper together press, even across a gap (AP57 eq. 28 for U, V)
+    contact : contact rule, `gap` or `force`; see `AxlePlanes`
     prefix : of the names of its readings
     foot : letter of the foot of the normals in the suspension's plane
     """
@@ -267,7 +268,7 @@ class Axle:
         table = self.jumps.table
         return tuple(t for t, (height, _) in table.items() if height or not self.linear_tyre)
 
-    def jolted(self, states: States, time: float) -> States:
+    def jolted(self, states: Sequence[complex], time: float) -> States:
         """Return the states after a kerb, which pushes the wheel through the tyre's damper.
 
         The damper does not pull if the wheel can lift off. Below a gap, only the part of the kerb
@@ -424,6 +425,61 @@ class Axle:
         pair = self.suspension.plane, self.wheel.plane
         across = lines_across(self.lines, self.place.lines, pair, frames, (f"A{i}", f"B{j}"))
         return *self.suspension.curves(frames), *self.wheel.curves(frames), *across
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxlePlanes(Construction):
+    """The common part of the constructions of bodies on axles with tyres.
+
+    Parameters
+    ----------
+    lift_off : whether wheels may leave the road; not in AP57's figure 13
+    contact : contact rule of the tyres: `gap`, none beyond the free length, or `force`, while spring and
+        damper together press on the road (AP57 eq. 28 for U and V)
+    plane_scales : paper per displacement in the planes of struts and of wheels (a : 1 and b : 1)
+    plane_distance : l, from one y axis to the next, m of paper
+
+    Raises
+    ------
+    ValueError : if masses, stiffness, scales or distance are not positive, damping or a load is negative,
+        a value is not finite, a spring has no positive rate at 0, or there is a force at rest.
+    """
+
+    lift_off: bool = True
+    contact: str = "gap"
+    plane_scales: tuple[float, float] = (1.0, 2.5)
+    plane_distance: float = 0.25
+
+    def __post_init__(self) -> None:
+        """Check the parameters."""
+        check_positive(self, ("plane_distance", "plane_scales"))
+        check_contact(self.contact)
+        _ = [(axle.strut, axle.tyre) for axle in self.axles]
+
+    @property
+    @abstractmethod
+    def axles(self) -> tuple[Axle, ...]:
+        """The axles with the forces in them."""
+
+    @cached_property
+    def planes(self) -> tuple[Plane, ...]:
+        """The planes of strut and wheel of each axle in turn."""
+        return tuple(one.plane for axle in self.axles for one in (axle.suspension, axle.wheel))
+
+    @cached_property
+    def initial(self) -> States:
+        """The state points at time 0."""
+        return tuple(state for axle in self.axles for state in axle.initial)
+
+    @cached_property
+    def jolts(self) -> tuple[float, ...]:
+        """Times at which state points jump, s."""
+        return tuple(sorted({t for axle in self.axles for t in axle.jolts}))
+
+    def jolted(self, mode: str, states: States, time: float) -> States:
+        """Return the state points after a kerb under any wheel."""
+        pairs = zip(self.axles, states[::2], states[1::2], strict=True)
+        return tuple(p for axle, *pair in pairs for p in axle.jolted(pair, time))
 
 
 def _scaled_velocity(y_bar: float, _y: float) -> float:

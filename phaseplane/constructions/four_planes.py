@@ -16,21 +16,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-from phaseplane.constructions.axle import Axle, AxleData, Place
+from phaseplane.constructions.axle import Axle, AxleData, AxlePlanes, Place
 from phaseplane.constructions.body import AXLES, BodyMasses
-from phaseplane.constructions.construction import (
-    CONTACT,
-    FLIGHT,
-    LIFT_OFF,
-    TOUCHDOWN,
-    Construction,
-    Window,
-)
+from phaseplane.constructions.construction import CONTACT, FLIGHT, LIFT_OFF, TOUCHDOWN, Window
 from phaseplane.constructions.control import Before
 from phaseplane.constructions.coupling import Lines, lines_across
 from phaseplane.constructions.four_planes_schemes import half_car_scheme
-from phaseplane.constructions.laws import check_contact, check_positive
-from phaseplane.constructions.primitives import Curve, Plane, Scheme
+from phaseplane.constructions.primitives import Curve, Scheme
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import StoredFrames
 
@@ -45,22 +37,17 @@ _MODE_OF = {flying: mode for mode, flying in MODES.items()}
 
 
 @dataclass(frozen=True)
-class HalfCarPlanes(Construction):
+class HalfCarPlanes(AxlePlanes):
     """A body on two axles with tyres that may lift off, in four phase planes.
 
     Parameters
     ----------
     front_mass, rear_mass, coupling_mass : M1, M2 and M3 of the body, kg; M3 of either sign
     front, rear : the axles
-    lift_off : whether wheels may leave the road
-    contact : contact rule, `gap` or `force`; see `QuarterCarPlanes`
-    plane_scales : paper per displacement in the planes of struts and of wheels (a : 1 and b : 1)
-    plane_distance : l, from one y axis to the next, m of paper
 
     Raises
     ------
-    ValueError : if masses, stiffness, scales or distance are not positive, the coupling mass is too
-        large, a value is not finite, a spring has no positive rate at 0, or there is a force at rest.
+    ValueError : as of `AxlePlanes`, and if the coupling mass is too large or there is dry friction.
     """
 
     front_mass: float
@@ -68,18 +55,14 @@ class HalfCarPlanes(Construction):
     coupling_mass: float
     front: AxleData
     rear: AxleData
-    lift_off: bool = True
-    contact: str = "gap"
-    plane_scales: tuple[float, float] = (1.0, 2.5)
-    plane_distance: float = 0.25
 
     title: ClassVar[str] = "Half car in four phase planes"
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        check_positive(self, ("plane_distance", "plane_scales"))
-        check_contact(self.contact)
-        _ = self.masses, [(axle.strut, axle.tyre) for axle in self.axles]
+        super().__post_init__()
+        if self.front.friction or self.rear.friction:
+            raise ValueError("a strut with dry friction is constructed with one axle only")
 
     # Derived quantities.
 
@@ -124,20 +107,10 @@ class HalfCarPlanes(Construction):
     # The sheet.
 
     @cached_property
-    def planes(self) -> tuple[Plane, ...]:
-        """The planes of strut and wheel in front, then of strut and wheel behind."""
-        return tuple(one.plane for axle in self.axles for one in (axle.suspension, axle.wheel))
-
-    @cached_property
     def schemes(self) -> Mapping[str, Scheme]:
         """The scheme of each mode: both axles in contact, one of them in flight, or both."""
         linear_tyres = tuple(axle.linear_tyre for axle in self.axles)
         return {mode: half_car_scheme(flying, linear_tyres) for mode, flying in MODES.items()}
-
-    @cached_property
-    def initial(self) -> States:
-        """The state points at time 0."""
-        return tuple(state for axle in self.axles for state in axle.initial)
 
     @cached_property
     def protractor(self) -> complex:
@@ -200,18 +173,6 @@ class HalfCarPlanes(Construction):
             for axle, flew, flies in zip(AXLES, MODES[mode], MODES[successor], strict=True)
             if flew != flies
         )
-
-    # Jumps of the roads.
-
-    @cached_property
-    def jolts(self) -> tuple[float, ...]:
-        """Times at which state points jump, s."""
-        return tuple(sorted({t for axle in self.axles for t in axle.jolts}))
-
-    def jolted(self, mode: str, states: States, time: float) -> States:
-        """Return the state points after a kerb under either wheel."""
-        front, rear = self.axles
-        return *front.jolted(states[:2], time), *rear.jolted(states[2:], time)
 
     # Readings.
 

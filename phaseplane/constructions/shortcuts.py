@@ -7,7 +7,7 @@ makes its force discontinuous, so the motion is never continued from there.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 from phaseplane.constructions.construction import FLIGHT, LIFT_OFF
 from phaseplane.constructions.primitives import Curve, Drawing
@@ -27,7 +27,8 @@ class _InFlight(QuarterCarPlanes):
 
     def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
         """Return x2 - x2st, m."""
-        return (self.axle.wheel.displacement(states[1]) - self.axle.static_tyre_deflection,)
+        (axle,) = self.axles
+        return (axle.wheel.displacement(states[1]) - axle.static_tyre_deflection,)
 
 
 def shortcut_flights(
@@ -40,7 +41,7 @@ def shortcut_flights(
     The frames of each flight; the last one ends at the V of AP57's shortcut. A flight that begins
     below x2st, or does not come down within 10 s, is omitted.
     """
-    car = _InFlight(**{name: getattr(construction, name) for name in construction.__match_args__})
+    car = _InFlight(**{f.name: getattr(construction, f.name) for f in fields(construction)})
     flights = []
     for frame in made:
         if frame.event != LIFT_OFF:
@@ -73,8 +74,8 @@ def with_shortcuts(
     """
     if not (
         isinstance(construction, QuarterCarPlanes)
-        and construction.tyre is None
-        and not construction.friction
+        and construction.axle.tyre is None
+        and not construction.axle.friction
     ):
         raise ValueError(
             "AP57's shortcut for touchdown is for quarter cars with linear tyres and without dry friction"

@@ -15,31 +15,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
-from phaseplane.constructions.axle import Axle, AxleData, Place
-from phaseplane.constructions.construction import (
-    CONTACT,
-    FLIGHT,
-    LIFT_OFF,
-    TOUCHDOWN,
-    Construction,
-    Window,
-)
+from phaseplane.constructions.axle import Axle, AxleData, AxlePlanes, Place
+from phaseplane.constructions.construction import CONTACT, FLIGHT, LIFT_OFF, TOUCHDOWN, Window
 from phaseplane.constructions.control import Before
-from phaseplane.constructions.laws import (
-    LEVEL_ROAD,
-    Damper,
-    Strut,
-    check_contact,
-    check_finite,
-    check_number,
-    check_positive,
-)
-from phaseplane.constructions.primitives import Curve, Plane, Scheme
+from phaseplane.constructions.laws import check_positive
+from phaseplane.constructions.primitives import Curve, Scheme
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import StoredFrames
 from phaseplane.constructions.two_planes_schemes import axle_scheme
-from phaseplane.suspension.characteristics import Characteristic
-from phaseplane.suspension.roads import Signal
 
 STUCK = "_sticking"
 """After the scheme of a strut that dry friction holds."""
@@ -57,106 +40,51 @@ def _sense(mode: str) -> int:
 
 
 @dataclass(frozen=True)
-class QuarterCarPlanes(Construction):
-    """Body and wheel on a tyre that may leave the road, and the sheet on which they are drawn.
+class QuarterCarPlanes(AxlePlanes):
+    """A body on a wheel with a tyre that may leave the road, and the sheet on which they are drawn.
 
     Parameters
     ----------
-    sprung_mass, unsprung_mass : M and m, kg
-    spring : F(y), N; its rate at 0 is c1, the rest is G
-    damper : Phi(y', y), N
-    tyre_stiffness, tyre_damping : c2, N/m, and k2, N s/m
-    road : xi(t), m; where it jumps, the tyre's damper pushes the wheel
-    gravity : m/s^2
-    lift_off : whether the wheel may leave the road; not in AP57's figure 13
-    friction : dry friction R between body and wheel, N; the strut sticks where it can hold it
-    contact : contact rule of its tyre: `gap`, none beyond its free length, or `force`, while its spring
-        and damper together press on the road (AP57 eq. 28 for U and V)
-    plane_scales : paper per displacement in plane 1 and plane 2 (a : 1 and b : 1)
-    plane_distance : l, from the y1 axis down to the y2 axis, m of paper
-    initial_deflection, initial_deflection_rate : y and y' at time 0, m and m/s
-    initial_wheel_displacement, initial_wheel_velocity : x2 and x2' at time 0, m and m/s
-    auxiliary_levels : the y_i of the auxiliary curves of plane 1, m, between which A1 is
-        interpolated; by default A1 is on the curve for the y of P1
-    tyre : f(x2 - xi) and phi(x2' - xi', x2 - xi) of a nonlinear tyre, in place of stiffness and
-        damping
-
-    Raises
-    ------
-    ValueError : if masses, stiffness, scales or distance are not positive, damping or gravity is
-        negative, a value is not finite, a spring has no positive rate at 0, or there is a force at
-        rest.
+    sprung_mass : M, kg
+    axle : wheel, strut, tyre and road; a strut with dry friction sticks where the friction can hold it
     """
 
     sprung_mass: float
-    unsprung_mass: float
-    spring: Characteristic
-    damper: Damper
-    tyre_stiffness: float = 0.0
-    tyre_damping: float = 0.0
-    road: Signal = LEVEL_ROAD
-    gravity: float = 9.80665
-    lift_off: bool = True
-    plane_scales: tuple[float, float] = (1.0, 2.5)
-    plane_distance: float = 0.25
-    initial_deflection: float = 0.0
-    initial_deflection_rate: float = 0.0
-    initial_wheel_displacement: float = 0.0
-    initial_wheel_velocity: float = 0.0
-    auxiliary_levels: tuple[float, ...] = ()
-    tyre: Strut | None = None
-    contact: str = "gap"
-    friction: float = 0.0
+    axle: AxleData
 
     title: ClassVar[str] = "Quarter car in two phase planes"
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        check_positive(self, ("sprung_mass", "plane_distance", "plane_scales"))
-        check_contact(self.contact)
-        check_number("gravity", self.gravity, 0.0, exclusive=self.lift_off)
-        initial = ("deflection", "deflection_rate", "wheel_displacement", "wheel_velocity")
-        check_finite(self, tuple(f"initial_{name}" for name in initial))
-        _ = self.axle.strut, self.axle.tyre
-
-    # What follows from the data.
+        check_positive(self, ("sprung_mass",))
+        super().__post_init__()
 
     @cached_property
-    def axle(self) -> Axle:
-        """Both planes with the forces in them."""
-        data = AxleData(
-            self.unsprung_mass, self.spring, self.damper, self.tyre_stiffness, self.tyre_damping,
-            (self.sprung_mass + self.unsprung_mass) * self.gravity, self.road, self.tyre,
-            (self.initial_deflection, self.initial_deflection_rate,
-             self.initial_wheel_displacement, self.initial_wheel_velocity),
-            self.friction, self.auxiliary_levels,
-        )  # fmt: skip
+    def axles(self) -> tuple[Axle, ...]:
+        """The only axle, with its plane 1 at the origin of the sheet and plane 2 below it."""
         place = Place(("1", "2"), self.plane_scales, (0.0, -self.plane_distance))
-        return Axle(data, 1.0 / self.sprung_mass, place, self.lift_off, self.contact)
+        return (Axle(self.axle, 1.0 / self.sprung_mass, place, self.lift_off, self.contact),)
 
-    # The sheet.
+    @property
+    def _only(self) -> Axle:
+        return self.axles[0]
 
-    @cached_property
-    def planes(self) -> tuple[Plane, ...]:
-        """Plane 1 with its origin at that of the sheet, and plane 2 below it."""
-        return self.axle.suspension.plane, self.axle.wheel.plane
+    @property
+    def _rubs(self) -> bool:
+        """Whether there is dry friction."""
+        return self.axle.friction > 0.0
 
     @cached_property
     def schemes(self) -> Mapping[str, Scheme]:
         """Figure 7 (contact) and figure 10 (flight) in the order of drawing; both also while sticking."""
-        linear_tyre = self.axle.linear_tyre
+        linear_tyre = self._only.linear_tyre
         return {
             mode + STUCK * sticks: axle_scheme(
                 flies=mode == FLIGHT, linear_tyre=linear_tyre, sticks=sticks
             )
-            for sticks in ((False, True) if self.friction else (False,))
+            for sticks in ((False, True) if self._rubs else (False,))
             for mode in (CONTACT, FLIGHT)
         }
-
-    @cached_property
-    def initial(self) -> States:
-        """The state points at time 0."""
-        return self.axle.initial
 
     @cached_property
     def protractor(self) -> complex:
@@ -173,26 +101,26 @@ class QuarterCarPlanes(Construction):
         The points on the sheet: in contact with C1 and C2 on lines I and II, in flight with C1 alone
         and B0 in place of B2. With a nonlinear tyre A2* replaces B2, and H2 is added to D2.
         """
-        return self.axle.points(_flies(mode), states[0], states[1], window, _sense(mode))
+        return self._only.points(_flies(mode), states[0], states[1], window, _sense(mode))
 
     def curves(self, frames: StoredFrames) -> tuple[Curve, ...]:
         """Return the auxiliary curves of both planes, and lines I and II."""
-        return self.axle.curves(frames)
+        return self._only.curves(frames)
 
     # Lift-off U and touchdown V; with dry friction a mode also has the sense of y', 0 while it sticks.
 
     def mode_at(self, states: States, time: float, airborne: Sequence[bool] | None = None) -> str:
         """Return FLIGHT if the contact rule says so and the wheel may leave the road, else CONTACT."""
         flies = False
-        if self.lift_off:
-            flies = self.axle.clearance(states[1], time) > 0.0 if airborne is None else airborne[0]
+        if self._only.lift_off:
+            flies = self._only.clearance(states[1], time) > 0.0 if airborne is None else airborne[0]
         return self._mode(flies, states, time)
 
     def _mode(self, flies: bool, states: States, time: float, *, stopped: bool = False) -> str:
         contact = FLIGHT if flies else CONTACT
-        if not self.friction:
+        if not self._rubs:
             return contact
-        return contact + _SENSES[self.axle.sense_of(flies, states, time, stopped=stopped)]
+        return contact + _SENSES[self._only.sense_of(flies, states, time, stopped=stopped)]
 
     def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
         """Return the margins to the limits of the mode, m: of the contact, and of dry friction.
@@ -200,39 +128,37 @@ class QuarterCarPlanes(Construction):
         The clearance and the velocity count with the sign that is positive while the mode lasts. The
         margins of a strut that sticks are the remaining friction in both directions.
         """
+        one = self._only
         found: list[float] = []
-        if self.lift_off:
-            clearance = self.axle.clearance(states[1], time)
+        if one.lift_off:
+            clearance = one.clearance(states[1], time)
             found.append(clearance if _flies(mode) else -clearance)
-        if self.friction:
+        if self._rubs:
             sense = _sense(mode)
             if sense:
                 plane = self.planes[0].displacement
                 found.append(sense * (states[0] - plane.origin).imag / plane.scale)
             else:
-                needed, most = (
-                    self.axle.friction_needed(_flies(mode), states, time),
-                    self.axle.reach,
-                )
-                found += [most - needed, most + needed]
+                needed = one.friction_needed(_flies(mode), states, time)
+                found += [one.reach - needed, one.reach + needed]
         return tuple(found)
 
     def mode_after(self, mode: str, limits: Sequence[int], states: States, time: float) -> str:
         """Return the mode that follows: flight after contact, contact after flight, and with friction."""
         flies, sense, limit = _flies(mode), _sense(mode), limits[0]
-        if self.lift_off and limit == 0:
+        if self._only.lift_off and limit == 0:
             flies = not flies
             if sense:
-                return (FLIGHT if flies else CONTACT) + _SENSES[sense] * bool(self.friction)
+                return (FLIGHT if flies else CONTACT) + _SENSES[sense] * self._rubs
             return self._mode(flies, states, time, stopped=True)
         if sense:
             return self._mode(flies, states, time, stopped=True)
-        return (FLIGHT if flies else CONTACT) + _SENSES[1 if limit == self.lift_off else -1]
+        return (FLIGHT if flies else CONTACT) + _SENSES[1 if limit == self._only.lift_off else -1]
 
     def scheme_of(self, mode: str) -> str:
         """Return the scheme of a mode: figure 7 or 10, or that of a strut that sticks."""
         contact = FLIGHT if _flies(mode) else CONTACT
-        return contact + STUCK * bool(self.friction and not _sense(mode))
+        return contact + STUCK * bool(self._rubs and not _sense(mode))
 
     def event(self, mode: str, successor: str) -> str:
         """Return lift-off (U), touchdown (V), or `sticking` where that begins."""
@@ -242,18 +168,7 @@ class QuarterCarPlanes(Construction):
 
     def remembered(self, states: States, before: States | None) -> States:
         """Return the state points, P1 on its axis where y' is zero to rounding."""
-        return (self.axle.suspension.snapped(states[0]), *states[1:]) if self.friction else states
-
-    # Jumps of the road.
-
-    @property
-    def jolts(self) -> tuple[float, ...]:
-        """The times at which the state points jump, s."""
-        return self.axle.jolts
-
-    def jolted(self, mode: str, states: States, time: float) -> States:
-        """Return the state points after a kerb."""
-        return self.axle.jolted(states, time)
+        return (self._only.suspension.snapped(states[0]), *states[1:]) if self._rubs else states
 
     # Readings.
 
@@ -262,5 +177,5 @@ class QuarterCarPlanes(Construction):
     ) -> dict[str, float]:
         """Return all motions read off the sheet (AP57 eqs. 21 to 24), SI, with the check by eq. 25."""
         points = self.points(mode, states, Window(time))
-        by_force = -self.axle.strut_force(points) / self.sprung_mass
-        return self.axle.readings(_flies(mode), points, time, by_force, before)
+        by_force = -self._only.strut_force(points) / self.sprung_mass
+        return self._only.readings(_flies(mode), points, time, by_force, before)

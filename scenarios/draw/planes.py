@@ -125,26 +125,8 @@ def _one_dof(system: System, settings: Mapping[str, Any], start: Start) -> Const
 
 
 def _quarter_car(system: System, settings: Mapping[str, Any], start: Start) -> Construction:
-    (axle,) = system.axles
-    spring, damper = _laws(system, axle)
-    body, wheel = system.mass[0][0], system.mass[1][1]
-    q, v = start
     return constructions.QuarterCarPlanes(
-        sprung_mass=body,
-        unsprung_mass=wheel,
-        spring=spring,
-        damper=damper,
-        **_tyre(system, axle),
-        road=system.signals[axle.road],
-        gravity=axle.static_load / (body + wheel),
-        lift_off=_may_leave(system, axle),
-        contact=_element(system, axle.tyre).contact,
-        friction=sum(element.friction for element in system.elements),
-        initial_deflection=q[0] - q[1],
-        initial_deflection_rate=v[0] - v[1],
-        initial_wheel_displacement=q[1],
-        initial_wheel_velocity=v[1],
-        **_sheet(settings),
+        system.mass[0][0], _axle(system, 0, start), **_with_tyres(system, settings)
     )
 
 
@@ -174,28 +156,31 @@ def _half_car_rigid_tyres(
 
 
 def _half_car(system: System, settings: Mapping[str, Any], start: Start) -> Construction:
+    (m1, m3, *_), (_, m2, *_), *_ = system.mass
+    front, rear = (_axle(system, i, start) for i in (0, 1))
+    return constructions.HalfCarPlanes(m1, m2, m3, front, rear, **_with_tyres(system, settings))
+
+
+def _axle(system: System, i: int, start: Start) -> constructions.AxleData:
+    """Return an axle; its wheel is the coordinate as far behind its body as there are axles."""
+    axle, wheel = system.axles[i], i + len(system.axles)
     q, v = start
-    front, rear = (
-        constructions.AxleData(
-            system.mass[i + 2][i + 2],
-            *_laws(system, axle),
-            static_load=axle.static_load,
-            road=system.signals[axle.road],
-            initial=(q[i] - q[i + 2], v[i] - v[i + 2], q[i + 2], v[i + 2]),
-            **_tyre(system, axle),
-        )
-        for i, axle in enumerate(system.axles)
+    return constructions.AxleData(
+        system.mass[wheel][wheel],
+        *_laws(system, axle),
+        static_load=axle.static_load,
+        road=system.signals[axle.road],
+        initial=(q[i] - q[wheel], v[i] - v[wheel], q[wheel], v[wheel]),
+        friction=sum(e.friction for e in system.elements if e.direction == axle.suspension),
+        **_tyre(system, axle),
     )
-    return constructions.HalfCarPlanes(
-        system.mass[0][0],
-        system.mass[1][1],
-        system.mass[0][1],
-        front,
-        rear,
-        lift_off=any(_may_leave(system, axle) for axle in system.axles),
-        contact=_element(system, system.axles[0].tyre).contact,
-        **_sheet(settings),
-    )
+
+
+def _with_tyres(system: System, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the contact of the tyres with the road, and the sheet."""
+    tyres = [_element(system, axle.tyre) for axle in system.axles]
+    lift_off = any(tyre.limit < inf for tyre in tyres)
+    return {"lift_off": lift_off, "contact": tyres[0].contact, **_sheet(settings)}
 
 
 def _elastoplastic(system: System, settings: Mapping[str, Any], start: Start) -> Construction:
@@ -263,10 +248,6 @@ def _tyre(system: System, axle: Axle) -> dict[str, Any]:
 
 def _is_linear(law: Characteristic) -> bool:
     return not law.corners and law.force(2.0) == 2.0 * law.tangent(0.0) == 2.0 * law.force(1.0)
-
-
-def _may_leave(system: System, axle: Axle) -> bool:
-    return _element(system, axle.tyre).limit < inf
 
 
 def _element(system: System, name: str) -> Element:

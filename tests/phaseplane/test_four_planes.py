@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from math import log2
 
@@ -200,6 +201,10 @@ def test_every_point_that_the_schemes_join_is_there(rule, tyre):
     [
         ({"plane_scales": (1.0, -1.0)}, "the second of plane_scales = -1.0"),
         ({"plane_distance": 0.0}, "plane_distance = 0.0"),
+        (
+            {"front": replace(car().front, friction=50.0)},
+            "friction is constructed with one axle only",
+        ),
     ],
 )
 def test_what_cannot_be_drawn_is_refused(changes, message):

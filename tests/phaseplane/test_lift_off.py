@@ -101,7 +101,7 @@ def test_a_wheel_that_hangs_in_the_air_falls_and_bounces():
         road=roads.constant(),
         damper=linear(300.0),
         tyre_damping=100.0,
-        initial_wheel_displacement=0.5,
+        initial=(0.0, 0.0, 0.5, 0.0),
     )
     drawing = construct_motion(car, step=0.001, duration=1.5)
     assert drawing.frames[0].scheme == "flight"
@@ -201,7 +201,9 @@ def test_at_v_the_tyre_has_its_free_length_and_its_damper_presses_at_once(rule):
     lift_off, touchdown = (frame for frame in drawing if frame.event)
     assert abs(lift_off.readings["contact_force"]) < 1e-9
     read = touchdown.readings
-    assert read["wheel_displacement"] == pytest.approx(car.axle.static_tyre_deflection, abs=1e-12)
+    assert read["wheel_displacement"] == pytest.approx(
+        car.axles[0].static_tyre_deflection, abs=1e-12
+    )
     assert read["contact_force"] == pytest.approx(-100.0 * KGF * read["wheel_velocity"], rel=1e-9)
     assert read["contact_force"] > 1000.0
 
@@ -212,7 +214,7 @@ def test_no_force_pulls_and_by_gap_none_acts_across_a_gap(contact):
     across = 0.0
     for frame in construct_motion(car, step=STEP / 4, duration=0.6):
         read, state = frame.readings, frame.points["P2"]
-        gap = car.axle.gap(state, frame.time)
+        gap = car.axles[0].gap(state, frame.time)
         assert read["contact_force"] > -1e-9
         if gap > 1e-9:
             across = max(across, read["contact_force"])
@@ -226,12 +228,12 @@ def test_a_kerb_met_in_flight_is_that_of_the_run(contact, height, tyre):
     """By gap the two lower ones, which leave a gap, do nothing; of the highest one the rest acts."""
     up, at = 0.04, 0.01
     car = ap57(
-        contact=contact, road=roads.step(height, at), initial_wheel_displacement=up,
+        contact=contact, road=roads.step(height, at), initial=(0.0, 0.0, up, 0.0),
         damper=damper(200.0 * KGF, 50.0 * KGF), **tyre,
     )  # fmt: skip
     drawing = construct_motion(car, step=STEP / 8, duration=0.15)
     before, jolt = next((f, g) for f, g in pairwise(drawing.frames) if g.time == at)
-    gap = car.axle.gap(before.points["P2'"], 0.0)
+    gap = car.axles[0].gap(before.points["P2'"], 0.0)
     push = (jolt.points["P2"] - before.points["P2'"]).imag
     assert 0.012 < gap < 0.03
     assert (push == 0.0) == (contact == "gap" and height < gap)
@@ -264,8 +266,8 @@ def test_the_shortcut_ends_the_flight_later():
         (flight,) = shortcut_flights(BY_FORCE, drawing.frames, step=step)
         last = flight[-1]
         assert last.time + last.duration == pytest.approx(0.0719526, abs=tolerance)
-        height = ap57().axle.wheel.displacement(last.points["P2'"])
-        assert height == pytest.approx(ap57().axle.static_tyre_deflection, abs=1e-12)
+        height = ap57().axles[0].wheel.displacement(last.points["P2'"])
+        assert height == pytest.approx(ap57().axles[0].static_tyre_deflection, abs=1e-12)
         touchdown = next(f.time for f in drawing if f.event == "touchdown")
         assert touchdown < last.time
 
@@ -280,7 +282,7 @@ def test_the_shortcut_is_drawn_beside_the_march_and_changes_nothing():
     lift_off = next(f for f in drawing if f.event == "lift_off")
     assert curves[0].vertices[0] == lift_off.points["P1"]
     assert curves[1].vertices[-1].real == pytest.approx(
-        car.planes[1].displacement.at(car.axle.static_tyre_deflection).real
+        car.planes[1].displacement.at(car.axles[0].static_tyre_deflection).real
     )
     for other in (OneDofPlane(1.0, linear(1.0), linear(0.0)), ap57(friction=600.0)):
         with pytest.raises(ValueError, match="linear tyres and without dry friction"):
@@ -302,7 +304,7 @@ def test_a_kerb_pushes_the_wheel_through_the_damper_of_the_tyre():
         bar = sense * push / plane.angular_frequency * plane.scaled_velocity.scale
         assert jump == pytest.approx(1j * bar, abs=1e-12)
     steep = construct_motion(
-        replace(car, road=roads.ramp(height, 0.002, 20.0, 0.0323)), step=STEP / 16, duration=0.15
+        ap57(road=roads.ramp(height, 0.002, 20.0, 0.0323)), step=STEP / 16, duration=0.15
     )
     end, wanted = (d.frames[-1].readings for d in (drawing, steep))
     for name in ("body_displacement", "wheel_displacement"):

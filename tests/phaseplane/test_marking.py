@@ -251,7 +251,7 @@ def test_a_misread_point_does_not_spoil_the_step_after_it_though_that_is_beside(
     ],
 )
 def test_mistakes_in_the_planes_of_a_car_are_named(senses, unit, words):
-    construction = ap57(initial_deflection=0.05, initial_wheel_displacement=0.02)
+    construction = ap57(initial=(0.05, 0.0, 0.02, 0.0))
     drawing = construct_motion(construction, DELTA, step=0.005, steps=4)
     stepper = Stepper(construction, DELTA)
     stepper.rates = tuple(sense * rate for sense, rate in zip(senses, stepper.rates, strict=True))

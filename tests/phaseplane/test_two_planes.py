@@ -19,6 +19,7 @@ from worked_example import C1, C2, K2, KGF, STEP, M, ap57, by_scipy, column, ele
 
 from phaseplane.constructions import (
     RULES,
+    AxleData,
     QuarterCarPlanes,
     Strut,
     Window,
@@ -37,23 +38,23 @@ def without_lift_off() -> np.ndarray:
 
 def test_published_constants():
     car = ap57()
-    one, two = car.axle.angular_frequencies
+    one, two = car.axles[0].angular_frequencies
     assert one == pytest.approx(23.452, abs=5e-4)
     assert two == pytest.approx(70.7107, abs=5e-5)
     # the paper truncates its second turn angle
     assert STEP * one == pytest.approx(0.05863, abs=5e-6)
     assert STEP * two == pytest.approx(0.17677, abs=1e-5)
-    assert car.axle.lines.distances == pytest.approx((0.20, 0.19608), abs=5e-6)
-    assert car.axle.tyre_ratio == pytest.approx(0.471, abs=5e-4)
-    assert car.axle.coupling == pytest.approx(1.0 / 0.11)
-    assert car.axle.strut.rate / car.tyre_stiffness == pytest.approx(1.0 / 10.0)
-    assert car.axle.static_tyre_deflection == pytest.approx(0.02157, abs=5e-6)
+    assert car.axles[0].lines.distances == pytest.approx((0.20, 0.19608), abs=5e-6)
+    assert car.axles[0].tyre_ratio == pytest.approx(0.471, abs=5e-4)
+    assert car.axles[0].coupling == pytest.approx(1.0 / 0.11)
+    assert car.axles[0].strut.rate / car.axle.tyre_stiffness == pytest.approx(1.0 / 10.0)
+    assert car.axles[0].static_tyre_deflection == pytest.approx(0.02157, abs=5e-6)
 
 
 @given(st.floats(0.0, 0.05))
 def test_published_excitation(t):
     wanted = 2.5 * (1.0 - cos(40.0 * pi * t)) + 2.0 * pi / 3.0 * sin(40.0 * pi * t)
-    assert 100.0 * ap57().axle.excitation(Window(t)) == pytest.approx(wanted, abs=1e-12)
+    assert 100.0 * ap57().axles[0].excitation(Window(t)) == pytest.approx(wanted, abs=1e-12)
 
 
 def test_the_wheel_would_leave_the_road(without_lift_off):
@@ -74,31 +75,36 @@ scale = st.floats(0.1, 10.0)
 cars = st.builds(
     QuarterCarPlanes,
     sprung_mass=st.floats(50.0, 2000.0),
-    unsprung_mass=st.floats(5.0, 200.0),
-    spring=st.builds(cubic, st.floats(1e3, 1e5), st.floats(0.0, 1e6)),
-    damper=st.builds(damper, st.floats(0.0, 5e3), st.floats(0.0, 5e3), st.just(400.0)),
-    tyre_stiffness=st.floats(5e4, 1e6),
-    tyre_damping=st.floats(0.0, 3e3),
-    road=st.builds(roads.bump, st.floats(-0.1, 0.1), st.floats(0.5, 3.0), st.just(20.0)),
+    axle=st.builds(
+        AxleData,
+        unsprung_mass=st.floats(5.0, 200.0),
+        spring=st.builds(cubic, st.floats(1e3, 1e5), st.floats(0.0, 1e6)),
+        damper=st.builds(damper, st.floats(0.0, 5e3), st.floats(0.0, 5e3), st.just(400.0)),
+        tyre_stiffness=st.floats(5e4, 1e6),
+        tyre_damping=st.floats(0.0, 3e3),
+        static_load=st.floats(100.0, 2e4),
+        road=st.builds(roads.bump, st.floats(-0.1, 0.1), st.floats(0.5, 3.0), st.just(20.0)),
+        initial=st.tuples(
+            st.floats(-0.1, 0.1), st.floats(-3.0, 3.0), st.floats(-0.1, 0.1), st.floats(-3.0, 3.0)
+        ),
+    ),
     plane_scales=st.tuples(scale, scale),
     plane_distance=st.floats(0.02, 2.0),
-    initial_deflection=st.floats(-0.1, 0.1),
-    initial_deflection_rate=st.floats(-3.0, 3.0),
-    initial_wheel_displacement=st.floats(-0.1, 0.1),
-    initial_wheel_velocity=st.floats(-3.0, 3.0),
 )
 windows = st.builds(Window, st.floats(0.0, 0.2), st.one_of(st.just(0.0), st.floats(1e-4, 0.01)))
 
 
 def excitation_by_quadrature(car: QuarterCarPlanes, window: Window) -> float:
     def h(t):
-        return car.road.value(t) + car.tyre_damping / car.tyre_stiffness * car.road.rate(t)
+        return car.axle.road.value(
+            t
+        ) + car.axle.tyre_damping / car.axle.tyre_stiffness * car.axle.road.rate(t)
 
     if window.duration == 0.0:
         return h(window.start)
     cuts = [
         window.start,
-        *(t for t in car.road.joints if window.start < t < window.end),
+        *(t for t in car.axle.road.joints if window.start < t < window.end),
         window.end,
     ]
     inside = [quad(h, a, b, epsabs=1e-14, epsrel=1e-12)[0] for a, b in pairwise(cuts)]
@@ -108,14 +114,13 @@ def excitation_by_quadrature(car: QuarterCarPlanes, window: Window) -> float:
 @given(cars, windows)
 def test_projection_gives_the_feet_of_the_formulas(car, window):
     """D1 and D2 by points C1, C2 against the denominators of AP57 eqs. 18 and 30."""
-    big, small = car.sprung_mass, car.unsprung_mass
-    c1, c2, k2 = car.axle.strut.rate, car.tyre_stiffness, car.tyre_damping
+    big, small = car.sprung_mass, car.axle.unsprung_mass
+    c1, c2, k2 = car.axles[0].strut.rate, car.axle.tyre_stiffness, car.axle.tyre_damping
     a, b = car.plane_scales
-    y, v = car.initial_deflection, car.initial_deflection_rate
-    x2, v2 = car.initial_wheel_displacement, car.initial_wheel_velocity
-    force = car.damper.force(v) + car.spring.force(y)
+    y, v, x2, v2 = car.axle.initial
+    force = car.axle.damper.force(v) + car.axle.spring.force(y)
     bracket = x2 + k2 / c2 * v2 - excitation_by_quadrature(car, window)
-    weight = (big + small) * car.gravity / c2
+    weight = car.axle.static_load / c2
     for mode, tyre in (("contact", bracket), ("flight", weight)):
         points = car.points(mode, car.initial, window)
         one = force / c1 - c2 / c1 * big / (big + small) * tyre
@@ -142,7 +147,7 @@ def test_points_lie_on_the_lines_that_give_them(car, window):
     assert on_one_line("A1*", "C2", "B2")
     assert on_one_line("Q1", "C1", "D2")
     assert on_one_line("Q2", "C2", "D1")
-    first, second = car.axle.lines.distances
+    first, second = car.axles[0].lines.distances
     assert points["C1"].imag == -first
     assert points["C2"].imag == -second
     assert 0.0 < second < first < car.plane_distance
@@ -154,28 +159,22 @@ def test_readings_balance_the_forces(car):
     for mode in ("contact", "flight"):
         read = car.readings(mode, car.initial, 0.01, None)
         y, v = read["suspension_deflection"], read["suspension_deflection_rate"]
-        force = car.damper.force(v) + car.spring.force(y)
-        tyre = (car.sprung_mass + car.unsprung_mass) * car.gravity - read["contact_force"]
-        size = 1e-8 * (abs(force) + abs(tyre) + 1e3) * max(1.0, car.axle.coupling)
+        force = car.axle.damper.force(v) + car.axle.spring.force(y)
+        tyre = car.axle.static_load - read["contact_force"]
+        size = 1e-8 * (abs(force) + abs(tyre) + 1e3) * max(1.0, car.axles[0].coupling)
         assert abs(car.sprung_mass * read["body_acceleration"] + force) < size * 10.0
-        assert abs(car.unsprung_mass * read["wheel_acceleration"] - force + tyre) < size
+        assert abs(car.axle.unsprung_mass * read["wheel_acceleration"] - force + tyre) < size
         # the control (25) is the acceleration of the body by another way
         assert car.sprung_mass * read["control_body_acceleration"] == pytest.approx(
             -force, rel=1e-9, abs=1e-6
         )
-        assert y == pytest.approx(car.initial_deflection, abs=1e-12)
-        assert v == pytest.approx(car.initial_deflection_rate, abs=1e-10)
-        assert read["wheel_displacement"] == pytest.approx(
-            car.initial_wheel_displacement, abs=1e-12
-        )
-        assert read["wheel_velocity"] == pytest.approx(car.initial_wheel_velocity, abs=1e-9)
+        motion = (y, v, read["wheel_displacement"], read["wheel_velocity"])
+        assert motion == pytest.approx(car.axle.initial, rel=1e-6, abs=1e-9)
 
 
 def test_the_normals_turn_in_opposite_senses():
     """Time runs clockwise in plane 1 and the other way in plane 2 (AP57 figure 8)."""
-    frame = next(
-        frames(ap57(initial_deflection=0.05, initial_wheel_displacement=0.05), step=1e-4, steps=1)
-    )
+    frame = next(frames(ap57(initial=(0.05, 0.0, 0.05, 0.0)), step=1e-4, steps=1))
     for number, sense in (("1", -1.0), ("2", 1.0)):
         p, d, successor = (frame.points[n] for n in (f"P{number}", f"D{number}", f"P{number}'"))
         assert ((p - d).conjugate() * (successor - p)).imag * sense > 0.0
@@ -310,10 +309,11 @@ def test_a_stop_in_the_spring_is_felt():
         ({"unsprung_mass": 0.0}, "unsprung_mass = 0.0"),
         ({"tyre_stiffness": nan}, "tyre_stiffness = nan"),
         ({"tyre_damping": -1.0}, "tyre_damping = -1.0: must be finite and at least 0"),
-        ({"gravity": 0.0}, "gravity = 0.0: must be finite and greater than 0"),
+        ({"static_load": -1.0}, "static_load = -1.0: must be finite and at least 0"),
         ({"plane_scales": (1.0, 0.0)}, "the second of plane_scales = 0.0"),
         ({"plane_distance": -0.2}, "plane_distance = -0.2"),
-        ({"initial_wheel_velocity": nan}, "initial_wheel_velocity = nan"),
+        ({"initial": (0.0, 0.0, 0.0, nan)}, "must be four finite numbers"),
+        ({"initial": (0.0, 0.0)}, "must be four finite numbers"),
         ({"spring": linear(-3.0)}, "rate at zero deflection is -3 N/m"),
     ],
 )
@@ -322,8 +322,8 @@ def test_what_cannot_be_drawn_is_refused(changes, message):
         ap57(**changes)
 
 
-def test_without_lift_off_weight_may_be_absent():
-    assert replace(ap57(), gravity=0.0, lift_off=False).axle.static_tyre_deflection == 0.0
+def test_weight_may_be_absent():
+    assert ap57(static_load=0.0).axles[0].static_tyre_deflection == 0.0
 
 
 # The mean of the road over a step.
@@ -389,24 +389,26 @@ def test_a_linear_tyre_moves_alike_in_either_plane():
 @given(cars, windows)
 def test_projection_gives_the_feet_of_the_formulas_for_any_tyre(car, window):
     """D1 and H2 against (18) with the bracket (f + phi) / c2, and xi'' / Omega2^2 in plane 2 alone."""
-    law = Strut(cubic(car.tyre_stiffness, 1e6), linear(car.tyre_damping))
-    one = replace(car, tyre_stiffness=0.0, tyre_damping=0.0, tyre=law)
+    law = Strut(cubic(car.axle.tyre_stiffness, 1e6), linear(car.axle.tyre_damping))
+    data = replace(car.axle, tyre_stiffness=0.0, tyre_damping=0.0, tyre=law)
+    one = replace(car, axle=data)
     points = one.points("contact", one.initial, window)
-    c1, c2 = one.axle.strut.rate, car.tyre_stiffness
+    c1, c2 = one.axles[0].strut.rate, car.axle.tyre_stiffness
     a, b = one.plane_scales
-    elevation, rise, acceleration, _ = one.road.derivatives(0.0)
-    y, v = one.initial_wheel_displacement - elevation, one.initial_wheel_velocity - rise
+    elevation, rise, acceleration, _ = one.axle.road.derivatives(0.0)
+    deflection, rate, x2, v2 = data.initial
+    y, v = x2 - elevation, v2 - rise
     bracket = law.force(v, y) / c2
-    force = one.damper.force(one.initial_deflection_rate) + one.spring.force(one.initial_deflection)
+    force = data.damper.force(rate) + data.spring.force(deflection)
     if window.duration:
-        change = one.road.rate(window.end) - one.road.rate(window.start)
+        change = one.axle.road.rate(window.end) - one.axle.road.rate(window.start)
         acceleration = change / window.duration
     else:
-        acceleration = one.road.acceleration(window.start)
-    first = force / c1 - one.axle.coupling * bracket
-    second = bracket - force / c2 + acceleration * one.unsprung_mass / c2
+        acceleration = one.axle.road.acceleration(window.start)
+    first = force / c1 - one.axles[0].coupling * bracket
+    second = bracket - force / c2 + acceleration * one.axle.unsprung_mass / c2
     size = max(abs(p) for p in points.values()) * (1.0 + a / b + b / a)
-    tolerance = 1e-10 * (size + a * one.axle.coupling * abs(bracket) + b)
+    tolerance = 1e-10 * (size + a * one.axles[0].coupling * abs(bracket) + b)
     assert abs((points["Q1"] - points["D1"]).real - a * first) < tolerance
     assert abs((points["H2"] - points["Q2"]).real - b * second) < tolerance
     assert "B2" not in points
@@ -449,7 +451,7 @@ def test_a_hardening_tyre_against_an_independent_solution(contact):
         drawing = construct_motion(car, step=STEP / parts, duration=0.15)
         last = drawing.frames[-1].points
         y = [lienard.plane.displacement.read(last[f"{lienard.plane.state}'"])
-             for lienard in (car.axle.suspension, car.axle.wheel)]  # fmt: skip
+             for lienard in (car.axles[0].suspension, car.axles[0].wheel)]  # fmt: skip
         errors.append(max(abs(y[1] - state[1]), abs(y[0] - state[0] + state[1])))
         events = [f.time for f in drawing if f.event]
         assert events == pytest.approx(switches, abs=6e-4 / parts)
@@ -482,8 +484,8 @@ def test_between_the_curves_of_a_family_the_point_is_interpolated():
         assert len(labels) == count + 1  # and the line of plane 2
         assert labels[0] == "y1 = -6 cm"
     assert apart[0] > 2.5 * apart[1] > 6.0 * apart[2] > 0.0
-    car = ap57(damper=progressive, auxiliary_levels=(-0.05, 0.0, 0.05), initial_deflection=0.02,
-               initial_deflection_rate=0.5)  # fmt: skip
+    car = ap57(damper=progressive, auxiliary_levels=(-0.05, 0.0, 0.05),
+               initial=(0.02, 0.5, 0.0, 0.0))  # fmt: skip
     a = car.points("contact", car.initial, Window(0.0))["A1"].real
     between = [-progressive(0.5, y) / C1 for y in (0.0, 0.05)]
     assert a == pytest.approx(0.6 * between[0] + 0.4 * between[1], rel=1e-12)

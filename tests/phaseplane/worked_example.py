@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, replace
 from itertools import combinations
 from math import cos, pi, sin
 
@@ -12,7 +13,7 @@ from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import damper, linear
 from scipy.integrate import solve_ivp
 
-from phaseplane.constructions import QuarterCarPlanes
+from phaseplane.constructions import AxleData, QuarterCarPlanes
 
 KGF = 9.80665
 M, m = 30.0 * KGF, 3.0 * KGF
@@ -20,18 +21,17 @@ C1, C2, K2 = 1500.0 * KGF, 15000.0 * KGF, 100.0 * KGF
 STEP = 0.0025
 
 
+AXLE = AxleData(
+    unsprung_mass=m, spring=linear(C1), damper=damper(200.0 * KGF, 50.0 * KGF), tyre_stiffness=C2,
+    tyre_damping=K2, static_load=(M + m) * 9.80665, road=roads.bump(0.05, 1.0, 20.0),
+)  # fmt: skip
+
+
 def ap57(kind=QuarterCarPlanes, **changes) -> QuarterCarPlanes:
-    """AP57 section 8 in SI."""
-    data = {
-        "sprung_mass": M,
-        "unsprung_mass": m,
-        "spring": linear(C1),
-        "damper": damper(200.0 * KGF, 50.0 * KGF),
-        "tyre_stiffness": C2,
-        "tyre_damping": K2,
-        "road": roads.bump(0.05, 1.0, 20.0),
-    }
-    return kind(**(data | changes))
+    """AP57 section 8 in SI, with changes of the car and of its axle."""
+    of_axle = {f.name for f in fields(AXLE)} & changes.keys()
+    axle = replace(AXLE, **{name: changes.pop(name) for name in of_axle})
+    return kind(**{"sprung_mass": M, "axle": axle, **changes})
 
 
 def elevation(t: float) -> tuple[float, float]:

@@ -481,15 +481,15 @@ def test_while_the_strut_sticks_the_projection_backwards_is_that_forwards():
         assert at["D1"] == at["Q1"]
         assert abs(at["P1'"] - at["P1"]) < 1e-12
         if "C2" in at:
-            c2, d1 = planes.axle.lines.to_plane_1(at["A1*"], at["B2"], at["Q2"])
+            c2, d1 = planes.axles[0].lines.to_plane_1(at["A1*"], at["B2"], at["Q2"])
             assert abs(c2 - at["C2"]) < 1e-12
             assert abs(d1 - at["D1"]) < 1e-12
     # the mean over a step may go a little beyond what an instant allows
-    lienard = planes.axle.suspension
+    lienard = planes.axles[0].suspension
     for frame in held:
         y, _ = lienard.values(frame.points["P1"])
         eps = -lienard.displacement(frame.points["A1*"])
-        assert abs(eps - planes.axle.epsilon_of(0)(0.0, y)) < 1.2 * planes.axle.reach
+        assert abs(eps - planes.axles[0].epsilon_of(0)(0.0, y)) < 1.2 * planes.axles[0].reach
 
 
 @pytest.mark.parametrize("name", ["ap57", "van_der_pol"])
