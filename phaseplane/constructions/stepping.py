@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from cmath import exp, isfinite
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 
 from phaseplane.constructions.construction import Construction, Window
 from phaseplane.constructions.primitives import Plane
@@ -22,22 +25,46 @@ def signed_frequency(plane: Plane) -> float:
     return -(y.conjugate() * y_bar).imag * plane.angular_frequency
 
 
+Made = Callable[[str, States, Window], Points]
+"""The points of a construction, as `Construction.points`."""
+
+
+@dataclass(frozen=True)
 class Stepper:
-    """Makes the steps of a construction by a rule, each with all its points."""
+    """Makes the steps of a construction by a rule, each with all its points.
 
-    def __init__(self, construction: Construction, rule: Rule) -> None:
-        self.construction = construction
-        self.rule = rule
-        self.planes = construction.planes
-        self.rates = tuple(signed_frequency(plane) for plane in self.planes)
-        self.numbers = tuple(plane.number for plane in self.planes)
-        self.feet = tuple(plane.foot for plane in self.planes)
-        self._names: dict[str, tuple[str, ...]] = {}
+    Parameters
+    ----------
+    made : makes the points; None if the construction does
+    factors : by which turn angles are laid off too large, by plane; empty if they are right
+    """
 
-    def _named(self, template: str) -> tuple[str, ...]:
-        if template not in self._names:
-            self._names[template] = tuple(template.format(n=number) for number in self.numbers)
-        return self._names[template]
+    construction: Construction
+    rule: Rule
+    made: Made | None = None
+    factors: tuple[float, ...] = ()
+
+    @cached_property
+    def planes(self) -> tuple[Plane, ...]:
+        """The phase planes."""
+        return self.construction.planes
+
+    @cached_property
+    def points(self) -> Made:
+        """Makes the points."""
+        return self.made or self.construction.points
+
+    @cached_property
+    def rates(self) -> tuple[float, ...]:
+        """The rates at which the normals turn on the sheet, rad/s."""
+        factors = self.factors or len(self.planes) * (1.0,)
+        pairs = zip(self.planes, factors, strict=True)
+        return tuple(factor * signed_frequency(plane) for plane, factor in pairs)
+
+    @cached_property
+    def feet(self) -> tuple[str, ...]:
+        """The names of the feet of the normals."""
+        return tuple(plane.foot for plane in self.planes)
 
     def step(self, mode: str, states: States, window: Window) -> tuple[Points, States]:
         """Return all points of a step, and the states at its end: the successors P' and the memory.
@@ -46,12 +73,12 @@ class Stepper:
         ------
         OverflowError : if a successor is far off the sheet or not finite.
         """
-        construction = self.construction
-        count = len(self.planes)
+        make, count = self.points, len(self.planes)
+        numbers = [plane.number for plane in self.planes]
         moving, memory = states[:count], states[count:]
 
         def construct(at: States) -> tuple[States, Points]:
-            points = construction.points(mode, at + memory, window)
+            points = make(mode, at + memory, window)
             return tuple([points[foot] for foot in self.feet]), points
 
         feet, points = construct(moving)
@@ -59,12 +86,12 @@ class Stepper:
         move = self.rule.move(moving, feet, turns, construct)
         for name, point in move.repeated.items():
             points[name + REPEATED] = point
-        for template, helpers in move.helpers.items():
-            points.update(zip(self._named(template), helpers, strict=True))
-        points.update(zip(self._named("P{n}'"), move.successors, strict=True))
-        vertex = construction.protractor
+        for template, found in (*move.helpers.items(), ("P{n}'", move.successors)):
+            names = (template.format(n=number) for number in numbers)
+            points.update(zip(names, found, strict=True))
+        vertex = self.construction.protractor
         points["W"] = vertex
-        for number, p, d, turn in zip(self.numbers, moving, feet, turns, strict=True):
+        for number, p, d, turn in zip(numbers, moving, feet, turns, strict=True):
             length = abs(p - d)
             points["N" + number] = vertex + length
             points["N" + number + "'"] = vertex + length * exp(1j * abs(turn))

@@ -14,13 +14,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
 from math import inf
-from typing import NamedTuple, TypeVar, cast
+from typing import NamedTuple, TypeVar
 
 from phaseplane.constructions.construction import JOLT, Construction, Window
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.rules import RULES, Rule
-from phaseplane.constructions.stepping import Stepper
+from phaseplane.constructions.stepping import Made, Stepper
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.switching import first_end
 from phaseplane.exercises.readings import Reading
@@ -116,6 +116,7 @@ def mark(
         raise ValueError(
             f"point 0 is {1e3 * off:.3g} mm from the start point of the sheet; is this another exercise?"
         )
+    stepper = Stepper(construction, rule)
     marks: list[Mark] = []
     nominal = max(frame.duration for frame in drawing.frames)
     memory = construction.initial[len(planes) :]
@@ -139,8 +140,8 @@ def mark(
         found = []
         for origin in starts:
             own = step._replace(states=origin.states + memory)
-            own = _ended(construction, rule, own, nominal)
-            found.append(_judged(construction, rule, own, origin, after, tolerance))
+            own = _ended(stepper, own, nominal)
+            found.append(_judged(stepper, own, origin, after, tolerance))
         best, _ = min(found, key=lambda one: (one[1], one[0].verdict != RIGHT))
         if best is not found[0][0]:
             marks[-1] = _misread(marks[-1], before, planes, tolerance)
@@ -163,11 +164,10 @@ def _misread(mark: Mark, read: Reading, planes: Sequence[Plane], tolerance: floa
     return mark._replace(verdict=READING, said="; ".join(filter(None, (known, words))))
 
 
-def _ended(construction: Construction, rule: Rule, step: _Step, nominal: float) -> _Step:
+def _ended(stepper: Stepper, step: _Step, nominal: float) -> _Step:
     """Return a step that ends on a switch so that it does from the student's point, too."""
     if not step.switches:
         return step
-    stepper = Stepper(construction, rule)
     longer = Window(step.window.start, min(nominal, 1.5 * step.window.duration + 0.1 * nominal))
     try:
         points, successors = stepper.step(step.mode, step.states, longer)
@@ -186,33 +186,28 @@ def _stepped(stepper: Stepper, step: _Step) -> tuple[Points, States]:
 
 
 def _judged(
-    construction: Construction,
-    rule: Rule,
-    step: _Step,
-    before: Reading,
-    after: Reading,
-    tolerance: float,
+    stepper: Stepper, step: _Step, before: Reading, after: Reading, tolerance: float
 ) -> tuple[Mark, int]:
     """Return the mark of a point, and how far off it is: 0 within the tolerance, 1 slightly beyond, 2."""
-    points, expected = _stepped(Stepper(construction, rule), step)
-    expected = expected[: len(construction.planes)]
-    for_foot, for_point = _carried(construction, rule, step, tolerance)
+    points, expected = _stepped(stepper, step)
+    expected = expected[: len(stepper.planes)]
+    for_foot, for_point = _carried(stepper, step, tolerance)
     verdict, said = RIGHT, ""
     if before.feet is not None:
-        verdict, said = _judged_foot(construction, step, points, before.feet, tolerance, for_foot)
-        own = _with_feet(construction, points, before.feet)
-        followed = _made(Stepper(own, rule), step) if said else None
+        verdict, said = _judged_foot(stepper, step, points, before.feet, tolerance, for_foot)
+        own = _with_feet(stepper, points, before.feet)
+        followed = _made(own, step) if said else None
         if followed is not None:
             if _apart(after.states, expected) <= tolerance < _apart(after.states, followed):
                 verdict = READING
                 said = "the step was made with the right D: only its reading is wrong"
             else:
-                construction, expected = own, followed
+                stepper, expected = own, followed
         said = said and f"D of point {before.number}: {said}"
     distance = _apart(after.states, expected)
     beyond = (distance - for_point > tolerance) + (distance - for_point > _DOUBTFUL * tolerance)
     if beyond:
-        mistake = _named(_mistakes(construction, rule, step), after.states, expected, tolerance)
+        mistake = _named(_mistakes(stepper, step), after.states, expected, tolerance)
         slight = beyond == 1 and not mistake
         verdict = READING if slight and verdict != METHOD else METHOD
         again = f"construct the step from point {before.number} again"
@@ -222,25 +217,22 @@ def _judged(
     return Mark(after.number, verdict, 1e3 * distance, typeset(said), expected), beyond
 
 
-def _carried(
-    construction: Construction, rule: Rule, step: _Step, tolerance: float
-) -> tuple[float, float]:
+def _carried(stepper: Stepper, step: _Step, tolerance: float) -> tuple[float, float]:
     """Return how far D and the next point move with errors of reading in the point before, m of paper.
 
     These are a quarter of the tolerance in every plane. Where D follows steeply from the point, as in the
     plane of a soft spring beside a stiff tyre, a careful student's D is farther off than the point.
     """
-    stepper = Stepper(construction, rule)
-    planes = construction.planes
+    count = len(stepper.planes)
 
     def made(states: States) -> tuple[States, States]:
         points, ends = _stepped(stepper, step._replace(states=states))
-        return tuple(points[plane.foot] for plane in planes), ends[: len(planes)]
+        return tuple(points[foot] for foot in stepper.feet), ends[:count]
 
     states, found = step.states, [0.0, 0.0]
     try:
         right = made(states)
-        for k in range(len(planes)):
+        for k in range(count):
             for way in (0.25 * tolerance, 0.25j * tolerance):
                 moved = made((*states[:k], states[k] + way, *states[k + 1 :]))
                 for i in (0, 1):
@@ -252,7 +244,7 @@ def _carried(
 
 
 def _judged_foot(
-    construction: Construction,
+    stepper: Stepper,
     step: _Step,
     points: Points,
     read: States,
@@ -265,14 +257,13 @@ def _judged_foot(
     ----------
     carried : how far off they may be in addition, with the point before
     """
-    planes = construction.planes
-    feet = tuple(points[plane.foot] for plane in planes)
+    feet = tuple(points[foot] for foot in stepper.feet)
     off = _apart(read, feet)
     if off <= tolerance + carried:
         return RIGHT, ""
     wrong = (
-        (words, tuple(found[plane.foot] for plane in planes))
-        for words, made in (*_missed(construction, step), *_wrong_feet(construction, step))
+        (words, tuple(found[foot] for foot in stepper.feet))
+        for words, made in (*_missed(stepper, step), *_wrong_feet(stepper))
         if (found := _tried(partial(made, step.mode, step.states, step.window))) is not None
     )
     mistake = _named(wrong, read, feet, tolerance)
@@ -304,47 +295,43 @@ def _named(
     return next(words for off, words in found if off <= nearest + 0.1 * tolerance)
 
 
-def _mistakes(construction: Construction, rule: Rule, step: _Step) -> Iterator[tuple[str, States]]:
+def _mistakes(stepper: Stepper, step: _Step) -> Iterator[tuple[str, States]]:
     """Yield known mistakes of a step, with the state points to which they lead."""
-    planes = construction.planes
+    planes, own = stepper.planes, stepper.rule.name.replace("_", " ")
 
-    def turned(*factors: float) -> Stepper:
-        stepper = Stepper(construction, rule)
-        stepper.rates = tuple(f * rate for f, rate in zip(factors, stepper.rates, strict=True))
-        return stepper
+    def turned(words: str, *factors: float) -> tuple[str, Stepper]:
+        return words, replace(stepper, factors=factors)
 
-    def turned_backwards(wrong: Sequence[Plane]) -> Stepper:
-        return turned(*(-1.0 if plane in wrong else 1.0 for plane in planes))
+    def made(mistakes: Iterator[tuple[str, Made]]) -> Iterator[tuple[str, Stepper]]:
+        return ((words, replace(stepper, made=points)) for words, points in mistakes)
 
+    backwards = (
+        turned(
+            f"the normal of plane {plane.number} was turned in the wrong direction",
+            *(-1.0 if one is plane else 1.0 for one in planes),
+        )
+        for plane in planes
+    )
+    every = len(planes)
     cases = [
+        *made(_missed(stepper, step)),
+        turned("the normal was turned in the wrong direction", *every * [-1.0]),
+        turned("the turn angle was laid off twice", *every * [2.0]),
+        turned("only half of the turn angle was laid off", *every * [0.5]),
         *(
-            (words, Stepper(_changed(construction, made), rule))
-            for words, made in _missed(construction, step)
+            (f"the step follows the rule {other.name.replace('_', ' ')}, not {own}",
+             replace(stepper, rule=other))
+            for other in RULES.values()
+            if other is not stepper.rule
         ),
-        ("the normal was turned in the wrong direction", turned_backwards(planes)),
-        ("the turn angle was laid off twice", turned(*len(planes) * [2.0])),
-        ("only half of the turn angle was laid off", turned(*len(planes) * [0.5])),
-        *(
-            (f"the step follows the rule {name.replace('_', ' ')}, not {rule.name.replace('_', ' ')}",
-             Stepper(construction, other))
-            for name, other in RULES.items()
-            if name != rule.name
-        ),
-        *(
-            (words, Stepper(_changed(construction, made), rule))
-            for words, made in _wrong_feet(construction, step)
-        ),
-        *(
-            (f"the normal of plane {plane.number} was turned in the wrong direction",
-             turned_backwards([plane]))
-            for plane in planes[: len(planes) if planes[1:] else 0]
-        ),
+        *made(_wrong_feet(stepper)),
+        *(backwards if planes[1:] else ()),
     ]  # fmt: skip
     yield "the point was not moved", step.states[: len(planes)]
-    for words, stepper in cases:
-        if (found := _made(stepper, step)) is not None:
+    for words, one in cases:
+        if (found := _made(one, step)) is not None:
             yield words, found
-    if (found := _made(Stepper(construction, rule), step)) is not None:
+    if (found := _made(stepper, step)) is not None:
         yield from _misreadings(planes, found)
 
 
@@ -382,25 +369,21 @@ _WRONG_FEET: tuple[tuple[str, Callable[[Points, Plane], complex]], ...] = (
 )  # fmt: skip
 
 
-_Made = Callable[[str, States, Window], Points]
-"""The points of a construction, as `Construction.points`."""
-
-
-def _missed(construction: Construction, step: _Step) -> Iterator[tuple[str, _Made]]:
+def _missed(stepper: Stepper, step: _Step) -> Iterator[tuple[str, Made]]:
     """Yield the mistake of one who goes on as before the last switch."""
     if step.missed:
         before, words = step.missed
-        yield words, lambda _mode, states, window: construction.points(before, states, window)
+        yield words, lambda _mode, states, window: stepper.points(before, states, window)
 
 
-def _wrong_feet(construction: Construction, step: _Step) -> Iterator[tuple[str, _Made]]:
+def _wrong_feet(stepper: Stepper) -> Iterator[tuple[str, Made]]:
     """Yield known mistakes in finding D, with the points to which they lead."""
-    planes = construction.planes
+    planes, right = stepper.planes, stepper.points
 
     def misplaced(
         change: Callable[[Points, Plane], complex], mode: str, states: States, window: Window
     ) -> Points:
-        points = construction.points(mode, states, window)
+        points = right(mode, states, window)
         drawn = (plane for plane in planes if f"A{plane.number}*" in points)
         return {**points, **{plane.foot: change(points, plane) for plane in drawn}}
 
@@ -410,9 +393,8 @@ def _wrong_feet(construction: Construction, step: _Step) -> Iterator[tuple[str, 
             for plane, p in zip(planes, states, strict=False)
         )
         images += states[len(planes) :]
-        there = construction.points(construction.mode_at(images, window.start), images, window)
-        points = construction.points(mode, states, window)
-        return {**points, **{plane.foot: there[plane.foot] for plane in planes}}
+        there = right(stepper.construction.mode_at(images, window.start), images, window)
+        return {**right(mode, states, window), **{foot: there[foot] for foot in stepper.feet}}
 
     for words, change in _WRONG_FEET:
         yield words, partial(misplaced, change)
@@ -422,31 +404,15 @@ def _wrong_feet(construction: Construction, step: _Step) -> Iterator[tuple[str, 
     )
 
 
-class _Changed:
-    """A construction whose points are made in another way."""
-
-    def __init__(self, inner: Construction, points: _Made) -> None:
-        self.inner, self.points = inner, points
-
-    def __getattr__(self, name: str) -> object:
-        """Take everything but the points from the construction."""
-        return getattr(self.inner, name)
-
-
-def _changed(construction: Construction, points: _Made) -> Construction:
-    return cast("Construction", _Changed(construction, points))
-
-
-def _with_feet(construction: Construction, right: Points, feet: States) -> Construction:
-    """Return a construction whose feet D are beside the right ones by as much as those that were read."""
-    names = [plane.foot for plane in construction.planes]
+def _with_feet(stepper: Stepper, right: Points, feet: States) -> Stepper:
+    """Return a stepper whose feet D are beside the right ones by as much as those that were read."""
 
     def beside(mode: str, states: States, window: Window) -> Points:
-        points = construction.points(mode, states, window)
-        moved = {n: points[n] + foot - right[n] for n, foot in zip(names, feet, strict=True)}
-        return {**points, **moved}
+        points = stepper.points(mode, states, window)
+        off = ((n, foot - right[n]) for n, foot in zip(stepper.feet, feet, strict=True))
+        return {**points, **{n: points[n] + way for n, way in off}}
 
-    return _changed(construction, beside)
+    return replace(stepper, made=beside)
 
 
 Tried = TypeVar("Tried")
@@ -463,7 +429,7 @@ def _tried(make: Callable[[], Tried]) -> Tried | None:
 def _made(stepper: Stepper, step: _Step) -> States | None:
     """Return the state points after a step, or None if it cannot be made."""
     found = _tried(partial(_stepped, stepper, step))
-    return None if found is None else found[1][: len(stepper.construction.planes)]
+    return None if found is None else found[1][: len(stepper.planes)]
 
 
 def _apart(one: States, other: States) -> float:

@@ -132,8 +132,8 @@ def test_the_rule_that_was_broken_is_named(task, mistake, words):
     state, window = (points[-1],), Window(frame.time, frame.duration)
     stepper = Stepper(construction, DELTA)
     if mistake in ("turned", "twice"):
-        stepper.rates = tuple({"turned": -1.0, "twice": 2.0}[mistake] * r for r in stepper.rates)
-        wrong = stepper.step("contact", state, window)[1][0]
+        factor = {"turned": -1.0, "twice": 2.0}[mistake]
+        wrong = Stepper(construction, DELTA, factors=(factor,)).step("contact", state, window)[1][0]
     elif mistake == "tangent":
         wrong = Stepper(construction, rule_named("tangent")).step("contact", state, window)[1][0]
     elif mistake in ("mirrored", "no_curve", "no_delta"):
@@ -253,8 +253,7 @@ def test_a_misread_point_does_not_spoil_the_step_after_it_though_that_is_beside(
 def test_mistakes_in_the_planes_of_a_car_are_named(senses, unit, words):
     construction = ap57(initial=(0.05, 0.0, 0.02, 0.0))
     drawing = construct_motion(construction, DELTA, step=0.005, steps=4)
-    stepper = Stepper(construction, DELTA)
-    stepper.rates = tuple(sense * rate for sense, rate in zip(senses, stepper.rates, strict=True))
+    stepper = Stepper(construction, DELTA, factors=senses)
     _, made = stepper.step("contact", construction.initial, Window(0.0, 0.005))
     origins = [plane.displacement.origin for plane in construction.planes]
     read = tuple(o + unit * (p - o) for o, p in zip(origins, made, strict=True))
