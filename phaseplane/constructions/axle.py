@@ -396,10 +396,9 @@ class Axle:
         by_force : the body's acceleration from the forces of the struts, m/s^2
         """
         j = self.place.numbers[1]
-        deflection, wheel = self.suspension.motion(points), self.wheel.motion(points)
+        deflection, shown = self.suspension.motion(points), self.wheel.motion(points)
         road = self.data.road.derivatives(time)[:3]
-        if not self.linear_tyre:
-            wheel = added(wheel, road)
+        wheel = shown if self.linear_tyre else added(shown, road)
         bracket = (points[f"Q{j}"] - points[f"B{j}" if self.linear_tyre else f"A{j}*"]).real
         tyre = -self.place.sense * self.tyre.rate * bracket / self.place.scales[1]
         prefix = self.prefix
@@ -409,6 +408,7 @@ class Axle:
             f"{prefix}road_elevation": road[0],
             f"{prefix}contact_force": 0.0 if flies else self.data.static_load - tyre,
             **controlled(prefix, added(wheel, deflection), by_force, before),
+            self.wheel.plane.name: shown[0],
         }
 
     def strut_force(self, points: Points) -> float:

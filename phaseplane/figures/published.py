@@ -203,7 +203,7 @@ def _history(number: int, what: str, *endings: str) -> Callable[..., Figure]:
 
 figure14 = _history(
     14, "displacements of body, wheel, suspension and road",
-    "_displacement", "_deflection", "_elevation",
+    "_displacement", "suspension_deflection", "_elevation",
 )  # fmt: skip
 figure15 = _history(15, "velocities of body, wheel and suspension", "_velocity", "_deflection_rate")
 figure16 = _history(16, "accelerations of body, wheel and suspension", "_acceleration")
