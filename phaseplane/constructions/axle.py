@@ -275,15 +275,15 @@ class Axle:
         that exceeds the gap pushes.
         """
         height, kink = self.jumps.at(time)
-        way = height
-        if self.lift_off:
-            way = max(height, 0.0)
-            if self.contact == "gap" and way > 0.0:
-                # plane 2 shows x2 over the road that has risen, or y2 over the road before
-                gap = self.gap(states[1], time) + height * self.linear_tyre
-                way = max(0.0, way - max(0.0, gap))
-        rate = self.tyre.damping_rate(-height) if way else 0.0
-        push = rate * way / self.data.unsprung_mass
+        # plane 2 shows x2 over the road that has risen, or y2 over the road before
+        far = self.gap(states[1], time) - (0.0 if self.linear_tyre else height)
+        near = far + height
+        if self.lift_off and height < 0.0:
+            near = far
+        elif self.lift_off and self.contact == "gap":
+            near = max(far, min(near, 0.0))
+        free, wheel = self.free_length, self.data.unsprung_mass
+        push = -self.tyre.impulse(free + near, free + far) / wheel
         one = self.suspension.state(0.0, -push) - self.suspension.state(0.0, 0.0)
         moved = (0.0, push) if self.linear_tyre else (-height, push - kink)
         two = self.wheel.state(*moved) - self.wheel.state(0.0, 0.0)

@@ -234,15 +234,17 @@ class HalfCarRigidTyresPlanes(Construction):
     def jolted(self, mode: str, states: States, time: float) -> States:
         """Return the states after a jump: y falls by that of xi, y' by that of xi'; dampers push."""
         heights, kinks = zip(*(one.at(time) for one in self.jumps), strict=True)
-        pushes = [
-            strut.damping_rate(-height) * -height if height else 0.0
-            for strut, height in zip(self.struts, heights, strict=True)
-        ]
+        before = [one.values(p) for one, p in zip(self.lienards, states, strict=True)]
+        after = [y - height for (y, _), height in zip(before, heights, strict=True)]
+        pushes = (
+            strut.impulse(y, end)
+            for strut, (y, _), end in zip(self.struts, before, after, strict=True)
+        )
         changes = self.masses.accelerations(*pushes)
         return tuple(
-            p + one.state(-height, change - kink) - one.state(0.0, 0.0)
-            for p, one, height, kink, change in zip(
-                states, self.lienards, heights, kinks, changes, strict=True
+            one.state(end, rate + change - kink)
+            for one, (_, rate), end, kink, change in zip(
+                self.lienards, before, after, kinks, changes, strict=True
             )
         )
 

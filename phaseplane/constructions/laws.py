@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, isfinite
+from math import copysign, inf, isfinite
 
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.roads import Segment, Signal, constant
 from phaseplane.suspension.systems import CONTACTS
 
+_WAYS = 64  # parts of a jump, over which a damper that depends on the deflection is averaged
 _ROUNDING = 1e-9  # of the terms of a road's velocity: smaller differences are ignored
 
 LEVEL_ROAD = constant()
@@ -68,10 +69,15 @@ class Strut:
         force, rate = self.force, self.rate
         return lambda y_bar, y: force(omega * y_bar, y) / rate - y + moved
 
-    def damping_rate(self, rate: float) -> float:
-        """Return the asymptotic slope of Phi for large rates of this sign, N s/m."""
-        fast = 1e6 * rate
-        return (self.damping(2.0 * fast, 0.0) - self.damping(fast, 0.0)) / fast
+    def impulse(self, near: float, far: float) -> float:
+        """Return the impulse of the damper where the deflection jumps from near to far, N s.
+
+        It is the slope of Phi for large rates, with its mean over the way, times the way.
+        """
+        fast = copysign(1e6, far - near)
+        ways = (near + (far - near) * (i + 0.5) / _WAYS for i in range(_WAYS))
+        slopes = ((self.damping(2.0 * fast, y) - self.damping(fast, y)) / fast for y in ways)
+        return sum(slopes) / _WAYS * (far - near)
 
 
 def damping_force(damper: Damper) -> Callable[[float, float], float]:

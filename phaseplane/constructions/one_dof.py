@@ -149,10 +149,9 @@ class OneDofPlane(SwitchedPlane):
     def jolted(self, mode: str, states: States, time: float) -> States:
         """Return the state after a jump: y falls by that of xi, y' by that of xi'; the damper pushes."""
         height, kink = self.jumps.at(time)
-        impulse = self.strut.damping_rate(-height) * height if height else 0.0
-        origin = self.lienard.state(0.0, 0.0)
-        jump = self.lienard.state(-height, -kink + impulse / self.mass) - origin
-        return (states[0] + jump,)
+        y, rate = self.lienard.values(states[0])
+        push = self.strut.impulse(y, y - height) / self.mass
+        return (self.lienard.state(y - height, rate - kink - push),)
 
     def readings(
         self, mode: str, states: States, time: float, before: Before | None

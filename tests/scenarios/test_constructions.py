@@ -107,6 +107,14 @@ def test_every_law_is_drawn(laws):
     assert max(apart(drawing, "QuarterCar", parameters, names).values()) < 1e-4
 
 
+@pytest.mark.parametrize(("model", "axle"), [("OneDof", ""), ("HalfCarRigidTyres", "front.")])
+def test_a_kerb_pushes_through_a_damper_by_its_mean_over_the_deflection(model, axle):
+    kerb = {"road.shape": "step", "road.height": 0.03, "road.start": 0.02}
+    parameters = parameters_of(model, {**kerb, f"{axle}damper.deflection_table": "-0.05:2, 0:0.3"})
+    drawing = draw_construction(model, parameters, {**SETTINGS, "step": 5e-4}, 0.2)
+    assert max(apart(drawing, model, parameters).values()) < 2e-5
+
+
 def test_an_initial_state_is_that_of_the_run():
     start = {"initial.body_displacement": 0.03, "initial.wheel_velocity": 0.4, "road.shape": "flat"}
     parameters = parameters_of("QuarterCar", start)
