@@ -118,7 +118,10 @@ class SwitchedPlane(OnePlane):
     def mode_after(self, mode: str, limits: Sequence[int], states: States, time: float) -> str:
         """Return the mode beyond a guard, or on it."""
         x, v = self.lienard.values(states[0])
-        return _text(self.switching.settled(v, x, time, limits[:1], _mode(mode)))
+        signs = _mode(mode)
+        # the step has left the switch that holds the motion by its error
+        v, x = self.switching.project(signs, v, x, time)
+        return _text(self.switching.settled(v, x, time, limits[:1], signs))
 
     def remembered(self, states: States, before: States | None) -> States:
         """Return the state point, on the axis if it is there to rounding."""

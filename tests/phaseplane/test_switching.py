@@ -381,22 +381,24 @@ def test_the_construction_of_dry_friction_is_exact_and_ends_its_steps_on_the_swi
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("text", "start"),
     [
-        "sign(x + 0.3*v)",
-        "x + 0.3*sign(v) + 0.5*cos(1.1*t)",
-        "x + 3*dead_zone(x, 0.5)",
-        "0.3*x + sin(x) + 3*relay(v, 0.2)",  # held at a velocity that is no rest
+        ("sign(x + 0.3*v)", 2.0),
+        ("x + 0.3*sign(v) + 0.5*cos(1.1*t)", 2.0),
+        ("x + 3*dead_zone(x, 0.5)", 2.0),
+        # held at a velocity that is no rest; one switch passes while another holds
+        ("0.3*x + sin(x) + 3*relay(v, 0.2)", 2.0),
+        ("0.6*sin(x) + 0.3*sign(v + 0.3*x) - 0.4*max(sin(3*t), 0)", -0.1),
     ],
 )
-def test_the_construction_keeps_its_order_through_switches(text):
+def test_the_construction_keeps_its_order_through_switches(text, start):
     formula = Formula(text)
-    one = EquationPlane(formula.switching, initial_displacement=2.0)
+    one = EquationPlane(formula.switching, initial_displacement=start)
     errors = []
     for step in (0.1, 0.05, 0.025):
         drawing = construct_motion(one, rule_named("delta"), step=step, duration=6.0)
         assert drawing.instants[-1].time == 6.0
-        known = motion(formula.switching, (2.0, 0.0), [f.time for f in drawing])
+        known = motion(formula.switching, (start, 0.0), [f.time for f in drawing])
         errors.append(
             max(abs(f.readings["displacement"] - x)
                 for f, x in zip(drawing, known.displacements, strict=True))
