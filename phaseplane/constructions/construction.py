@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from math import nextafter
 from typing import NamedTuple, Protocol
 
 from phaseplane.constructions.control import Before
@@ -24,6 +25,12 @@ class Window(NamedTuple):
 
     start: float
     duration: float = 0.0
+
+    @classmethod
+    def between(cls, start: float, end: float) -> Window:
+        """Return the interval between two instants; by rounding it never reaches beyond a jump there."""
+        duration = end - start
+        return cls(start, duration if start + duration <= end else nextafter(duration, 0.0))
 
     @property
     def end(self) -> float:

@@ -51,7 +51,7 @@ def overlay(
     before: Before | None = None
     old_mode = rows[0][2]
     for (time, states, mode), (next_time, next_states, _) in pairwise(rows):
-        window = Window(time, next_time - time)
+        window = Window.between(time, next_time)
         points, successors = stepper.step(mode, states, window)
         own = construction.readings(mode, states, time, before)
         jolt = next((t for t in construction.jolts if time < t <= next_time), None)

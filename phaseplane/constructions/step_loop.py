@@ -92,7 +92,7 @@ def _frames(
         if end - goal < _LEAST_PART * step:
             goal = end
         target = jolt if jolt < goal + _LEAST_PART * step else goal
-        window = Window(time, target - time)
+        window = Window.between(time, target)
         try:
             points, successors = stepper.step(mode, states, window)
             found = first_end(stepper, mode, states, window, points, successors, fresh=fresh)

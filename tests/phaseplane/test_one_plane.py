@@ -14,7 +14,7 @@ from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import cubic, damper, linear
 from worked_example import column
 
-from phaseplane.constructions import OneDofPlane, Window, construct_motion
+from phaseplane.constructions import OneDofPlane, Start, Window, construct_motion
 
 MASS, RATE = 300.0, 15000.0
 
@@ -179,3 +179,13 @@ def test_a_kerb_pushes_through_the_damper_like_a_ramp_that_is_ever_steeper():
     steep = construct_motion(replace(one, road=ramp), step=0.001, duration=0.25)
     end = [d.frames[-1].readings["body_displacement"] for d in (drawing, steep)]
     assert end[0] == pytest.approx(end[1], abs=3e-7)
+
+
+def test_a_step_whose_sum_of_times_is_rounded_past_a_kink_of_the_road_meets_it_once():
+    start, kink = 0.007824072216581357, 0.025910995829313176
+    assert start + (kink - start) > kink
+    one = OneDofPlane(MASS, linear(RATE), linear(0.0), roads.ramp(0.02, 0.4, 10.0, kink))
+    begin = Start(start, "contact", one.initial)
+    _, at = construct_motion(one, step=0.05, steps=1, start=begin).frames
+    assert at.time == kink
+    assert at.readings["suspension_deflection_rate"] == pytest.approx(-0.5)
