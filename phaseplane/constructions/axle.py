@@ -217,15 +217,7 @@ class Axle:
         shown = "wheel_displacement" if self.linear_tyre else "tyre_deflection"
         foot = "D" if self.linear_tyre else "H"
         plane = plane_at(f"{self.prefix}{shown}", n, omega, origin, -place.sense, scale, foot)
-        if not self.linear_tyre:
-            return Lienard.of_strut(plane, self.tyre)
-        ratio = self.tyre_ratio
-        return Lienard(plane, lambda y_bar, y: ratio * y_bar)
-
-    @cached_property
-    def tyre_ratio(self) -> float:
-        """(k2 / c2) Omega2, the slope of the auxiliary line of plane 2 (AP57 eq. 18)."""
-        return self.lag * self.angular_frequencies[1]
+        return Lienard.of_strut(plane, self.tyre)
 
     @cached_property
     def lag(self) -> float:

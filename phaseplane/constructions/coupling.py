@@ -51,11 +51,6 @@ class Lines:
             axis_1 + way * kappa_12 / (ratio + kappa_12),
         )
 
-    @property
-    def distances(self) -> tuple[float, float]:
-        """Distances of lines I and II from the axis of plane 1, m."""
-        return abs(self.line_1 - self.axis_1), abs(self.line_2 - self.axis_1)
-
     def to_plane_2(self, x_1: complex, x_2: complex, q_1: complex) -> tuple[complex, complex]:
         """Return C1 and D2."""
         c_1 = at_height(x_1, x_2, self.line_1)

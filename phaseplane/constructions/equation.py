@@ -87,21 +87,15 @@ class EquationPlane(SwitchedPlane):
         given = self.function
         return given if isinstance(given, Switching) else smooth(given, self.autonomous)
 
-    @cached_property
-    def value(self) -> Function:
-        """f(x', x, t), each piece by the signs that hold there."""
-        given = self.function
-        return given.value if isinstance(given, Switching) else given
-
     @property
     def initial_force(self) -> float:
         """The value of f at time 0."""
-        return self.value(self.initial_velocity, self.initial_displacement, 0.0)
+        return self.switching.value(self.initial_velocity, self.initial_displacement, 0.0)
 
     @cached_property
     def lienard(self) -> Lienard:
         """The plane with its auxiliary curves."""
-        omega, value = self.angular_frequency, self.value
+        omega, value = self.angular_frequency, self.switching.value
         return Lienard(
             plane_at("displacement", "", omega, 0j, 1.0, self.scale, label="x", unit=self.unit),
             lambda x_bar, x: value(omega * x_bar, x, 0.0) / omega**2 - x,

@@ -23,8 +23,9 @@ from phaseplane.equations.switching import Mode, Switching
 
 SLIDING, REST = "sliding", "rest"
 
-_SIGNS = {-1: "-", 0: "0", 1: "+"}
-_NUMBERS = {text: sign for sign, text in _SIGNS.items()}
+SIGNS = {-1: "-", 0: "0", 1: "+"}
+NUMBERS = {text: sign for sign, text in SIGNS.items()}
+"""Signs as they are written in modes, and back."""
 
 
 def schemes_with_switches(plain: Scheme) -> Mapping[str, Scheme]:
@@ -172,8 +173,8 @@ class SwitchedPlane(OnePlane):
 
 
 def _mode(text: str) -> Mode:
-    return () if text == CONTACT else tuple(_NUMBERS[sign] for sign in text)
+    return () if text == CONTACT else tuple(NUMBERS[sign] for sign in text)
 
 
 def _text(mode: Mode) -> str:
-    return "".join(_SIGNS[sign] for sign in mode) if mode else CONTACT
+    return "".join(SIGNS[sign] for sign in mode) if mode else CONTACT

@@ -22,12 +22,11 @@ from phaseplane.constructions.laws import check_positive
 from phaseplane.constructions.primitives import Curve, Scheme
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import StoredFrames
+from phaseplane.constructions.switched import NUMBERS, SIGNS
 from phaseplane.constructions.two_planes_schemes import axle_scheme
 
 STUCK = "_sticking"
 """After the scheme of a strut that dry friction holds."""
-_SENSES = {1: "+", -1: "-", 0: "0"}
-_NUMBERS = {text: sense for sense, text in _SENSES.items()}
 
 
 def _flies(mode: str) -> bool:
@@ -36,7 +35,7 @@ def _flies(mode: str) -> bool:
 
 def _sense(mode: str) -> int:
     """Return the sense of y' in a mode; 0 if it sticks, or there is no friction."""
-    return _NUMBERS.get(mode[-1], 0)
+    return NUMBERS.get(mode[-1], 0)
 
 
 @dataclass(frozen=True)
@@ -120,7 +119,7 @@ class QuarterCarPlanes(AxlePlanes):
         contact = FLIGHT if flies else CONTACT
         if not self._rubs:
             return contact
-        return contact + _SENSES[self._only.sense_of(flies, states, time, stopped=stopped)]
+        return contact + SIGNS[self._only.sense_of(flies, states, time, stopped=stopped)]
 
     def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
         """Return the margins to the limits of the mode, m: of the contact, and of dry friction.
@@ -149,11 +148,11 @@ class QuarterCarPlanes(AxlePlanes):
         if self._only.lift_off and limit == 0:
             flies = not flies
             if sense:
-                return (FLIGHT if flies else CONTACT) + _SENSES[sense] * self._rubs
+                return (FLIGHT if flies else CONTACT) + SIGNS[sense] * self._rubs
             return self._mode(flies, states, time, stopped=True)
         if sense:
             return self._mode(flies, states, time, stopped=True)
-        return (FLIGHT if flies else CONTACT) + _SENSES[1 if limit == self._only.lift_off else -1]
+        return (FLIGHT if flies else CONTACT) + SIGNS[1 if limit == self._only.lift_off else -1]
 
     def scheme_of(self, mode: str) -> str:
         """Return the scheme of a mode: figure 7 or 10, or that of a strut that sticks."""

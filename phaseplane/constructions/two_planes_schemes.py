@@ -16,6 +16,8 @@ def axle_scheme(*, flies: bool, linear_tyre: bool = True, sticks: bool = False) 
     sticks : whether dry friction holds the strut: D1 = Q1, and A1* is found from it
     """
     states, raised = on_both_axes()
+    end = "B0" if flies else "B2" if linear_tyre else "A2*"
+    foot = "D2" if linear_tyre else "H2"
     held = (
         "Dry friction holds the strut: D1 = Q1. From P2 parallel to the y2 axis to the auxiliary line: "
         "A2. Down to the axis: A2*.",
@@ -29,39 +31,38 @@ def axle_scheme(*, flies: bool, linear_tyre: bool = True, sticks: bool = False) 
         marks("excitation", "B2"),
         strokes("excitation", "A2*-B2"),
     )
+    replaced = "B2" if linear_tyre else "A2*"
     weight = (
-        "From Q2 against the y2 axis by b x2st: B0, which replaces "
-        + ("B2. " if linear_tyre else "A2*. ")
-        + "From A1* along the y1 axis by a M g/c1: D1.",
+        "From Q2 against the y2 axis by b x2st: B0"
+        + (
+            "."
+            if sticks
+            else f", which replaces {replaced}. From A1* along the y1 axis by a M g/c1: D1."
+        ),
         marks("excitation", "B0"),
-        marks("normal", "D1"),
-        strokes("excitation", "Q2-B0 A1*-D1"),
+        marks("normal", "" if sticks else "D1"),
+        strokes("excitation", "Q2-B0" if sticks else "Q2-B0 A1*-D1"),
     )
-    end = "B0" if flies else "B2" if linear_tyre else "A2*"
-    foot = "D2" if linear_tyre else "H2"
-    balance = (
-        f"From D1 against the y1 axis by a M g/c1: A1*. A1*{end} cuts line I in C1. Q1 through C1 gives "
-        "D2."
-        if flies
-        else f"Q2D1 cuts line II in C2, and {end}C2 the y1 axis in A1*: between both branches of the "
-        f"auxiliary curve. A1*{end} cuts line I in C1. Q1 through C1 gives D2.",
-        marks("construction", "A1*"),
-        marks("projection", "C1" if flies else "C1 C2"),
-        marks("normal" if linear_tyre else "projection", "D2"),
-        strokes("projection", f"A1*-{end} Q1-D2" + ("" if flies else " Q2-D1")),
-    )
-    without_weight = (
-        "From Q2 against the y2 axis by b x2st: B0.",
-        marks("excitation", "B0"),
-        strokes("excitation", "Q2-B0"),
-    )
+    through = {
+        (False, False): f"A1*{end} cuts line I in C1 and line II in C2. Q1 through C1 gives D2, Q2 "
+        "through C2 gives D1.",
+        (False, True): f"A1*{end} cuts line I in C1. Q1 through C1 gives D2. Line II is not used.",
+        (
+            True,
+            False,
+        ): f"Q2D1 cuts line II in C2, and {end}C2 the y1 axis in A1*: between both branches "
+        f"of the auxiliary curve. A1*{end} cuts line I in C1. Q1 through C1 gives D2.",
+        (
+            True,
+            True,
+        ): f"From D1 against the y1 axis by a M g/c1: A1*. A1*{end} cuts line I in C1. Q1 "
+        "through C1 gives D2.",
+    }
     projection = (
-        f"A1*{end} cuts line I in C1. Q1 through C1 gives D2. Line II is not used."
-        if flies
-        else f"A1*{end} cuts line I in C1 and line II in C2. "
-        "Q1 through C1 gives D2, Q2 through C2 gives D1.",
+        through[sticks, flies],
+        marks("construction", "A1*" if sticks else ""),
         marks("projection", "C1" if flies else "C1 C2"),
-        marks("normal", "" if flies else "D1"),
+        marks("normal", "" if flies or sticks else "D1"),
         marks("normal" if linear_tyre else "projection", "D2"),
         strokes("projection", f"A1*-{end} Q1-D2" + ("" if flies else " Q2-D1")),
     )
@@ -74,8 +75,8 @@ def axle_scheme(*, flies: bool, linear_tyre: bool = True, sticks: bool = False) 
         states,
         held if sticks else raised,
         *((road,) if linear_tyre else ()),
-        *((without_weight if sticks else weight,) if flies else ()),
-        balance if sticks else projection,
+        *((weight,) if flies else ()),
+        projection,
         *(() if linear_tyre else (shift,)),
         (
             f"{foot}P2 is the normal in plane 2. P1 stays where it is.",

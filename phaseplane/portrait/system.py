@@ -67,11 +67,6 @@ class PhaseSystem:
         size = 1e-9 * max(1.0, np.abs(here).max())
         return bool(np.abs(there - here).max() <= size < np.abs(between - here).max())
 
-    def rates(self, t: float, state: npt.ArrayLike) -> list[float]:
-        """Return (x', x'') at a state (x, x'), for an integrator."""
-        x, v = np.asarray(state, float)
-        return [float(v), -self.function(float(v), float(x), t)]
-
     def forces(self, x: npt.ArrayLike, v: npt.ArrayLike, t: npt.ArrayLike = 0.0) -> Grid:
         """Return f over arrays of equal shape; NaN where f is undefined."""
         x, v = np.asarray(x, float), np.asarray(v, float)

@@ -87,7 +87,7 @@ def test_projection_gives_the_feet_of_the_formulas(one, window):
 @pytest.mark.slow
 @given(cars)
 def test_lines_lie_between_the_axes_for_either_sign(one):
-    first, second = one.lines.distances
+    first, second = -one.lines.line_1, -one.lines.line_2
     k1, k2 = map(abs, one.couplings)
     assert 0.0 <= second <= first <= one.plane_distance
     if one.plane_scales[0] == one.plane_scales[1]:

@@ -44,8 +44,9 @@ def test_published_constants():
     # the paper truncates its second turn angle
     assert STEP * one == pytest.approx(0.05863, abs=5e-6)
     assert STEP * two == pytest.approx(0.17677, abs=1e-5)
-    assert car.axles[0].lines.distances == pytest.approx((0.20, 0.19608), abs=5e-6)
-    assert car.axles[0].tyre_ratio == pytest.approx(0.471, abs=5e-4)
+    lines = car.axles[0].lines
+    assert (lines.line_1, lines.line_2) == pytest.approx((-0.20, -0.19608), abs=5e-6)
+    assert car.axles[0].wheel.epsilon(1.0, 0.0) == pytest.approx(0.471, abs=5e-4)
     assert car.axles[0].coupling == pytest.approx(1.0 / 0.11)
     assert car.axles[0].strut.rate / car.axle.tyre_stiffness == pytest.approx(1.0 / 10.0)
     assert car.axles[0].static_tyre_deflection == pytest.approx(0.02157, abs=5e-6)
@@ -147,10 +148,10 @@ def test_points_lie_on_the_lines_that_give_them(car, window):
     assert on_one_line("A1*", "C2", "B2")
     assert on_one_line("Q1", "C1", "D2")
     assert on_one_line("Q2", "C2", "D1")
-    first, second = car.axles[0].lines.distances
-    assert points["C1"].imag == -first
-    assert points["C2"].imag == -second
-    assert 0.0 < second < first < car.plane_distance
+    lines = car.axles[0].lines
+    assert points["C1"].imag == lines.line_1
+    assert points["C2"].imag == lines.line_2
+    assert 0.0 > lines.line_2 > lines.line_1 > -car.plane_distance
 
 
 @given(cars)
