@@ -276,10 +276,8 @@ class Axle:
             near = max(far, min(near, 0.0))
         free, wheel = self.free_length, self.data.unsprung_mass
         push = -self.tyre.impulse(free + near, free + far) / wheel
-        one = self.suspension.state(0.0, -push) - self.suspension.state(0.0, 0.0)
-        moved = (0.0, push) if self.linear_tyre else (-height, push - kink)
-        two = self.wheel.state(*moved) - self.wheel.state(0.0, 0.0)
-        return states[0] + one, states[1] + two
+        jump = (0.0, push) if self.linear_tyre else (-height, push - kink)
+        return self.suspension.moved(states[0], 0.0, -push), self.wheel.moved(states[1], *jump)
 
     # The construction.
 

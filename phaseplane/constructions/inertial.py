@@ -234,17 +234,16 @@ class HalfCarRigidTyresPlanes(Construction):
     def jolted(self, mode: str, states: States, time: float) -> States:
         """Return the states after a jump: y falls by that of xi, y' by that of xi'; dampers push."""
         heights, kinks = zip(*(one.at(time) for one in self.jumps), strict=True)
-        before = [one.values(p) for one, p in zip(self.lienards, states, strict=True)]
-        after = [y - height for (y, _), height in zip(before, heights, strict=True)]
+        before = [one.values(p)[0] for one, p in zip(self.lienards, states, strict=True)]
         pushes = (
-            strut.impulse(y, end)
-            for strut, (y, _), end in zip(self.struts, before, after, strict=True)
+            strut.impulse(y, y - height)
+            for strut, y, height in zip(self.struts, before, heights, strict=True)
         )
         changes = self.masses.accelerations(*pushes)
         return tuple(
-            one.state(end, rate + change - kink)
-            for one, (_, rate), end, kink, change in zip(
-                self.lienards, before, after, kinks, changes, strict=True
+            one.moved(p, -height, change - kink)
+            for p, one, height, kink, change in zip(
+                states, self.lienards, heights, kinks, changes, strict=True
             )
         )
 

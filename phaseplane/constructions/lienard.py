@@ -67,6 +67,10 @@ class Lienard:
         """Return P for a displacement, m, and its rate, m/s."""
         return state_point(self.plane, displacement, velocity)
 
+    def moved(self, p: complex, displacement: float, velocity: float) -> complex:
+        """Return P after jumps of the displacement, m, and its rate, m/s."""
+        return p + (self.state(displacement, velocity) - self.state(0.0, 0.0))
+
     def values(self, p: complex) -> tuple[float, float]:
         """Return y and y', read off the sheet."""
         y_bar = self.plane.scaled_velocity.read(p)

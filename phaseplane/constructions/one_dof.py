@@ -149,9 +149,9 @@ class OneDofPlane(SwitchedPlane):
     def jolted(self, mode: str, states: States, time: float) -> States:
         """Return the state after a jump: y falls by that of xi, y' by that of xi'; the damper pushes."""
         height, kink = self.jumps.at(time)
-        y, rate = self.lienard.values(states[0])
+        y, _ = self.lienard.values(states[0])
         push = self.strut.impulse(y, y - height) / self.mass
-        return (self.lienard.state(y - height, rate - kink - push),)
+        return (self.lienard.moved(states[0], -height, -kink - push),)
 
     def readings(
         self, mode: str, states: States, time: float, before: Before | None
