@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 
+from .signals import Signal
 from .systems import System
 from .variable import ParameterError, Value, number
 
@@ -42,18 +43,29 @@ def static_equilibrium(
 
 
 def start_state(
-    system: System, parameters: Mapping[str, Value], time: float
+    system: System,
+    parameters: Mapping[str, Value],
+    time: float,
+    signals: Mapping[str, Signal] | None = None,
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return the initial displacements (m) and velocities (m/s) of all coordinates.
 
     They are the static equilibrium on the road just before, plus the initial values. External forces
     act from the start on and are not part of the equilibrium.
 
+    Parameters
+    ----------
+    system : any system
+    parameters : of its model, by name
+    time : s
+    signals : roads and loads in place of those of the system
+
     Raises
     ------
     ParameterError : no equilibrium was found on a road that is not at zero.
     """
-    levels = {axle.road: system.signals[axle.road].before(time) for axle in system.axles}
+    signals = system.signals if signals is None else signals
+    levels = {axle.road: signals[axle.road].before(time) for axle in system.axles}
     displacements, velocities = (
         tuple(number(parameters, name) for name in names)
         for names in initial_names(system.coordinates)

@@ -132,10 +132,9 @@ class Session:
 
         A wheel may start in the air; this does not count as a lift-off.
         """
-        now = replace(self._system, signals=self._signals)  # with the present inputs
         integrator = self._integrator
         integrator.sample(self.time)
-        q, v = start_state(now, self.parameters, self.time)
+        q, v = start_state(self._system, self.parameters, self.time, self._signals)
         if any((*q, *v, *integrator.sample_q, *integrator.sample_v)):
             integrator.set_state(q, v)
             self._behind = integrator.snapshot()
