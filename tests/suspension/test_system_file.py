@@ -127,6 +127,8 @@ def test_a_file_that_changes_replaces_its_model():
         ('"stiffness"', '"stifness"', "did you mean 'stiffness'"),
         ('"stiffness"', '"stiffness * ("', "not an expression"),
         ('"stiffness"', '"stiffness / 0"', "not an expression"),
+        ('"stiffness"', '"stiffness + μ"', "no parameter 'μ'"),
+        ('"stiffness"', '"2 ℘"', "no parameter '℘'"),
         ('"stiffness"', '"__import__(1)"', "no parameter '__import__'"),
         ('"stiffness"', '"stiffness & 3"', "the operators are"),
         ('{ value = "2 kg", min = 0.1 }', "{ min = 0.1 }", "system.parameters.mass has no value"),

@@ -14,7 +14,8 @@ from ..variable import ParameterError, Variable
 if TYPE_CHECKING:
     from .definition import Definition
 
-_NAME = re.compile(r"(?<![\w.])[A-Za-z_][\w.]*")
+# a word of any alphabet, or other signs that are not ASCII and would be names to Python
+_NAME = re.compile(r"(?<![\w.])[^\W\d][\w.]*|[^\x00-\x7f]+")
 _PLACE = "_"  # before the number of a name in an expression
 _RATE, _DAMPING, _FORCE = ("N/m", "J"), ("N.s/m",), ("N", "J")  # J: a moment, N.m
 _OF_ELEMENT: Mapping[str, Mapping[str, tuple[str, ...]]] = {
