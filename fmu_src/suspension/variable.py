@@ -113,25 +113,25 @@ class Variable:
     def _checked_range(self, value: float) -> float:
         least, largest = self.bounds
         if not least <= value <= largest:
-            allowed = self.format_range()
-            if not isfinite(value) and not allowed.startswith("finite"):
-                allowed = f"finite and {allowed}"
+            allowed = self.format_range(finite=not isfinite(value))
             raise ParameterError(f"{self.name} = {value:g}: must be {allowed}")
         return value
 
     def _in_unit(self) -> str:
         return f" in {self.unit}" if self.unit not in ("", "1") else ""
 
-    def format_range(self) -> str:
-        """Return the allowed values as a phrase."""
-        bounds = ["finite"]
+    def format_range(self, *, finite: bool = False) -> str:
+        """Return the allowed values as a phrase, which says whether they are finite if asked for."""
+        bounds = []
         if self.positive:
             bounds.append("greater than 0")
         elif self.minimum is not None:
             bounds.append(f"at least {self.minimum:g}")
         if self.maximum is not None:
             bounds.append(f"at most {self.maximum:g}")
-        return " and ".join(bounds[1:] or bounds) + self._in_unit()
+        if finite or not bounds:
+            bounds.insert(0, "finite")
+        return " and ".join(bounds) + self._in_unit()
 
 
 class Checked(dict[str, Value]):

@@ -21,6 +21,8 @@ from phaseplane.vehicle_fmus.native.pack import build
 from structures import SANITIZED, SANITIZERS
 
 Packer = Callable[..., Path]
+# sources are compiled by others, too, with other compilers
+STRICT = ("-O0", "-pedantic-errors", "-Wall", "-Wextra", "-Werror", "-Wno-unused")
 
 
 @pytest.fixture(scope="session")
@@ -38,7 +40,7 @@ def native_fmu(tmp_path_factory: pytest.TempPathFactory, compiler: str) -> Packe
 
     @cache
     def packed(model: str, *settings: tuple[str, object], text: str = "", fmi: int = 2) -> Path:
-        quick = tuple("-O0" if flag == "-O2" else flag for flag in compilers.FLAGS)
+        quick = tuple(flag for flag in compilers.FLAGS if flag not in ("-O2", "-w")) + STRICT
         if os.environ.get(SANITIZED):
             quick += SANITIZERS
         with pytest.MonkeyPatch.context() as patch:

@@ -6,7 +6,7 @@
  */
 
 #define AT_REST 1e-12 /* s by which a communication point may precede the present, from rounding */
-#define ROUNDING 1e-6 /* of its time, at least 1 s, by which a host may be off: it may count in single precision */
+#define OFF_BY 1e-6 /* of its time, at least 1 s, by which a host may be off: it may count in single precision */
 #define PLACES 5 /* of a function whose derivative is that of the polynomial through them */
 #define APART 1e-3 /* distance of these places, of the size of what is varied */
 enum { FINE, WARNING }; /* what a message is, as in both versions of FMI */
@@ -100,12 +100,13 @@ static void reset_instance(Instance *one) {
 
 /* Return whether a variable cannot have a value, and note that. */
 static int is_out_of_range(Instance *one, const Variable *v, double value) {
-    const int finite = isfinite(value) || strncmp(v->range, "finite", strlen("finite")) == 0;
+    const int bounded = v->positive || isfinite(v->minimum) || isfinite(v->maximum);
     if (isfinite(value) && !(v->positive && value <= 0.0) && value >= v->minimum &&
         value <= v->maximum) {
         return 0;
     }
-    return fail(one, "%s = %g: must be %s%s", v->name, value, finite ? "" : "finite and ", v->range);
+    return fail(one, "%s = %g: must be %s%s", v->name, value,
+                bounded && !isfinite(value) ? "finite and " : "", v->range);
 }
 
 /* Write a whole number or a switch as `--set` takes it. */
@@ -492,7 +493,7 @@ static int advance(Instance *one, double until) {
  */
 static int make_step(Instance *one, double time, double size) {
     const double present = one->now.conduct.run.time;
-    const double off = fmin(ROUNDING * fmax(1.0, fabs(present)), 0.5 * size);
+    const double off = fmin(OFF_BY * fmax(1.0, fabs(present)), 0.5 * size);
     int status = 1;
     if (one->refusal[0]) {
         fail(one, "%s", one->refusal);
