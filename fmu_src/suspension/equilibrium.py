@@ -67,7 +67,7 @@ def start_state(
     signals = system.signals if signals is None else signals
     levels = {axle.road: signals[axle.road].before(time) for axle in system.axles}
     displacements, velocities = (
-        tuple(number(parameters, name) for name in names)
+        tuple(number(parameters, name) if name in parameters else 0.0 for name in names)
         for names in initial_names(system.coordinates)
     )
     if any(levels.values()):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from .signals import Signal
 from .systems import System
 from .variable import Value, Variable
 
@@ -18,20 +17,20 @@ class Model:
     ----------
     summary : what it is, in one line
     variables : parameters, inputs and outputs, in the order of the FMU
-    system : makes the system from all parameters, checked; None for a source of signals
+    system : makes the system from all parameters, checked
     rank : place in lists of models, simple ones first
     page : equations and symbols, HTML
     picture : content of an SVG of 256 by 256, with the symbols of `vehicle_fmus.pictures`; the file
         `<module>.png` is the same picture, rendered by a browser and reduced to 32 colours
-    signals : of a source of signals: makes them by name, from all parameters, checked
+    is_source : whether it is a source of signals for other models, which is not run by itself
     check : raises a ParameterError if the parameters of a system are inconsistent; None for no check
     """
 
     summary: str
     variables: tuple[Variable, ...]
-    system: Callable[[Mapping[str, Value]], System] | None
+    system: Callable[[Mapping[str, Value]], System]
     rank: int = 100
     page: str = ""
     picture: str = ""
-    signals: Callable[[Mapping[str, Value]], Mapping[str, Signal]] | None = None
+    is_source: bool = False
     check: Callable[[System], None] | None = None

@@ -92,11 +92,10 @@ def _recorded(
     from .trace import Tape  # noqa: PLC0415  (most runs record nothing)
 
     tape = Tape()
-    make, check = ALL[model].system, ALL[model].check
-    assert make is not None, model
+    check = ALL[model].check
     try:
         given = {name: tape.given(name, _real(parameters[name])) for name in names}
-        system = make({**parameters, **given})  # type: ignore[dict-item]
+        system = ALL[model].system({**parameters, **given})  # type: ignore[dict-item]
         if check is not None:
             check(system)
         if not fits(system):

@@ -39,6 +39,7 @@ from .variables import (
 )
 
 _AT_REST = 1e-12  # s by which a communication point may precede the present, from rounding
+_SOLVER = {v.name: v.start for v in SOLVER_PARAMETERS}  # of a source of signals, too
 _TOLERANCE = next(v for v in SOLVER_PARAMETERS if v.name == "solver.tolerance")
 
 
@@ -51,7 +52,7 @@ class Session:
 
     Parameters
     ----------
-    model : a key of `variables.MODELS`, such as `QuarterCar`
+    model : a key of `models.ALL`, such as `QuarterCar`
     parameters : public parameters by name, in SI or as strings with units; the others at their defaults
     start_time : s
     tolerance : the host's tolerance; used if `solver.tolerance` is left at its default. A
@@ -82,7 +83,10 @@ class Session:
         system = build(model, self.parameters)
         self._signals = dict(system.signals)
         integrator = self._new_integrator(system, start_time)
-        self._notices = Notices(float(self._parameters["solver.step"]))
+        self._fixed_step = float(
+            self._parameters.get("solver.step", 0.0)
+        )  # s; 0 if steps are chosen
+        self._notices = Notices(self._fixed_step)
         tyres = [axle for axle in system.axles if axle.tyre]
         sampled = self.parameters.get("road.shape") == "input"
         lines = driven(system, self._inputs, sampled)
@@ -155,7 +159,7 @@ class Session:
 
     def _new_integrator(self, system: System, time: float) -> Integrator:
         """Return an integrator that starts at a time, s, with the solver's parameters."""
-        p = self.parameters
+        p = _SOLVER | self.parameters
         wanted = p["solver.tolerance"]
         if self._tolerance is not None and wanted == _TOLERANCE.start:
             wanted = self._tolerance
@@ -265,7 +269,7 @@ class Session:
         reason = ""
         if status not in (0, HALTED):
             where = f"at {integrator.time:.6g} s, in step {integrator.step_count}"
-            fixed = bool(self._now["solver.step"])
+            fixed = self._fixed_step > 0.0
             # it names the last switches in the log, which is then taken
             reason = why_stopped(status, where, integrator, self.system, fixed=fixed)
         self._events.note(integrator.take_log(), until if until > self.time else -inf)

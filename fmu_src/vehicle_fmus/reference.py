@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement, register_namespace
 
 from phaseplane.suspension.models import FILES
-from phaseplane.suspension.road_source import session_of
+from phaseplane.suspension.session import Session
 from phaseplane.suspension.variables import SOLVER_OUTPUTS, Value, refuse_unknown, variables
 
 from .model_description import written
@@ -99,7 +99,7 @@ def accepted_parameters(
     refuse_unknown(parameters, models, "start values given for a model that is not built:")
     for model in models:
         given = parameters.get(model, {})
-        accepted = session_of(model, given).parameters  # reads the tables, too
+        accepted = Session(model, given).parameters  # reads the tables, too
         yield model, {name: accepted[name] for name in given}, accepted
 
 
@@ -114,7 +114,7 @@ def reference_files(model: str, start: Mapping[str, Value]) -> dict[str, bytes]:
     declared = variables(model)
     names = {v.name for v in declared}
     strict = {"solver.tolerance": TOLERANCE} if "solver.tolerance" in names else {}
-    session = session_of(model, {**start, **strict})
+    session = Session(model, {**start, **strict})
     of_solver = {v.name for v in SOLVER_OUTPUTS}
     outputs = [
         v.name

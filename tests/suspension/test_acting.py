@@ -14,13 +14,14 @@ import numpy as np
 import pytest
 from phaseplane.suspension.acting import CONDITIONS, decided_by, idle
 from phaseplane.suspension.batch import outputs_at_end, outputs_over_time, run_many
-from phaseplane.suspension.road_source import RoadSource
+from phaseplane.suspension.session import simulate
 from phaseplane.suspension.variables import (
     MODELS,
     SOURCES,
     Value,
     Variable,
     checked_parameters,
+    outputs,
     variables,
 )
 
@@ -137,23 +138,13 @@ def another(variable: Variable, value: Value) -> Value:
 def runs(model: str, sets: list[Mapping[str, Value]]) -> list[dict[str, Any] | None]:
     """The outputs for each set; None where the model refuses it."""
     if model in SOURCES:
-        return [road(model, given) for given in sets]
+        return [simulate(model, given, TIMES, outputs(model)) for given in sets]
     over_time = outputs_over_time(model)
     at_end = [
         name for name in outputs_at_end(model) if name != "step_count"
     ]  # which rounding changes
     made = run_many(model, sets, TIMES, over_time, workers=1, at_end=at_end)
     return [None if run.failure else {**run.columns, **run.at_end} for run in made]
-
-
-def road(model: str, given: Mapping[str, Value]) -> dict[str, Any]:
-    source = RoadSource(model, given)
-    columns: dict[str, list[Value]] = {name: [] for name in source.readers}
-    for time in TIMES:
-        source.advance(time)
-        for name, column in columns.items():
-            column.append(source.value(name))
-    return columns
 
 
 def alike(ours: dict[str, Any], other: dict[str, Any]) -> bool:

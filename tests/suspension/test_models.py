@@ -149,18 +149,26 @@ def test_a_full_car_rolls_over_a_bump_on_one_side_and_its_energy_balances() -> N
     assert largest > 1e-3
 
 
+@pytest.mark.parametrize("shape", ["bump", "plank", "random", "sine"])
+def test_a_road_is_read_beside_a_mass_at_rest(shape: str) -> None:
+    """At joints, too, where an elevation that jumps has its new value."""
+    session = Session("Road", {"road.shape": shape, "wheelbase": 2.0})
+    signals = session.system.signals
+    for time in (0.0, 0.0125, 0.05, 0.1, 0.12, 0.15, 0.6):
+        session.advance(time)
+        for axle, road in signals.items():
+            assert session.value(f"{axle}_elevation") == road.value(time)
+            assert session.value(f"{axle}_velocity") == road.rate(time)
+    assert list(session.integrator.sample_q) == [0.0]
+
+
 @pytest.mark.parametrize(
     "start",
     [
-        lambda: build("Road", {}),
-        lambda: Session("Road", {}),
-        lambda: simulate("Road", {}, [0.0, 1.0], ["ok"]),
         lambda: outputs_over_time("Road"),
         lambda: run_many("Road", [{}], [0.0, 1.0], []),
     ],
 )
 def test_a_road_alone_is_not_run(start: Callable[[], object]) -> None:
-    with pytest.raises(
-        ParameterError, match="Road is not a system that can be run; systems are One"
-    ):
+    with pytest.raises(ParameterError, match="Road is not run by itself; what is run are One"):
         start()

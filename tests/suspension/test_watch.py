@@ -13,7 +13,6 @@ from hosting import in_python
 from phaseplane.suspension import characteristics, engine, roads
 from phaseplane.suspension.engine import FAILURES, Filling, Integrator
 from phaseplane.suspension.models import build
-from phaseplane.suspension.road_source import session_of
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.systems import Element, System
 from phaseplane.suspension.variables import ParameterError, checked_parameters
@@ -294,4 +293,4 @@ def test_starts_and_roads_as_far_away_as_numbers_reach_are_refused(
     model: str, name: str, value: float
 ) -> None:
     with pytest.raises(ParameterError, match=rf"{name} = .*at most 1e\+09 in m"):
-        session_of(model, {name: value})
+        Session(model, {name: value})

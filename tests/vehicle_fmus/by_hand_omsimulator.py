@@ -16,7 +16,6 @@ import sysconfig
 import tempfile
 from pathlib import Path
 
-from phaseplane.suspension.road_source import RoadSource
 from phaseplane.suspension.session import Session
 from phaseplane.vehicle_fmus.build import build
 from phaseplane.vehicle_fmus.systems import connections
@@ -44,7 +43,7 @@ def in_omsimulator(program: str, file: Path) -> list[list[float]]:
 def here(sampled: bool) -> list[list[float]]:
     """The same in this process: with a road of its own, or with samples of one."""
     vehicle = Session(MODEL, {"road.shape": "input"} if sampled else {})
-    road = RoadSource("Road", {})
+    road = Session("Road", {})
     rows = []
     for k in range(1, STEPS + 1):
         for output, name in connections(MODEL).items() if sampled else ():

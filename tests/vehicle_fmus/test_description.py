@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 from fmpy.validation import validate_fmu
-from phaseplane.suspension.road_source import session_of
+from phaseplane.suspension.session import Session
 from phaseplane.suspension.units import UNITS
 from phaseplane.suspension.variables import variables
 
@@ -71,7 +71,7 @@ def test_structure_and_experiment(model: str, vehicle: Any) -> None:
 
 def test_fmpy_runs_it_as_it_runs_by_itself(model: str, fmus: dict[str, Path]) -> None:
     result = simulate_fmu(str(fmus[model]), stop_time=0.5, output_interval=0.01)
-    session = session_of(model, {})
+    session = Session(model, {})
     for row in result:
         session.advance(float(row["time"]))
         assert list(row)[1:] == [session.value(name) for name in result.dtype.names[1:]]

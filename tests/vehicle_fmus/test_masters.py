@@ -11,7 +11,6 @@ import pytest
 from fmpy.ssp.simulation import simulate_ssp
 from hosting import MASTERS, comparable_outputs, difference, in_master
 from phaseplane.suspension.models import FILES
-from phaseplane.suspension.road_source import RoadSource
 from phaseplane.suspension.session import Session
 from phaseplane.suspension.variables import MODELS
 from phaseplane.vehicle_fmus.build import build
@@ -65,7 +64,7 @@ SHOWN = {
 def on_road(model: str, step: float, steps: int, parameters: dict[str, Any]) -> np.ndarray:
     """A vehicle stepped with samples of its road, in this process."""
     wheelbase = 2.5
-    road = RoadSource("Road", {"wheelbase": wheelbase})
+    road = Session("Road", {"wheelbase": wheelbase})
     vehicle = Session(model, {**parameters, "road.shape": "input"})
     rows = []
     for k in range(steps):

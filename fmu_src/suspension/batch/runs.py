@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from ..engine import Integrator
 from ..equilibrium import start_state
-from ..models import build, cached
+from ..models import MODELS, SOURCES, build, cached
 from ..outputs import reading_of
 from ..reasons import why_stopped
 from ..systems import System
@@ -186,6 +186,8 @@ def outputs_at_end(model: str) -> list[str]:
 
 @cached
 def _over_time_and_at_end(model: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    if model in SOURCES:
+        raise ParameterError(f"{model} is not run by itself; what is run are {', '.join(MODELS)}")
     system = build(model, {})
     readings = {name: reading_of(v, system) for name, v in outputs_of(model).items()}
     over_time, at_end = (

@@ -57,9 +57,7 @@ class Slots:
         self._tape = tape = Tape()
         self._given = {name: tape.given(name, float(parameters[name])) for name in varied}
         noted: dict[str, Any] = {**parameters, **self._given}
-        make = ALL[model].system
-        assert make is not None, model
-        system = make(noted)
+        system = ALL[model].system(noted)
         state = start_state(system, noted, start)
         if not integrator.fits(system):
             raise ValueError("the structure of the system depends on how it is built")

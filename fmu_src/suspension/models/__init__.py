@@ -55,12 +55,11 @@ FILES = {
 """The name of the module of each model, by the name of the model."""
 ALL = {name: _IN_FILES[file] for name, file in FILES.items()}
 """The models by name, simple ones first."""
-SYSTEMS = tuple(name for name, model in ALL.items() if model.system is not None)
-"""The models of this package that are systems and can be run."""
-
-MODELS = {name: model.variables for name, model in ALL.items() if model.system is not None}
-"""The variables of each model that is a system and can be run, by its name."""
-SOURCES = {name: model.variables for name, model in ALL.items() if model.system is None}
+MODELS = {name: model.variables for name, model in ALL.items() if not model.is_source}
+"""The variables of each model that can be run by itself, by its name."""
+SYSTEMS = tuple(MODELS)
+"""The models of this package that can be run by themselves."""
+SOURCES = {name: model.variables for name, model in ALL.items() if model.is_source}
 """The variables of each source of signals, by its name."""
 
 _Found = TypeVar("_Found")
@@ -160,8 +159,7 @@ def build(model: str, parameters: Mapping[str, object]) -> System:
 
     Raises
     ------
-    ParameterError : unknown model or name, wrong type, unit or range, unreadable table, or a model that
-        is not a system, such as a road.
+    ParameterError : unknown model or name, wrong type, unit or range, unreadable table.
     """
     return _built(model, tuple(checked_parameters(model, parameters).items()))
 
@@ -169,13 +167,7 @@ def build(model: str, parameters: Mapping[str, object]) -> System:
 @lru_cache(maxsize=16)
 def _built(model: str, parameters: tuple[tuple[str, Value], ...]) -> System:
     """Return a system, made once for all parts of a run: checks, steps, drawings, measures."""
-    make = ALL[model].system if model in ALL else None
-    if make is None:
-        raise ParameterError(
-            f"{model} is not a system that can be run; systems are {', '.join(SYSTEMS)}"
-            + nearest(model, SYSTEMS)
-        )
-    made, check = make(dict(parameters)), ALL[model].check
+    made, check = ALL[model].system(dict(parameters)), ALL[model].check
     if check is not None:
         check(made)
     return made

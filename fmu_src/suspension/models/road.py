@@ -2,7 +2,7 @@
 
 xi_2(t) = xi_1(t - L / v)
 
-It is a source of signals, without a system of its own; see `road_source`.
+The system is a mass at rest, beside which its signals pass.
 """
 
 from __future__ import annotations
@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from .. import characteristics
 from ..declared import ROAD_SHAPES, road
 from ..model import Model
 from ..outputs import DISPLACEMENT, GROUND, OK, VELOCITY, Line
 from ..parts import road_from
-from ..signals import Signal
-from ..systems import System
+from ..systems import Element, System
 from ..variable import Value, Variable, number, parameter
 
 
@@ -51,10 +51,12 @@ def _under(system: System, output: Variable) -> Line:
     return Line(VELOCITY if quantity == "velocity" else DISPLACEMENT, (), ((axle, 1.0),))
 
 
-def signals(p: Mapping[str, Value]) -> dict[str, Signal]:
+def system(p: Mapping[str, Value]) -> System:
     """Return the road under both axles; `p` holds the checked parameters."""
     front = road_from(p)
-    return {"front": front, "rear": front.delayed(number(p, "wheelbase") / number(p, "speed"))}
+    rear = front.delayed(number(p, "wheelbase") / number(p, "speed"))
+    at_rest = Element("rest", (1.0,), characteristics.linear(1.0))
+    return System(("",), ((1.0,),), (at_rest,), {"front": front, "rear": rear}, scales=(1.0,))
 
 
 _PAGE = """\
@@ -81,9 +83,9 @@ _PICTURE = """\
 MODEL = Model(
     summary="Road: elevation and velocity under the front and the rear axle of a vehicle",
     variables=_variables(),
-    system=None,
+    system=system,
     rank=6,
     page=_PAGE,
     picture=_PICTURE,
-    signals=signals,
+    is_source=True,
 )

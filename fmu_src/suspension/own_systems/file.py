@@ -83,7 +83,6 @@ def _loaded(text: str, file: str, key: str, checked: bool) -> tuple[str, Model]:
     model = replace(model, check=lambda system: _raise_first(check_numbers(system)))
     register(name, model)
     if checked:
-        assert model.system is not None
         system = model.system(checked_parameters(name, {}))
         _raise_first(check_system(system))
         _raise_unread(name, system)

@@ -54,7 +54,7 @@ def model_in(source: str) -> Model:
     ParameterError : if the module cannot be executed, or has no `MODEL` of the right form.
     """
     model = _executed(source).get("MODEL")
-    if not isinstance(model, Model) or model.system is None:
+    if not isinstance(model, Model):
         raise ParameterError(
             "there is no MODEL = Model(summary=..., variables=..., system=...), from "
             "phaseplane.suspension.model"

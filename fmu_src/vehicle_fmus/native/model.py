@@ -8,12 +8,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from phaseplane.suspension import characteristics
 from phaseplane.suspension.equilibrium import initial_names
 from phaseplane.suspension.models import ALL
 from phaseplane.suspension.session import driven
-from phaseplane.suspension.signals import Signal
-from phaseplane.suspension.systems import Element, System
+from phaseplane.suspension.systems import System
 from phaseplane.suspension.trace import Guard, Number, Tape
 from phaseplane.suspension.variable import number as number_in
 from phaseplane.suspension.variables import (
@@ -91,7 +89,7 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
         for v, name in zip(declared, references, strict=True)
         if v.causality == "parameter"
     }
-    system, packed = _system(model, noted), _system(model, parameters)
+    system, packed = ALL[model].system(noted), ALL[model].system(parameters)
     solver = {v.name: v.start for v in SOLVER_PARAMETERS} | noted
     plain = plain_integrator()(
         packed,
@@ -169,17 +167,6 @@ def _pinned(guards: Iterable[Guard], not_negative: Collection[str]) -> set[str]:
         ):
             found.add(left.said)
     return found
-
-
-def _system(model: str, p: Mapping[str, Any]) -> System:
-    """Return the system of a model; a source gets a mass at rest, which steps beside its signals."""
-    of = ALL[model]
-    if of.system is not None:
-        return of.system(p)
-    assert of.signals is not None, model
-    signals: Mapping[str, Signal] = of.signals(p)
-    at_rest = Element("rest", (1.0,), characteristics.linear(1.0))
-    return System(("",), ((1.0,),), (at_rest,), signals, scales=(1.0,))
 
 
 def _directions(plain: Any, system: System) -> list[Any]:

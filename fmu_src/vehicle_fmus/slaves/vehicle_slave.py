@@ -19,7 +19,6 @@ from typing import Any, ClassVar
 
 from phaseplane.suspension import trace as _trace  # noqa: F401  (needed when parameters are tuned)
 from phaseplane.suspension.engine import why_uncompiled
-from phaseplane.suspension.road_source import RoadSource, session_of
 from phaseplane.suspension.roads.extent import remarks
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.variables import (
@@ -104,7 +103,7 @@ class VehicleSlave(Fmi2Slave):
         self._stop_time: float | None = None
         self._refusal = ""  # why the next step cannot be made
         self._initialised = False
-        self._session: Session | RoadSource | None = None
+        self._session: Session | None = None
         if starts:  # refused here if they are not those of a model
             self._session = self._new_session()
         for variable in declared:
@@ -112,8 +111,8 @@ class VehicleSlave(Fmi2Slave):
 
     # -- initialisation ----------------------------------------------------------------------------
 
-    def _new_session(self) -> Session | RoadSource:
-        session = session_of(self.model, self._parameters, self._start_time, self._tolerance)
+    def _new_session(self) -> Session:
+        session = Session(self.model, self._parameters, self._start_time, self._tolerance)
         for name, value in self._inputs.items():
             session.set_input(name, value)
         session.advance(self._start_time)  # outputs follow the inputs already at the start
