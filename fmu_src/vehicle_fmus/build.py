@@ -17,14 +17,14 @@ from tempfile import TemporaryDirectory
 from uuid import UUID
 from xml.etree import ElementTree
 
-from phaseplane.suspension.models import ALL, FILES
+from phaseplane.suspension.models import FILES
 from phaseplane.suspension.variables import Value
 
 from . import systems
 from .archives import digest_of, write_into, zipped
 from .content import SLAVES, hashed, picture_file, production, suspension_name, suspension_sources
 from .manual import DOCUMENTATION, page
-from .model_description import completed, written
+from .model_description import description, written
 from .reference import accepted_parameters, reference_files
 from .slaves.vehicle_slave import START_VALUES
 from .versions import installed
@@ -114,7 +114,6 @@ class {name}(VehicleSlave):
     """See the description."""
 
     model = {key!r}
-    description = {about!r}
 '''
 # Modules are shared by all FMUs of a process, and only a user-defined system needs this one: the
 # folder of the FMU that brought the others may be gone.
@@ -135,13 +134,12 @@ def _script(model: str, own: Path | None) -> tuple[str, str]:
 
     The name of a user-defined model contains a hash of its file, because FMUs share their modules.
     """
-    about = ALL[model].summary
     if own is None:
-        return FILES[model], _SCRIPT.format(name=model, key=model, about=about, before="")
+        return FILES[model], _SCRIPT.format(name=model, key=model, before="")
     text = own.read_text(encoding="utf-8-sig")
     key = hashed(model, text.encode())
     before = _LOADING.format(text=text, file=own.name, key=key)
-    return model.lower(), _SCRIPT.format(name=model, key=key, about=about, before=before)
+    return model.lower(), _SCRIPT.format(name=model, key=key, before=before)
 
 
 def _staged(
@@ -196,10 +194,10 @@ def _packed(model: str, start: dict[str, Value], own: Path | None = None) -> byt
         "documentation/externalDependencies.txt": _text("externalDependencies.txt"),
         "documentation/licenses/license.txt": _text("license.txt"),
     }
-    description = completed(members.pop("modelDescription.xml"), model, about, start)
-    content = digest_of({**members, "description": ElementTree.tostring(description)})
-    description.set("guid", str(UUID(hex=content[:32])))
-    members["modelDescription.xml"] = written(description)
+    described = description(model, start, about)
+    members["modelDescription.xml"] = ElementTree.tostring(described)
+    described.set("guid", str(UUID(hex=digest_of(members)[:32])))
+    members["modelDescription.xml"] = written(described)
     return zipped(members)
 
 

@@ -104,7 +104,6 @@ def production() -> dict[str, str]:
     epoch = os.environ.get("SOURCE_DATE_EPOCH")
     made = datetime.fromtimestamp(int(epoch), UTC).isoformat()[:19] + "Z" if epoch else ""
     return {
-        "guid": "",
         "version": own,
         "generationTool": f"{f'phaseplane {own}'.strip()} with PythonFMU {installed('pythonfmu')}",
         "generationDateAndTime": made,  # not the clock, with which every build would differ

@@ -1,48 +1,131 @@
-"""Parts of the model description that pythonfmu does not write: units, ranges, dependencies.
+"""The model description of an FMU for FMI 2.0, and the parts that it shares with that for FMI 3.0.
 
-They follow from the tables of variables and units, so this module is not packed into the FMU.
+It follows from the tables of variables and units.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from sys import float_info
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
+from phaseplane.suspension.models import ALL
 from phaseplane.suspension.units import UNITS
 from phaseplane.suspension.variables import Value, Variable, variables
 
+_CATEGORIES = {
+    "logEvents": "Times of lift-off, touchdown and contact with end stops.",
+    "logStatusDiscard": "Steps that failed.",
+    "logStatusError": "Calls and values that were refused.",
+    "logAll": "All messages.",
+}
+_EXPERIMENT = {"startTime": "0.0", "stopTime": "1.0", "tolerance": "1e-06", "stepSize": "0.001"}
+_TYPES = {float: "Real", int: "Integer", bool: "Boolean", str: "String"}
+_MAKERS = {"author": "The phaseplane developers", "license": "MIT",
+           "copyright": "(c) 2026 The phaseplane developers"}  # fmt: skip
+_CAN = dict.fromkeys(
+    ("canHandleVariableCommunicationStepSize", "canGetAndSetFMUstate", "canSerializeFMUstate",
+     "canNotUseMemoryManagementFunctions"), "true"
+)  # fmt: skip
+_CAN_IN_C = {"maxOutputDerivativeOrder": "1", "providesDirectionalDerivative": "true"}
 CHOSEN = "; chosen when the FMU was packed"
 """How the description ends of a parameter that keeps the value with which a native FMU was packed."""
 
 
-def completed(
-    description: bytes, model: str, about: Mapping[str, str], start: Mapping[str, Value]
+def description(
+    model: str,
+    start: Mapping[str, Value],
+    about: Mapping[str, str],
+    token: str = "",
+    *,
+    fixed: Collection[str] = (),
+    native: bool = False,
 ) -> Element:
-    """Return the complete model description of an FMU (FMI 2.0.4, section 2.2).
+    """Return the model description (FMI 2.0.4, section 2.2).
 
     Parameters
     ----------
-    description : modelDescription.xml as pythonfmu writes it
     model : `QuarterCar`
-    about : attributes of the root; an empty one is removed
     start : parameters whose start values are not the defaults
+    about : version of the model, tool and date; empty ones are left out
+    token : the GUID
+    fixed : names of the parameters that keep the values with which the FMU is packed
+    native : whether the FMU has sources in C and needs no Python
     """
-    root = ElementTree.fromstring(description)
-    for name, text in about.items():
-        root.attrib.pop(name, None)
-        if text:
-            root.set(name, text)
     declared = variables(model)
-    # the schema requires this order: CoSimulation, UnitDefinitions, LogCategories, ...
-    position = list(root).index(_child(root, "CoSimulation")) + 1
-    root.insert(position, unit_definitions(declared))
-    for element, variable in zip(_child(root, "ModelVariables"), declared, strict=True):
-        _complete_variable(element, variable, start.get(variable.name, variable.start))
-    root.remove(_child(root, "ModelStructure"))
-    root.append(model_structure(declared))
+    root = begun(model, {"fmiVersion": "2.0", "guid": token}, about)
+    more = _CAN_IN_C if native else {"needsExecutionTool": "true"}
+    kind = SubElement(root, "CoSimulation", {"modelIdentifier": model, **_CAN, **more})
+    if native:
+        SubElement(SubElement(kind, "SourceFiles"), "File", name="all.c")
+    root.append(unit_definitions(declared))
+    append_categories(root)
+    held = SubElement(root, "ModelVariables")
+    for k, variable in enumerate(declared):
+        said = role(k, variable, variable.name in fixed, isinstance(variable.start, float))
+        detail = values(variable, start.get(variable.name, variable.start))
+        SubElement(SubElement(held, "ScalarVariable", said), _TYPES[type(variable.start)], detail)
+    root.append(_structure(declared))
     return root
+
+
+def begun(model: str, given: Mapping[str, str], about: Mapping[str, str]) -> Element:
+    """Return the root of a description, with the attributes given and those of both versions of FMI."""
+    told = {k: v for k, v in about.items() if v}
+    names = {"modelName": model, "description": ALL[model].summary}
+    return Element(
+        "fmiModelDescription",
+        {**given, **names, "variableNamingConvention": "structured", **_MAKERS, **told},
+    )
+
+
+def append_categories(root: Element) -> None:
+    """Append the categories of log messages and the default experiment."""
+    categories = SubElement(root, "LogCategories")
+    for name, text in _CATEGORIES.items():
+        SubElement(categories, "Category", name=name, description=text)
+    SubElement(root, "DefaultExperiment", _EXPERIMENT)
+
+
+def role(k: int, variable: Variable, fixed: bool, continuous: bool) -> dict[str, str]:
+    """Return the attributes that define the role of a variable.
+
+    Parameters
+    ----------
+    k : its value reference
+    fixed : whether it keeps the value with which the FMU was packed
+    continuous : whether an output changes between switches, too
+    """
+    words = in_words(variable)
+    if fixed:
+        words += CHOSEN
+    common = {
+        "name": variable.name,
+        "valueReference": str(k),
+        "description": words,
+        "causality": variable.causality,
+    }
+    if variable.causality == "parameter":
+        common["variability"] = "tunable" if variable.tunable and not fixed else "fixed"
+        common["initial"] = "exact"
+    elif variable.causality == "input":
+        common["variability"] = "continuous"
+    else:
+        common["variability"] = "continuous" if continuous else "discrete"
+        common["initial"] = "calculated"
+    return common
+
+
+def values(variable: Variable, start: Value) -> dict[str, str]:
+    """Return the attributes of a variable that belong to its type: start value, range and unit."""
+    detail = {} if isinstance(start, str | bool) else _range_and_unit(variable)
+    if variable.causality != "output":
+        text = str(start).lower() if isinstance(start, bool) else repr(start)
+        detail["start"] = start if isinstance(start, str) else text
+    if isinstance(start, int) and not isinstance(start, bool):
+        return {k: str(int(float(v))) for k, v in detail.items() if k in ("min", "max", "start")}
+    return detail
 
 
 def in_words(variable: Variable) -> str:
@@ -54,17 +137,17 @@ def in_words(variable: Variable) -> str:
     return variable.description
 
 
-def _child(parent: Element, tag: str) -> Element:
-    child = parent.find(tag)
-    if child is None:
-        raise ValueError(f"pythonfmu's model description has no {tag}")
-    return child
-
-
-def written(root: Element) -> bytes:
-    """Return a document as indented XML."""
-    ElementTree.indent(root)
-    return bytes(ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True))
+def _range_and_unit(variable: Variable) -> dict[str, str]:
+    """Return the attributes of a variable's range and unit."""
+    attributes = {
+        "unit": variable.unit or None,
+        "displayUnit": variable.display or None,
+        # bounds are inclusive: the least number with all digits that is greater than 0
+        "min": float_info.min if variable.positive else variable.minimum,
+        "max": variable.maximum,
+        "nominal": variable.nominal,
+    }
+    return {name: str(value) for name, value in attributes.items() if value is not None}
 
 
 def unit_definitions(declared: tuple[Variable, ...]) -> Element:
@@ -79,29 +162,7 @@ def unit_definitions(declared: tuple[Variable, ...]) -> Element:
     return definitions
 
 
-def _complete_variable(element: Element, variable: Variable, start: Value) -> None:
-    element.set("description", in_words(variable))
-    kind = element[0]
-    if "start" in kind.attrib and isinstance(start, float):
-        kind.set("start", repr(start))  # all digits: pythonfmu writes 16
-    for name, text in range_and_unit(variable).items():
-        kind.set(name, text)
-
-
-def range_and_unit(variable: Variable) -> dict[str, str]:
-    """Return the attributes of a variable's range and unit."""
-    attributes = {
-        "unit": variable.unit or None,
-        "displayUnit": variable.display or None,
-        # bounds are inclusive: the least number with all digits that is greater than 0
-        "min": float_info.min if variable.positive else variable.minimum,
-        "max": variable.maximum,
-        "nominal": variable.nominal,
-    }
-    return {name: str(value) for name, value in attributes.items() if value is not None}
-
-
-def model_structure(declared: tuple[Variable, ...]) -> Element:
+def _structure(declared: tuple[Variable, ...]) -> Element:
     """Return the outputs and the unknowns of initialisation.
 
     During a run an output belongs to the last step, which inputs set afterwards do not affect: no
@@ -115,3 +176,9 @@ def model_structure(declared: tuple[Variable, ...]) -> Element:
         SubElement(outputs, "Unknown", index=str(k + 1), dependencies="")
         SubElement(initial, "Unknown", index=str(k + 1))
     return structure
+
+
+def written(root: Element) -> bytes:
+    """Return a document as indented XML."""
+    ElementTree.indent(root)
+    return bytes(ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True))

@@ -224,9 +224,9 @@ slave = __import__(name).QuarterCar(instance_name="car", resources=resources)
 slave.setup_experiment(0.0, None, None)
 slave.exit_initialization_mode()
 steps = [slave.do_step(0.02 * k, 0.02) for k in range(10)]
-getters = {v.name: getattr(slave, f"get_{type(v).__name__.lower()}") for v in slave.vars.values()}
-references = {v.name: reference for reference, v in slave.vars.items()}
-values = [getters[name]([references[name]])[0] for name in sys.argv[2:]]
+getters = {float: slave.get_real, int: slave.get_integer, bool: slave.get_boolean}
+kinds = {name: type(start) for name, start in slave._starts.items()}
+values = [getters[kinds[name]]([slave._names.index(name)])[0] for name in sys.argv[2:]]
 folders = {getattr(m, "__file__", None) or "" for m in sys.modules.values()}
 print(json.dumps({
     "steps": steps, "values": values, "log": [message.msg for message in slave.log_queue],

@@ -7,8 +7,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from phaseplane.suspension.variables import Value, Variable, variables
 
-from ..model_description import unit_definitions, written
-from .description import append_categories, begun, role, values
+from ..model_description import append_categories, begun, role, unit_definitions, values, written
 from .model import Translation
 
 _TYPES = {float: "Float64", int: "Int32", bool: "Boolean", str: "String"}
@@ -26,8 +25,8 @@ def description(
     in_c: Translation,
     about: Mapping[str, str],
     token: str,
-) -> bytes:
-    """Return modelDescription.xml; see `description.description` for the parameters.
+) -> Element:
+    """Return the model description; `in_c` tells what is fixed and what changes continuously.
 
     Value references are those of FMI 2.0; after them follow the time and the clocks of the tyres.
     """
@@ -64,7 +63,7 @@ def description(
         SubElement(structure, "Output", valueReference=str(k), dependencies="")
     for k in outputs:
         SubElement(structure, "InitialUnknown", valueReference=str(k))
-    return written(root)
+    return root
 
 
 def _variable(held: Element, common: dict[str, str], variable: Variable, start: Value) -> None:

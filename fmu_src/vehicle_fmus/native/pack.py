@@ -14,8 +14,9 @@ from phaseplane.suspension.variables import Value
 from ..archives import digest_of, write_into, zipped
 from ..content import picture_file, production
 from ..manual import DOCUMENTATION, page
+from ..model_description import description, written
 from ..reference import accepted_parameters, declared_inside, reference_files
-from . import description, description3
+from . import description3
 from .compilers import FLAGS, Platform, chosen, compiled
 from .model import model_in_c
 
@@ -105,9 +106,13 @@ def _members(
     flags = " ".join(flag for flag in FLAGS if flag != "-w")
     sources["all.c"] = _ALL.format(model=model, flags=flags, token=token, layer=layer[0]).encode()
     picture = picture_file(model).read_bytes()
-    described = {2: description.description, 3: description3.description}[fmi]
+    described = (
+        description3.description(model, start, in_c, about, token)
+        if fmi == 3
+        else description(model, start, about, token, fixed=in_c.fixed, native=True)
+    )
     members = {
-        "modelDescription.xml": described(model, start, in_c, about, token),
+        "modelDescription.xml": written(described),
         "documentation/index.html": page(
             model, dict(start), about["generationTool"], own, native=fmi, fixed=in_c.fixed
         ).encode(),

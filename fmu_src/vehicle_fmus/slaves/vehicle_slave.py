@@ -24,21 +24,10 @@ from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.variables import (
     ParameterError,
     Value,
-    Variable,
     checked_parameters,
     variables,
 )
-from pythonfmu import (
-    Boolean,
-    DefaultExperiment,
-    Fmi2Causality,
-    Fmi2Initial,
-    Fmi2Slave,
-    Fmi2Variability,
-    Integer,
-    Real,
-    String,
-)
+from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
 START_VALUES = "start_values.json"  # in the FMU's resources: start values other than the defaults
@@ -50,7 +39,6 @@ _RAISES = sys.version_info < (3, 12)
 _ROUNDING = 1e-6  # of its time, 1 s at least, by which a host may be off: it may count in singles
 _AT_REST = 1e-12  # s by which it may be off in any case
 
-_TYPES = {float: Real, bool: Boolean, int: Integer, str: String}
 _NOTHING: Mapping[type[Value], Value] = {float: nan, bool: False, int: 0, str: ""}
 # status and category of messages; errors are logged where they are caught
 _LOGGED = {"event": (Fmi2Status.ok, "logEvents"), "info": (Fmi2Status.warning, "logAll")}
@@ -67,13 +55,6 @@ class VehicleSlave(Fmi2Slave):
     """
 
     model: ClassVar[str]
-    author = "The phaseplane developers"
-    license = "MIT"
-    copyright = "(c) 2026 The phaseplane developers"
-    log_categories: ClassVar[dict[str, str]] = {
-        "logEvents": "Times of lift-off, touchdown and contact with end stops.",
-        **Fmi2Slave.log_categories,
-    }
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
@@ -83,12 +64,11 @@ class VehicleSlave(Fmi2Slave):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        self.default_experiment = DefaultExperiment(0.0, 1.0, 1e-3, 1e-6)
         declared = variables(self.model)
         self._names = [variable.name for variable in declared]
         self._references = {  # by the type of their variables
             kind: frozenset(k for k, v in enumerate(declared) if type(v.start) is kind)
-            for kind in _TYPES
+            for kind in _NOTHING
         }
         self._starts = {variable.name: variable.start for variable in declared}
         # parameters and inputs as set by the host, checked when a session is made from them
@@ -106,8 +86,6 @@ class VehicleSlave(Fmi2Slave):
         self._session: Session | None = None
         if starts:  # refused here if they are not those of a model
             self._session = self._new_session()
-        for variable in declared:
-            self.register_variable(_scalar_variable(variable), nested=False)
 
     # -- initialisation ----------------------------------------------------------------------------
 
@@ -326,31 +304,6 @@ def _start_values(resources: str | None) -> dict[str, Value]:
     """Return the start values packed into the FMU."""
     path = Path(resources or "", START_VALUES)
     return dict(json.loads(path.read_text("utf-8"))) if resources and path.exists() else {}
-
-
-def _scalar_variable(variable: Variable) -> Any:
-    """Return the variable as a pythonfmu variable."""
-    kind = type(variable.start)
-    if variable.causality == "parameter":
-        role: dict[str, Any] = {
-            "variability": Fmi2Variability.tunable if variable.tunable else Fmi2Variability.fixed,
-            "initial": Fmi2Initial.exact,
-            "start": variable.start,
-        }
-    elif variable.causality == "input":
-        role = {"variability": Fmi2Variability.continuous, "start": variable.start}
-    else:
-        continuous = kind is float
-        role = {
-            "variability": Fmi2Variability.continuous if continuous else Fmi2Variability.discrete,
-            "initial": Fmi2Initial.calculated,
-        }
-    return _TYPES[kind](
-        variable.name,
-        causality=Fmi2Causality[variable.causality],
-        description=variable.description,
-        **role,
-    )
 
 
 def _hold(*objects: object) -> None:
