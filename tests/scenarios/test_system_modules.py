@@ -120,7 +120,12 @@ def test_commands_take_it():
         ("return System(", "return dict(", "MODEL.system returned"),
         ("    *SOLVER_OUTPUTS,\n", "", r"add \*SOLVER_OUTPUTS of phaseplane"),
         ('*motion("upper"', '*motion("middle"', "does not provide the output middle_displacement"),
-        ('*motion("upper"', '*motion("lower"', "lower_displacement is declared twice"),
+        ('*motion("upper"', '*motion("lower"', "'lower_displacement' would be the name of two"),
+        (
+            "    *SOLVER_PARAMETERS,",
+            '    *SOLVER_PARAMETERS, parameter("time", 0.0, ""),',
+            r"'time' would be the name of two things \(time and parameter\)",
+        ),
         ("((2.0, 0.0)", "((2.0, 3.0)", "mass: not symmetric"),
         ('"N/m")', '"N/mm")', "rate has the unit 'N/mm', which is unknown"),
         (

@@ -78,7 +78,7 @@ def _loaded(text: str, file: str, key: str, checked: bool) -> tuple[str, Model]:
         definition = _definition(text)
         name = definition.name
         model = Model(definition.about or name, definition.variables(), definition.system)
-        _raise_twice(model.variables)
+    _raise_twice(model.variables)
     name = key or name
     model = replace(model, check=lambda system: _raise_first(check_numbers(system)))
     register(name, model)

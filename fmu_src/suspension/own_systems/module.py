@@ -65,11 +65,6 @@ def model_in(source: str) -> Model:
         if not isinstance(v, Variable):
             star = "; write * before what returns several" if isinstance(v, tuple | list) else ""
             raise ParameterError(f"MODEL.variables: {v!r:.60} is not a variable{star}")
-    names = [v.name for v in model.variables]
-    twice = [name for name in names if names.count(name) > 1]
-    if twice:
-        raise ParameterError(f"MODEL.variables: {twice[0]} is declared twice")
-    for v in model.variables:
         if v.unit and v.unit not in UNITS:
             raise ParameterError(
                 f"MODEL.variables: {v.name} has the unit {v.unit!r}, which is unknown"
@@ -86,7 +81,7 @@ def model_in(source: str) -> Model:
         ("*SOLVER_PARAMETERS of phaseplane.suspension.declared", SOLVER_PARAMETERS),
         ("*SOLVER_OUTPUTS of phaseplane.suspension.outputs", SOLVER_OUTPUTS),
     ):
-        if not {v.name for v in needed} <= {*names}:
+        if not {v.name for v in needed} <= {v.name for v in model.variables}:
             raise ParameterError(f"MODEL.variables: add {words}")
     return replace(model, system=partial(_system, model.system))
 
