@@ -20,7 +20,7 @@ class Model:
     system : makes the system from all parameters, checked
     rank : place in lists of models, simple ones first
     page : equations and symbols, HTML
-    picture : content of an SVG of 256 by 256, with the symbols of `vehicle_fmus.pictures`; the file
+    picture : content of an SVG of 256 by 256, with the symbols of `vehicle_fmus.manual`; the file
         `<module>.png` is the same picture, rendered by a browser and reduced to 32 colours
     is_source : whether it is a source of signals for other models, which is not run by itself
     check : raises a ParameterError if the parameters of a system are inconsistent; None for no check

@@ -152,22 +152,15 @@ def suspension_elements(
     axle : prefix of the names of its parameters (`front.`) and elements (`front_`), or empty
     road : name of the signal under them if they stand directly on the road
     """
-    found = _unloaded(p, direction, axle, road)
+    found = tuple(_unloaded(p, direction, axle, road))
     sink = _sink(p, axle, found)
     return found if sink == 0.0 else tuple(_sunk(element, sink) for element in found)
 
 
 def _unloaded(
     p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str = ""
-) -> tuple[Element, ...]:
-    """Return the elements of a suspension measured from its rest without payload."""
-    return tuple(_suspension(p, direction, axle, road))
-
-
-def _suspension(
-    p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
 ) -> Iterator[Element]:
-    """Yield the elements of a suspension that may act."""
+    """Yield the elements of a suspension that may act, measured from its rest without payload."""
     of, prefix = _prefixes(axle)
     spring = _spring(p, of)
     if not spring.is_zero:

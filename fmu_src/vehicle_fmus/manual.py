@@ -11,10 +11,22 @@ from phaseplane.suspension.models import ALL
 from phaseplane.suspension.variables import SOURCES, Value, Variable, variables
 
 from .model_description import in_words
-from .pictures import picture
 
 DOCUMENTATION = Path(__file__).parent / "documentation"
 
+# the pictures of the models are SVG of 256 by 256, with these symbols
+_STYLE = (
+    "svg.model { width: 256px; height: 256px; color: #1d3557; fill: none; stroke: currentColor; "
+    "stroke-width: 4.5; stroke-linecap: round; stroke-linejoin: round } "
+    ".model .body { fill: #dbe6f0 } .model .road { stroke: #c1121f; stroke-width: 5 }"
+)
+_SYMBOLS = """
+<g id="spring"><path d="M0 0 v9 l14 4 l-28 9 l28 9 l-28 9 l28 9 l-14 4 v9"/></g>
+<g id="damper"><path d="M0 0 v33 m-11 0 h22 M-15 20 v24 h30 v-24 M0 44 v18"/></g>
+<g id="suspension"><use href="#spring" x="-26"/><use href="#damper" x="26"/><path d="M-26 62 h52"/></g>
+<g id="wheel"><circle r="40" stroke-width="8"/><circle r="12" fill="currentColor"/></g>
+<g id="small_wheel"><circle r="29" stroke-width="7"/><circle r="8" fill="currentColor"/></g>
+<g id="follower"><path d="M0 0 v30"/><circle cy="36" r="6" fill="currentColor"/></g>"""
 _OWN = Template("""<h2>System</h2>
 <p>The equations of motion are M q'' + sum b f(b' q - u, b' q' - u') = p(t), with the masses,
 directions b and characteristics f of this description:</p>
@@ -51,13 +63,20 @@ def page(
     """
     return Template(_part("index")).substitute(
         model=model,
-        picture=picture(model) if ALL[model].picture else "",
+        picture=_picture(ALL[model].picture),
         equations=_equations(model, own),
         stepping="" if model in SOURCES else _part("stepping"),
         needs=_part("native" if native else "needs") + (_part("events") if native == 3 else ""),
         variables=variable_table(variables(model), start, fixed),
         colophon=escape(colophon),
     )
+
+
+def _picture(content: str) -> str:
+    """Return the picture of a model as SVG, if there is one."""
+    begin = '<svg class="model" xmlns="http://www.w3.org/2000/svg" viewBox="0 0 256 256">'
+    style = f"<style>{_STYLE}</style><defs>{_SYMBOLS}</defs>"
+    return f"{begin}{style}\n{content}\n</svg>" if content else ""
 
 
 def _equations(model: str, own: Path | None) -> str:

@@ -50,27 +50,20 @@ def system(p: Mapping[str, Value]) -> System:
             f"hardening = {number(p, 'hardening'):g}: must be below spring.rate = {rate:g} N/m"
         )
     _check_start(p, rate, yield_force, number(p, "hardening"))
+    spring = Element(
+        "spring", (1.0,), characteristics.linear(rate), yield_force=yield_force,
+        hardening=number(p, "hardening"), permanent_set=number(p, "initial.permanent_set"),
+    )  # fmt: skip
+    damper = Element("damper", (1.0,), damper=characteristics.linear(number(p, "damper.rate")))
     course = force_course(p, "force.table") or roads.LEVEL
     return System(
         coordinates=("",),
         mass=((number(p, "mass"),),),
-        elements=(_spring_that_yields(p), _linear_damper(p)),
+        elements=(spring, damper),
         signals={"force": roads.LEVEL, "force_table": course},
         loads=(Load((1.0,), "force"), Load((1.0,), "force_table")),
         scales=((yield_force + course.scale) / rate,),
     )  # fmt: skip
-
-
-def _spring_that_yields(p: Mapping[str, Value]) -> Element:
-    return Element(
-        "spring", (1.0,), characteristics.linear(number(p, "spring.rate")),
-        yield_force=number(p, "yield_force"), hardening=number(p, "hardening"),
-        permanent_set=number(p, "initial.permanent_set"),
-    )  # fmt: skip
-
-
-def _linear_damper(p: Mapping[str, Value]) -> Element:
-    return Element("damper", (1.0,), damper=characteristics.linear(number(p, "damper.rate")))
 
 
 def _check_start(p: Mapping[str, Value], rate: float, yield_force: float, hardening: float) -> None:

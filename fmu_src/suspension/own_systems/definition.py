@@ -34,6 +34,7 @@ from ..outputs import (
     suspension_deflection,
 )
 from ..parts import (
+    SMALL,
     force_course,
     points,
     road_from,
@@ -55,7 +56,6 @@ _LAWS = {
 _POWER = ("power", "exponent", "linear_below")
 # keys that have no effect without another
 _NEEDED = {"exponent": "power", "linear_below": "power", "hardening": "yield_force"}
-_SMALL = 1e-3  # m, scale of errors if the road gives none
 
 
 @dataclass(frozen=True)
@@ -188,7 +188,7 @@ class Definition:
             mass=mass,
             elements=tuple(elements),
             signals=signals,
-            scales=(scale if self.wheels and scale else _SMALL,) * len(names),
+            scales=(scale if self.wheels and scale else SMALL,) * len(names),
             loads=tuple(loads),
             axles=tuple(axles),
         )

@@ -39,7 +39,7 @@ def description(
         mightReturnEarlyFromDoStep="true", canReturnEarlyAfterIntermediateUpdate="true",
         hasEventMode="true", providesDirectionalDerivatives="true",
     )  # fmt: skip
-    root.append(_with_second(unit_definitions(declared)))
+    root.append(unit_definitions(declared))
     append_categories(root)
     held, structure = SubElement(root, "ModelVariables"), SubElement(root, "ModelStructure")
     for k, variable in enumerate(declared):
@@ -82,12 +82,6 @@ def _clocks(tyres: Sequence[str]) -> Iterator[tuple[str, str]]:
         wheel = f"{prefix.replace('_', ' ')}wheel"
         for name, text in _CLOCKS.items():
             yield f"{prefix}{name}", text.format(wheel=wheel)
-
-
-def _with_second(units: Element) -> Element:
-    if all(unit.get("name") != "s" for unit in units):
-        SubElement(SubElement(units, "Unit", name="s"), "BaseUnit", s="1")
-    return units
 
 
 def build_description(model: str, flags: str) -> bytes:

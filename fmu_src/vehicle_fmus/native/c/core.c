@@ -178,12 +178,6 @@ static int find_first_numbers(Instance *one) {
     return 0;
 }
 
-/* Use the numbers found at the start. */
-static void use_numbers(Instance *one) {
-    memcpy(one->now.row, one->row, sizeof one->row);
-    memcpy(one->now.fields, one->fields, sizeof one->fields);
-}
-
 /* Use the numbers found during a run; return whether they differ in the laws of elements alone. */
 static int use_changes(Instance *one) {
     State *now = &one->now;
@@ -223,27 +217,26 @@ static void count_contacts(Instance *one, double until) {
     }
 }
 
-/* Let the instant of a switch wait until the host reaches it. */
-static void enter_due(Instance *one, double time) {
-    State *now = &one->now;
-    if (one->quiet || (now->dues > 0 && now->due[now->dues - 1] >= time)) return;
-    if (now->dues == DUE) {
-        for (int k = 1; k < DUE; k++) now->due[k - 1] = now->due[k];
-        now->dues--;
-        now->switched = 1;
-    }
-    now->due[now->dues++] = time;
-}
-
 /* Take the first instant off the list if it is not after a time; return whether there was one. */
 static int take_due(Instance *one, double until, double *time) {
     State *now = &one->now;
     if (now->dues == 0 || now->due[0] > until) return 0;
     *time = now->due[0];
-    for (int k = 1; k < now->dues; k++) now->due[k - 1] = now->due[k];
     now->dues--;
+    memmove(now->due, now->due + 1, (size_t) now->dues * sizeof now->due[0]);
     now->switched = 1;
     return 1;
+}
+
+/* Let the instant of a switch wait until the host reaches it. */
+static void enter_due(Instance *one, double time) {
+    State *now = &one->now;
+    if (one->quiet || (now->dues > 0 && now->due[now->dues - 1] >= time)) return;
+    if (now->dues == DUE) {
+        double first;
+        take_due(one, INFINITY, &first);
+    }
+    now->due[now->dues++] = time;
 }
 
 /* Take the switches that the integrator has noted; those of contact wait for their time. */
@@ -405,6 +398,7 @@ static int start_moving(Instance *one) {
     }
     Contacts_begin(now->conduct.run.contacts, now->conduct.run.integrator);
     Account_begin(now->conduct.run.account, now->conduct.run.integrator);
+    integrator->noted->logged = integrator->noted->base = 0; /* the start switches nothing */
     return 0;
 }
 
@@ -473,10 +467,7 @@ static int advance(Instance *one, double until) {
         run->sampled = 1;
     }
     if (!goes_on) now->kept = 0;
-    if (!goes_on && Run_hand_over(run, until) && run->time == run->start) {
-        if (start_moving(one)) return 1;
-        now->machine.integrator.noted->logged = now->machine.integrator.noted->base = 0;
-    }
+    if (!goes_on && Run_hand_over(run, until) && run->time == run->start && start_moving(one)) return 1;
     now->handed = until;
     if (run->time > run->start) note_switches(one, -INFINITY);
     if (run->time == run->start && run->start < until) {
@@ -518,14 +509,14 @@ static int begin(Instance *one) {
     memset(now->ticks, 0, sizeof now->ticks);
     if (!isfinite(now->start)) return fail(one, "start time = %g: must be finite", now->start);
     if (find_first_numbers(one)) return 1;
-    use_numbers(one);
+    memcpy(now->row, one->row, sizeof now->row);
+    memcpy(now->fields, one->fields, sizeof now->fields);
     if (make_machine(one, &now->machine, now->start)) return 1;
     take_snapshot(&now->machine, &now->behind);
     conduct_make(&now->conduct);
     wire(one);
     Run_begin(run, now->start);
     if (start_moving(one)) return 1;
-    now->machine.integrator.noted->logged = now->machine.integrator.noted->base = 0;
     sample(one);
     for (int k = 0; k < VARIABLES; k++) {
         if (!now->is_set[k]) continue;
@@ -705,20 +696,29 @@ static int find_rate(Instance *one, unsigned k, int order, double *rate) {
 
 #define SERIALIZED (sizeof GUID + sizeof(State))
 
-static void write_state(unsigned char *bytes, const State *state) {
+/* Write a state to bytes, if there is one and they are enough; return whether it failed. */
+static int write_state(void *bytes, size_t size, const State *state) {
+    if (!state || size < SERIALIZED) return 1;
     memcpy(bytes, GUID, sizeof GUID);
-    memcpy(bytes + sizeof GUID, state, sizeof(State));
+    memcpy((char *) bytes + sizeof GUID, state, sizeof(State));
+    return 0;
 }
 
 /* Read a state from bytes to new memory if there is none; return whether it failed. */
-static int read_state(Instance *one, const unsigned char *bytes, size_t size, State **state) {
+static int read_state(Instance *one, const void *bytes, size_t size, State **state) {
     if (size != SERIALIZED || memcmp(bytes, GUID, sizeof GUID) != 0) {
         return fail(one, "this state belongs to another FMU");
     }
     if (!*state) *state = malloc(sizeof(State));
     if (!*state) return fail(one, "out of memory");
-    memcpy(*state, bytes + sizeof GUID, sizeof(State));
+    memcpy(*state, (const char *) bytes + sizeof GUID, sizeof(State));
     return 0;
+}
+
+static void free_state(void **state) {
+    if (!state) return;
+    free(*state);
+    *state = NULL;
 }
 
 static int copy_state(Instance *one, State **state) {

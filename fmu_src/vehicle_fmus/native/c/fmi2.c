@@ -190,10 +190,7 @@ fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
     (void) c;
-    if (state) {
-        free(*state);
-        *state = NULL;
-    }
+    free_state(state);
     return fmi2OK;
 }
 
@@ -205,16 +202,13 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
     (void) c;
-    if (!state || size < SERIALIZED) return fmi2Error;
-    write_state((unsigned char *) bytes, state);
-    return fmi2OK;
+    return write_state(bytes, size, state) ? fmi2Error : fmi2OK;
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size,
         fmi2FMUstate *state) {
     Host *host = c;
-    const int status = read_state(&host->instance, (const unsigned char *) bytes, size, (State **) state);
-    return status ? failed(host, fmi2Error) : fmi2OK;
+    return read_state(&host->instance, bytes, size, (State **) state) ? failed(host, fmi2Error) : fmi2OK;
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,

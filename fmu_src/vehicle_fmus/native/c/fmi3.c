@@ -311,10 +311,7 @@ fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state) {
 
 fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state) {
     (void) c;
-    if (state) {
-        free(*state);
-        *state = NULL;
-    }
+    free_state(state);
     return fmi3OK;
 }
 
@@ -326,9 +323,7 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, size_t
 
 fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
     (void) c;
-    if (!state || size < SERIALIZED) return fmi3Error;
-    write_state(bytes, state);
-    return fmi3OK;
+    return write_state(bytes, size, state) ? fmi3Error : fmi3OK;
 }
 
 fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size,
