@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from .engine import laws_of
 from .models import ALL
-from .variable import Value
+from .variable import Value, number
 
 if TYPE_CHECKING:
     from .systems import System
@@ -94,7 +94,9 @@ def _recorded(
     tape = Tape()
     check = ALL[model].check
     try:
-        given = {name: tape.given(name, _real(parameters[name])) for name in names}
+        if not all(isinstance(parameters[name], float) for name in names):
+            return None
+        given = {name: tape.given(name, number(parameters, name)) for name in names}
         system = ALL[model].system({**parameters, **given})  # type: ignore[dict-item]
         if check is not None:
             check(system)
@@ -114,13 +116,6 @@ def _recorded(
         return None
     laws[:] = array("d", [row.value for row in rows])
     return _compiled(nodes, holds, rows, [number.node for number in given.values()], laws)
-
-
-def _real(value: Value) -> float:
-    """Refuse what is not a real number."""
-    if not isinstance(value, float):
-        raise TypeError(value)
-    return value
 
 
 def _needed(nodes: Iterable[Node]) -> set[int]:
@@ -164,20 +159,13 @@ def _compiled(
             unless = "not " if holds[id(node)] else ""
             lines.append(f"    if {unless}{text(left)} {node.text} {text(right)}: return False")
         elif id(node) not in texts:
-            found = _written(node.text, *map(text, node.operands))
+            first, *second = map(text, node.operands)
+            one = {"neg": f"-{first}", "fabs": f"abs({first})"}.get(node.text)
             texts[id(node)] = f"t{len(texts)}"
-            lines.append(f"    {texts[id(node)]} = {found}")
+            lines.append(f"    {texts[id(node)]} = {one or f'{first} {node.text} {second[0]}'}")
     lines += [f"    laws[{at}] = {text(row)}" for at, row in enumerate(rows) if row.of]
     lines.append("    return True")
     known: dict[str, Any] = {"inf": inf, "laws": laws}
     exec("\n".join(lines), known)
     set_laws: _Function = known["set_laws"]
     return set_laws
-
-
-def _written(operation: str, *operands: str) -> str:
-    if operation == "neg":
-        return f"-{operands[0]}"
-    if operation == "fabs":
-        return f"abs({operands[0]})"
-    return f"{operands[0]} {operation} {operands[1]}"

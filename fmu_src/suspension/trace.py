@@ -8,21 +8,20 @@ record is valid. Conversion to a plain float fixes the value, which is also a co
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from math import isfinite
 from typing import Any
 
 _UNARY, _PRIMARY = 13, 15
 _LEVELS = {"+": 11, "-": 11, "*": 12, "/": 12, "<": 9, "<=": 9, ">": 9, ">=": 9, "==": 8, "!=": 8}
-_ARITHMETIC: dict[str, Callable[[float, float], float]] = {
+OPERATIONS: Mapping[str, Callable[..., Any]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
-    "pow": operator.pow,
-}  # fmt: skip
-_COMPARISONS: dict[str, Callable[[float, float], bool]] = {
+    "pow": operator.pow, "neg": operator.neg, "fabs": abs,
     "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq,
     "!=": operator.ne,
 }  # fmt: skip
+"""What is done to numbers, by its name on a tape."""
 _OPPOSITE = {"==": "!=", "!=": "==", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
 _LONGEST = 90  # characters of a condition in a message
 
@@ -156,7 +155,7 @@ class Number:
             if not isinstance(side, Number | int | float):
                 return NotImplemented
         a, b = self.tape.node(left), self.tape.node(right)
-        value = _ARITHMETIC[text](a.value, b.value)
+        value = OPERATIONS[text](a.value, b.value)
         return Number(self.tape, self.tape.noted(text, (a, b), value))
 
     __add__, __radd__ = _arithmetic("+")
@@ -178,7 +177,7 @@ class Number:
         if not isinstance(other, Number | int | float):
             return NotImplemented
         b = self.tape.node(other)
-        holds = _COMPARISONS[text](self.value, b.value)
+        holds = OPERATIONS[text](self.value, b.value)
         return self.tape.guard(text, self.node, b, bool(holds))
 
     __lt__, __le__ = _comparison("<"), _comparison("<=")

@@ -7,8 +7,7 @@ comparison has a different result are built one by one.
 
 from __future__ import annotations
 
-import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,18 +15,13 @@ import numpy.typing as npt
 
 from ..equilibrium import start_state
 from ..models import ALL
-from ..trace import Node, Tape
+from ..trace import OPERATIONS, Node, Tape
 from ..variable import Value
 
 if TYPE_CHECKING:
     from ..engine import Integrator
 
 _Values = Any  # a column, or a number that all runs have in common
-_OPERATIONS: Mapping[str, Callable[..., _Values]] = {
-    "+": operator.add, "-": operator.sub, "*": operator.mul, "neg": operator.neg, "fabs": abs,
-    "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq,
-    "!=": operator.ne,
-}  # fmt: skip
 
 
 class Slots:
@@ -101,7 +95,7 @@ def _value(node: Node, known: Mapping[int, _Values], valid: npt.NDArray[np.bool_
     if node.text == "pow":  # numpy's may differ in the last bit
         base, exponent = np.broadcast_arrays(*operands)
         return _powers(base, exponent, valid)
-    return _OPERATIONS[node.text](*operands)
+    return OPERATIONS[node.text](*operands)
 
 
 def _powers(

@@ -176,15 +176,10 @@ def sources(folder: Path = KERNEL, used: Iterable[str] = ()) -> Sources:
 
 @cache
 def plain_module(name: str) -> ModuleType:
-    """Import a module of the kernel from its source, beside the compiled one."""
+    """Import a module of the kernel from its source, beside the compiled one: fields can be read."""
     if _PLAIN not in sys.modules:
         package = ModuleType(_PLAIN)
         package.__path__ = [str(KERNEL)]
         sys.modules[_PLAIN] = package
     with engine.cython_directives():
         return import_module(f"{_PLAIN}.{name}")
-
-
-def plain_integrator() -> Any:
-    """Return the class `Integrator`, uncompiled: its fields can be read."""
-    return plain_module("integrator").Integrator

@@ -22,7 +22,7 @@ from phaseplane.suspension.variables import (
 )
 
 from .image import image
-from .kernel_sources import plain_integrator, plain_module, sources
+from .kernel_sources import plain_module, sources
 from .readers import choice, finders, is_continuous, outputs_in_c, parts_of_parameters, rates_in_c
 from .setting_up import set_up
 from .structure import specialised
@@ -91,7 +91,7 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
     }
     system, packed = ALL[model].system(noted), ALL[model].system(parameters)
     solver = {v.name: v.start for v in SOLVER_PARAMETERS} | noted
-    plain = plain_integrator()(
+    plain = plain_module("integrator").Integrator(
         packed,
         solver["solver.method"],
         solver["solver.step"],

@@ -13,7 +13,7 @@ from phaseplane.suspension.kernel_name import KERNEL
 from phaseplane.suspension.models import build
 from phaseplane.vehicle_fmus.native.image import image
 from phaseplane.vehicle_fmus.native.kernel_sources import (
-    plain_integrator,
+    plain_module,
     sources,
 )
 from phaseplane.vehicle_fmus.native.structure import specialised
@@ -74,7 +74,7 @@ def test_the_same_bits_as_the_compiled_kernel(
 ) -> None:
     model, parameters, options = RUNS[what]
     system = build(model, parameters)
-    plain = plain_integrator()(system, **options)
+    plain = plain_module("integrator").Integrator(system, **options)
     kernel = sources(used=[type(plain.stepper.method).__name__])
     rest = [0.0] * plain.net.n
     main = MAIN % (", ".join(map(number, plain.row(system, rest, rest))), plain.net.n)
