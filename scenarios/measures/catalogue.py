@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from functools import lru_cache, partial
 from types import MappingProxyType
 
+import numpy as np
 from phaseplane.suspension.variables import Variable
 
 from .axle import of_axles
@@ -84,10 +85,11 @@ def take(
     run : the outputs over time
     rows : the outputs at the rows and at the end, if they are not in `run`
     """
-    return {
-        name: _taken(known[name], run if rows is None or known[name].over_time else rows)
-        for name in names
-    }
+    with np.errstate(over="ignore", invalid="ignore"):  # the reading is not finite then
+        return {
+            name: _taken(known[name], run if rows is None or known[name].over_time else rows)
+            for name in names
+        }
 
 
 def _taken(measure: Measure, run: Run) -> Reading:

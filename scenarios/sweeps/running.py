@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
@@ -20,7 +20,7 @@ from concurrent.futures import (
 )
 from concurrent.futures import wait as wait_for
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil, isfinite
 from multiprocessing import Pipe, get_context, parent_process
 from multiprocessing.connection import Connection, wait
@@ -34,7 +34,7 @@ from phaseplane.suspension import engine
 
 from .. import simulate as simulating
 from ..errors import InputError, RunError, one_line
-from ..measures import Measure, Run, catalogue, take
+from ..measures import Run, catalogue, take
 from ..measures.solution import instants, refinement, solved
 from ..progress import Progress, silent
 from ..scene.equation import EQUATION
@@ -175,12 +175,8 @@ def _check(plan: Plan, through: str, workers: int | None) -> None:
 
 def run_chunk(plan: Plan, runs: Sequence[int], through: str) -> list[Row]:
     """Return the rows of some runs of a plan; fewer if the sweep is stopped."""
-    if through == "fmu" or plan.scene.fmu.model == EQUATION:
-        rows = _scene_by_scene(plan, runs)
-    elif plan.parameters_only:
-        rows = _in_process(plan, runs)
-    else:
-        rows = (row for run in runs for row in _in_process_alone(plan, run))
+    at_once = through == "process" and plan.parameters_only and plan.scene.fmu.model != EQUATION
+    rows = _in_process(plan, runs) if at_once else _scene_by_scene(plan, runs, through)
     made = []
     while not _STOPPING.is_set() and (row := next(rows, None)) is not None:
         made.append(row)
@@ -210,32 +206,19 @@ def _in_process(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
             rows |= {name: own.columns[name][at] for name in at_rows | {"time"}}
         parameters = {**common, **values}
         made = Run(own.columns, parameters, model, own.details)
-        yield _row(plan, known, run, made, Run(rows, parameters, model))
+        measured = take(known, plan.measures, made, Run(rows, parameters, model))
+        yield _row(plan, run, [measured[name].value for name in plan.measures])
 
 
-def _in_process_alone(plan: Plan, run: int) -> Iterator[Row]:
-    """Yield the row of one run in which more than parameters of the model vary."""
-    try:
-        scene = plan.scene_of(plan.points[run])
-    except InputError as error:
-        yield _failed(plan, run, error)
-        return
-    if scene.fmu.path is not None or scene.fmu.model == EQUATION or scene.controller is not None:
-        yield from _scene_by_scene(plan, [run])
-        return
-    alone = replace(plan, scene=scene, keys=(), points=((),))
-    yield from (replace(row, run=run) for row in _in_process(alone, [0]))
-
-
-def _scene_by_scene(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
+def _scene_by_scene(plan: Plan, runs: Sequence[int], through: str) -> Iterator[Row]:
     """Yield the rows of runs that are each a separate scene; an FMU stays open between runs."""
     with ExitStack() as stack:
         fmus: dict[Fmu, OpenFmu] = {}
         for run in runs:
             try:
                 scene = plan.scene_of(plan.points[run])
-                if _without_fmu(scene):
-                    summary = runner.run(scene).summary
+                if scene.fmu.path is None and (through == "process" or _without_fmu(scene)):
+                    summary = runner.solve(scene).summary
                 else:
                     if scene.fmu not in fmus:
                         fmus[scene.fmu], _ = stack.enter_context(
@@ -245,9 +228,11 @@ def _scene_by_scene(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
             except (InputError, RunError) as error:
                 yield _failed(plan, run, error)
                 continue
-            reason = summary["stopped"]["reason"] if summary["stopped"] else ""
-            values = tuple(summary["measures"][name]["value"] for name in plan.measures)
-            yield Row(run, _plain(values), reason, summary["measured"]["agreement"] or 0.0)
+            if summary["stopped"]:
+                yield _failed(plan, run, summary["stopped"]["reason"])
+                continue
+            values = [summary["measures"][name]["value"] for name in plan.measures]
+            yield _row(plan, run, values, summary["measured"]["agreement"] or 0.0)
 
 
 def _without_fmu(scene: Scene) -> str:
@@ -259,21 +244,17 @@ def _without_fmu(scene: Scene) -> str:
     return "a scene with a controller" if scene.controller is not None else ""
 
 
-def _row(plan: Plan, known: Mapping[str, Measure], run: int, made: Run, rows: Run) -> Row:
-    measured = take(known, plan.measures, made, rows)
-    values = _plain(tuple(measured[name].value for name in plan.measures))
-    broken = [name for name, x in zip(plan.measures, values, strict=True)
-              if isinstance(x, float) and not isfinite(x)]  # fmt: skip
-    return Row(run, values, f"{broken[0]} is not a number" if broken else "")
+def _row(plan: Plan, run: int, values: Sequence[Any], apart: float = 0.0) -> Row:
+    """Return the row of a run; of a measure that lists times, the value is their number."""
+    plain = [len(x) if isinstance(x, tuple | list) else x for x in values]
+    lost = [isinstance(x, float) and not isfinite(x) for x in plain]
+    known = tuple(None if gone else x for x, gone in zip(plain, lost, strict=True))
+    reason = f"{plan.measures[lost.index(True)]} is not a number" if any(lost) else ""
+    return Row(run, known, reason, apart)
 
 
 def _failed(plan: Plan, run: int, why: object) -> Row:
     return Row(run, (None,) * len(plan.measures), one_line(why))
-
-
-def _plain(values: tuple[Any, ...]) -> tuple[float | int | None, ...]:
-    """Return the values, each list of times replaced by its length."""
-    return tuple(len(x) if isinstance(x, tuple | list) else x for x in values)
 
 
 def _disagreement(plan: Plan, rows: Sequence[Row]) -> float:

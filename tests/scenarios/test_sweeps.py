@@ -282,6 +282,23 @@ def test_a_run_that_fails_is_a_row_with_its_reason() -> None:
     assert len(json.loads(result.stdout)["failures"]) == 3
 
 
+@pytest.mark.parametrize(("equation", "start", "words"), [
+    ("-x*x*x", 1.0, "no step is short enough"), ("x", 1e200, "rms.displacement is not a number"),
+])  # fmt: skip
+def test_of_runs_that_fail_one_by_one_no_measure_counts(
+    equation: str, start: float, words: str
+) -> None:
+    Path("scene.toml").write_text(
+        f'fmu = "Equation"\nduration = 3\nparameters.equation = "{equation}"'
+    )
+    text = 'scene = "scene.toml"\nmeasures = ["rms.displacement"]\n[vary]\ndisplacement_start = '
+    result = phaseplane("sweep", sweep_file(f"{text}[0.1, {start}]"), "--json", "--workers", "1")
+    assert [row["ok"] for row in rows()] == ["true", "false"]
+    assert words in rows()[1]["reason"]
+    assert rows()[1]["rms.displacement"] == ""
+    assert json.loads(result.stdout)["measures"]["rms.displacement"]["run_of_max"] == 0
+
+
 @pytest.mark.slow
 def test_the_fmu_agrees_with_the_process(fmu: Path) -> None:
     result = printed("sweep", sweep_file(), "--through", "fmu", "--workers", "1", "--json")
