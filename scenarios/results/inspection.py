@@ -139,14 +139,14 @@ def _picture(
     return figures.runs(values, units, **more)
 
 
-def format_contents(data: Mapping[str, Any], folder: Path) -> str:
-    """Return the contents as text for a terminal."""
+def format_contents(data: Mapping[str, Any], what: Path) -> str:
+    """Return the contents of a results folder, or of the table in one, as text for a terminal."""
     lines = []
     if data["summary"].get("measures"):
         try:
-            lines += [report(data["summary"], folder), ""]
+            lines += [report(data["summary"], what if what.is_dir() else what.parent), ""]
         except (KeyError, TypeError, AttributeError, ValueError):
-            raise InputError(f"{folder}: {DAMAGED}") from None
+            raise InputError(f"{what}: {DAMAGED}") from None
     lines += [f"warning: {warning}" for warning in data["summary"].get("warnings", ())]
     heading = ("column", "unit", "first", "last", "smallest", "largest")
     rows = [
@@ -205,18 +205,11 @@ def difference(
         "measures": _side_by_side(first.summary, second.summary),
     }
     if figure is not None:
-        labels = _labels((ours, other))
+        drawn = {ours: first, other: second}
         worst = [d.name for d in found.differences[:_MOST_COMPARED]]
-        each = {
-            name: {
-                labels[path]: (results.columns["time"], results.columns[name])
-                for path, results in ((ours, first), (other, second))
-            }
-            for name in worst
-        }
-        title, printed = _title({ours: first, other: second}), look or figures.Look()
-        units = first.summary.get("units", {})
-        figures.save(figures.runs(each, units, title=title, look=printed), figure)
+        units, printed = first.summary.get("units", {}), look or figures.Look()
+        picture = _picture(drawn, worst, None, units, title=_title(drawn), look=printed)
+        figures.save(picture, figure)
         data["files"] = [str(figure)]
     return data
 

@@ -128,6 +128,14 @@ def test_measures_stand_side_by_side(folders):
     assert "measure" in phaseplane("compare a b").stdout
 
 
+def test_the_report_of_a_table_names_the_files_of_its_folder(folders):
+    report = printed("show a/results.csv")
+    assert report == printed("show a")
+    files = report.partition("files ")[2].split("\n\n")[0].split()
+    assert {Path(file).name for file in Path("a").iterdir()} == {Path(f).name for f in files}
+    assert all(Path(file).is_file() for file in files)
+
+
 @pytest.mark.slow
 def test_histories_of_a_half_car_show_both_axles():
     run = desk.run("half_car_pitch", duration=0.5)
