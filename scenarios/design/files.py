@@ -90,6 +90,10 @@ class OptimumFile:
     def __post_init__(self) -> None:
         if bool(self.minimise) == bool(self.maximise):
             raise ValueError("give one of minimise and maximise, the name of a measure")
+        if self.against and self.against in (self.minimise, self.maximise):
+            raise ValueError(
+                f"against = {self.against!r} is the measure to be optimised; name another"
+            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -218,7 +218,10 @@ def _format_optimum(found: Optimum) -> list[str]:
             for word, limit in (("at least", bound.min), ("at most", bound.max)) if limit is not None
         ]  # fmt: skip
         role = ("least" if problem.sign > 0 else "largest") if name == problem.objective else ""
-        values = (quantity(float(x[k]), unit) for x in (found.numbers_before, found.numbers))
+        values = (
+            quantity(x[k].item() if isfinite(x[k]) else None, unit)
+            for x in (found.numbers_before, found.numbers)
+        )
         measured.append((name, *values, ", ".join([*([role] if role else []), *limits])))
     lacking = int(np.isnan(found.measured).any(axis=1).sum())
     made = counted(len(found.points), "run")

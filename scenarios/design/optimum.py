@@ -56,15 +56,18 @@ class Problem:
         column: Points = numbers[:, self.measures.index(measure)]
         return abs(column) if has_sign(measure) else column
 
-    def cost(self, numbers: Points, measure: str = "") -> Points:
+    def cost(self, numbers: Points) -> Points:
         """Return the value to minimise, for each run; large where a run failed."""
-        size = self.sizes(numbers, measure or self.objective)
-        return np.nan_to_num(size if measure else self.sign * size, nan=_WORST)
+        return np.nan_to_num(self.sign * self.sizes(numbers, self.objective), nan=_WORST)
 
-    def violations(self, numbers: Points, bounds: Mapping[str, Bounds] | None = None) -> Points:
+    def other(self) -> Problem:
+        """Return the problem whose objective is the smallest magnitude of the second measure."""
+        return replace(self, objective=self.against, sign=1.0)
+
+    def violations(self, numbers: Points) -> Points:
         """Return the relative violation of each bound, (runs, bounds); below 0 if it holds."""
         rows = []
-        for name, bound in (self.bounds if bounds is None else bounds).items():
+        for name, bound in self.bounds.items():
             column = self.sizes(numbers, name)
             for limit, side in ((bound.min, -1.0), (bound.max, 1.0)):
                 if limit is not None:
@@ -109,8 +112,7 @@ class Optimum:
         problem = self.problem
         kept = (problem.violations(self.measured) <= _CLOSE).all(axis=1)
         table: Points = np.vstack([self.front[1], self.measured[kept]])
-        costs = np.column_stack([problem.cost(table), problem.cost(table, problem.against)])
-        return table[undominated(costs)]
+        return table[_front(problem, table)]
 
 
 def read_problem(path: Path) -> Problem:
@@ -240,52 +242,41 @@ def _evolved(problem: Problem, runs: Runs) -> Points:
     return best
 
 
-def _refined(
-    problem: Problem, runs: Runs, start: Points, *,
-    measure: str = "", bounds: Mapping[str, Bounds] | None = None,
-) -> Points:  # fmt: skip
+def _refined(problem: Problem, runs: Runs, start: Points) -> Points:
     """Return the optimum nearest to a point, by sequential quadratic programming."""
     from scipy.optimize import minimize  # noqa: PLC0415
 
-    size = float(abs(problem.cost(runs.at(start), measure)[0])) or 1.0
+    size = float(abs(problem.cost(runs.at(start))[0])) or 1.0
 
-    def cost(x: Points) -> float:
-        return float(problem.cost(runs.at(x), measure)[0]) / size
+    def costs(points: Points) -> Points:
+        return problem.cost(runs.at(points)) / size
 
-    def slope(x: Points) -> Points:
-        return differences(lambda points: problem.cost(runs.at(points), measure) / size, x)
+    def margins(points: Points) -> Points:
+        return -problem.violations(runs.at(points))
 
-    constraints = []
-    if bounds or (bounds is None and problem.bounds):
-        constraints = [
-            {
-                "type": "ineq",
-                "fun": lambda x: -problem.violations(runs.at(x), bounds)[0],
-                "jac": lambda x: (
-                    -differences(lambda points: problem.violations(runs.at(points), bounds), x)
-                ),
-            }
-        ]
+    constraint = {
+        "type": "ineq",
+        "fun": lambda x: margins(x)[0],
+        "jac": lambda x: differences(margins, x),
+    }
     found = minimize(
-        cost, start, jac=slope, bounds=[(0.0, 1.0)] * len(start), method="SLSQP",
-        constraints=constraints, options={"maxiter": _STEPS, "ftol": _TOLERANCE},
+        lambda x: float(costs(x)[0]), start, jac=lambda x: differences(costs, x),
+        bounds=[(0.0, 1.0)] * len(start), method="SLSQP",
+        constraints=[constraint] if problem.bounds else [],
+        options={"maxiter": _STEPS, "ftol": _TOLERANCE},
     )  # fmt: skip
     runs.end_stage()
     refined: Points = np.clip(found.x, 0.0, 1.0)
     return refined
 
 
-def _best(
-    problem: Problem, runs: Runs, candidates: Sequence[Points], *,
-    measure: str = "", bounds: Mapping[str, Bounds] | None = None,
-) -> Points:  # fmt: skip
+def _best(problem: Problem, runs: Runs, candidates: Sequence[Points]) -> Points:
     """Return the best of some points and of all runs: feasible first, then by cost."""
     points = np.array([*candidates, *runs.points])
     numbers = runs.at(points)
-    broken = np.maximum(problem.violations(numbers, bounds), 0.0)
+    broken = np.maximum(problem.violations(numbers), 0.0)
     broken = np.where(broken <= _CLOSE, 0.0, broken).sum(axis=1)
-    order = np.lexsort((problem.cost(numbers, measure), broken))
-    best: Points = points[order[0]]
+    best: Points = points[np.lexsort((problem.cost(numbers), broken))[0]]
     return best
 
 
@@ -294,23 +285,25 @@ def _trade_off(problem: Problem, runs: Runs, best: Points) -> tuple[Points, Poin
 
     Between the two ends the second measure is bounded, step by step, and the objective optimised.
     """
-    against = problem.against
-    end = _best(
-        problem, runs,
-        [_refined(problem, runs, _best(problem, runs, [best], measure=against), measure=against)],
-        measure=against,
-    )  # fmt: skip
-    first, last = (float(problem.cost(runs.at(x), against)[0]) for x in (best, end))
+    against, other = problem.against, problem.other()
+    end = _best(other, runs, [_refined(other, runs, _best(other, runs, [best]))])
+    first, last = (float(other.cost(runs.at(x))[0]) for x in (best, end))
     found, start = [best], best
     for limit in np.linspace(first, last, max(problem.search.trade_offs, 2))[1:-1]:
-        bounds = {**problem.bounds, against: _within(problem.bounds.get(against, Bounds()), limit)}
-        start = _best(problem, runs, [start], bounds=bounds)
-        start = _best(problem, runs, [_refined(problem, runs, start, bounds=bounds)], bounds=bounds)
+        within = _within(problem.bounds.get(against, Bounds()), limit)
+        limited = replace(problem, bounds={**problem.bounds, against: within})
+        start = _best(limited, runs, [start])
+        start = _best(limited, runs, [_refined(limited, runs, start)])
         found.append(start)
     points = np.array([*found, end])
     numbers = runs.at(points)
-    kept = undominated(np.column_stack([problem.cost(numbers), problem.cost(numbers, against)]))
+    kept = _front(problem, numbers)
     return points[kept], numbers[kept]
+
+
+def _front(problem: Problem, numbers: Points) -> Points:
+    """Return the indices of the runs that no other one beats in both measures."""
+    return undominated(np.column_stack([problem.cost(numbers), problem.other().cost(numbers)]))
 
 
 def _within(bounds: Bounds, limit: float) -> Bounds:

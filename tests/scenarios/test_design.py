@@ -345,6 +345,14 @@ def test_a_study_that_is_not_understood_is_refused(text, words):
         phaseplane.optimise(name)
 
 
+def test_a_measure_is_not_traded_off_against_itself():
+    text = "minimise = 'suspension_travel'\nagainst = 'suspension_travel'\n[vary]\nspeed = {from=5, to=9}"
+    with pytest.raises(
+        InputError, match="against = 'suspension_travel' is the measure to be optimised"
+    ):
+        phaseplane.optimise(study(text))
+
+
 @pytest.mark.parametrize(
     ("vary", "words"),
     [("speed = 3", "from = ..., to = ..."),
@@ -466,6 +474,10 @@ def test_runs_that_lack_a_measure_are_counted():
     lacking = int(np.isnan(runs).sum())
     assert 0 < lacking < len(runs)
     assert f"{len(runs)} runs, of which {lacking} failed or lack a measure" in found.report
+    (row,) = [line for line in found.report.splitlines() if line.startswith("first_lift_off  ")]
+    before = found.summary["measures"]["first_lift_off"]["before"]
+    assert (row.split()[1] == "none") == np.isnan(before)
+    assert "nan" not in found.report
 
 
 @pytest.mark.slow
