@@ -57,7 +57,7 @@ class Equations:
 
     def __init__(self, system: System) -> None:
         if any(element.series < inf for element in system.elements):
-            raise ValueError("springs in series with dampers cannot be written as source text")
+            raise ValueError("there is no independent solution for springs in series with dampers")
         self.system = system
         self.n = len(system.mass)
         self.size = 0  # of p
@@ -96,7 +96,7 @@ class Equations:
     def _law(self, law: Characteristic, *, yields: bool = False) -> Law:
         if any(piece.power or piece.own for piece in law.pieces):
             raise ValueError(
-                "power laws and user-defined functions cannot be written as source text"
+                "there is no independent solution for power laws and user-defined functions"
             )
         degrees = (0, 1) if yields else degrees_of(piece.coefficients for piece in law.pieces)
         made = Law(law.pieces, degrees, any(piece.saturation for piece in law.pieces))

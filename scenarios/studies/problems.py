@@ -188,13 +188,6 @@ def _of_scene(name: str) -> Problem:
         intervals,
     )
     problem = replace(problem, file=scene.fmu.path)
-    for element in problem.system.elements:
-        pieces = (*element.spring.pieces, *element.damper.pieces)
-        if element.series < inf or any(piece.power for piece in pieces):
-            raise InputError(
-                f"{name}: errors cannot be measured, as there is no independent solution for power "
-                "laws and springs in series with dampers"
-            )
     smooth = not any(
         element.limit < inf
         or element.friction

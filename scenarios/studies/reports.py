@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from phaseplane import figures
 
+from ..errors import InputError
 from ..progress import Progress, part_of, silent
 from ..results.folder import Place, replace_folder, write_summary
 from . import stability as study
 from .accuracy import measure, solvers
 from .accuracy_report import as_data, panels, table
-from .problems import PROBLEMS, find_problem
+from .equations import Equations
+from .problems import PROBLEMS, Problem, find_problem
 
 if TYPE_CHECKING:
     from phaseplane.figures.style import Figure
@@ -44,6 +46,8 @@ def study_accuracy(
     """
     place = Place.chosen(folder, "accuracy", "accuracy")
     problems = [find_problem(name) for name in references or PROBLEMS]
+    for problem in problems:
+        _check_solved(problem)
     compared = solvers(with_peers=with_peers)
     points, width = [], 1.0 / len(problems)
     for k, problem in enumerate(problems):
@@ -82,8 +86,8 @@ def study_stability(
     if not references:
         problems = [problem for problem in problems if problem.kind == "non-smooth"]
 
-    made = study.maps(size, part_of(progress, 0.0, 0.5))
-    found = study.limits(problems, part_of(progress, 0.5, 0.3))
+    found = study.limits(problems, part_of(progress, 0.0, 0.3))
+    made = study.maps(size, part_of(progress, 0.3, 0.5))
     happened = study.extremes(part_of(progress, 0.8, 0.2))
     data, table = study.as_data(made, found, happened), study.table(found, happened)
     figure = figures.stability_sheet(
@@ -105,6 +109,14 @@ def study_stability(
     )  # fmt: skip
     _write(place, data, table, figure)
     return data, table, place.folder
+
+
+def _check_solved(problem: Problem) -> None:
+    """Refuse a problem without an independent solution, before any is solved."""
+    try:
+        Equations(problem.system)
+    except ValueError as error:
+        raise InputError(f"{problem.name}: errors cannot be measured, as {error}") from None
 
 
 def _write(place: Place, data: Mapping[str, Any], text: str, figure: Figure) -> None:

@@ -18,6 +18,7 @@ from phaseplane.suspension import characteristics
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.systems import Element, System
 
+from ..errors import InputError
 from ..progress import Progress, silent
 from .accuracy_report import compared_versions, machine
 from .extremes import CASES, TOLERANCES, Happened, run_case
@@ -164,6 +165,8 @@ def fastest(problem: Problem) -> float:
             steps.append(integrator.stable_step())
         if integrator.advance(integrator.time + 1e-12) != 0:
             break
+    if not steps:
+        raise InputError(f"{problem.name}: no step is too long, as nothing in it oscillates")
     return LINEAR / min(steps)
 
 

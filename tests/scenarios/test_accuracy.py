@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import complaint, printed, reported
+from command_line import complaint, printed, reported, written
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.studies import accuracy, project_solvers, reports, workbench
 from phaseplane.scenarios.studies.accuracy import Point, Solver, measure, solvers
@@ -20,6 +20,27 @@ from phaseplane.scenarios.studies.workbench import Run, UnableError, Workbench
 
 from phaseplane.figures import work_precision
 from phaseplane.figures.work_precision import Curve
+
+MODULE = '''"""A mass on a spring whose force is the sine of its deflection."""
+
+from math import cos, sin
+
+from phaseplane.suspension.characteristics import function
+from phaseplane.suspension.declared import SOLVER_PARAMETERS, initial
+from phaseplane.suspension.model import Model
+from phaseplane.suspension.outputs import SOLVER_OUTPUTS, motion
+from phaseplane.suspension.systems import Element, System
+
+VARIABLES = (*initial({"bob": "it"}), *SOLVER_PARAMETERS, *motion("bob", "it"), *SOLVER_OUTPUTS)
+
+
+def system(p):
+    return System(("bob",), ((1.0,),), (Element("spring", (1.0,), function(sin, cos)),), scales=(1.0,))
+
+
+MODEL = Model(summary="A bob", variables=VARIABLES, system=system)
+SCENE = {"duration": 1.0, "parameters": {"initial.bob_displacement": 0.5}}
+'''
 
 
 @pytest.fixture(scope="module")
@@ -189,6 +210,13 @@ def test_a_scene_is_a_problem() -> None:
         "[parameters]\nlift_off = false\ndamper.bump_rate = 900.0\ndamper.rebound_rate = 900.0\n"
     )
     assert find_problem("smooth.toml").kind == "smooth"
+
+
+def test_a_problem_without_an_independent_solution_is_refused() -> None:
+    written(MODULE, "bob.py")
+    words = "bob: errors cannot be measured, as there is no independent solution"
+    assert words in complaint("accuracy bob.py")
+    assert find_problem("bob.py").kind == "smooth"
 
 
 def test_an_unknown_name_names_scenes_and_problems() -> None:

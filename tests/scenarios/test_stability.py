@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import complaint, written
 from phaseplane.scenarios.studies import reports
 from phaseplane.scenarios.studies import stability as study
 from phaseplane.scenarios.studies.extremes import CASES, TOLERANCES, run_case
@@ -103,6 +104,12 @@ def test_the_study_leaves_data_table_and_picture(tmp_path: Path) -> None:
     assert kept["limits"] == data["limits"]
     assert {limit["method"] for limit in kept["limits"]} == {name for name, *_ in study.METHODS}
     assert "a wheel of 1 g" in table
+
+
+def test_what_does_not_oscillate_has_no_limit() -> None:
+    system = '[system]\nname = "Slider"\ncoordinates = { slide = 2.0 }\nelements.damper = '
+    written(f"duration = 1\n{system}{{ direction = {{ slide = 1 }}, damper = {{ rate = 3.0 }} }}")
+    assert "scene: no step is too long" in complaint("stability scene.toml")
 
 
 def test_the_error_of_fixed_steps_is_told_over_the_peak() -> None:
