@@ -27,7 +27,7 @@ _USUAL = ("sprung_mass", "payload", "unsprung_mass", "spring.rate", "damper.rebo
 def new(path: Path, model: str) -> None:
     """Write a commented scene to start from."""
     try:
-        text = "\n".join(_lines(model)) + "\n"
+        text = "\n".join(_lines(model, path.parent)) + "\n"
         if os.path.lexists(path):
             raise InputError(f"{path} already exists; give another name")
         with replace_file(path) as draft:
@@ -37,14 +37,17 @@ def new(path: Path, model: str) -> None:
     click.echo(f"{path}: run it with 'phaseplane run {path}'")
 
 
-def _lines(model: str) -> Iterator[str]:
+def _lines(model: str, folder: Path) -> Iterator[str]:
+    """Yield the lines of a scene in a folder, to which the path of its model is relative."""
     fmu = fmu_named(model)
+    file = fmu.path or fmu.system
+    named = Path(os.path.relpath(file, folder.resolve())).as_posix() if file else model
     parameters = fmu.parameters()
     outputs = list(fmu.outputs())
     yield "# A scene: what to run, what to show, what to expect. All keys: phaseplane schema"
     yield f"# All parameters, outputs and measures: phaseplane schema {model}"
     yield 'title = "My scene"'
-    yield f'fmu = "{model}"'
+    yield f'fmu = "{named}"'
     yield 'duration = "1 s"  # numbers in SI, or strings with a unit'
     yield "# To start from another scene, give its name or file by the key extends instead of fmu."
     if "body_displacement" in outputs:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow
 import pytest
-from command_line import BARE, complaint, phaseplane, printed, reported, settings
+from command_line import BARE, complaint, phaseplane, printed, reported, settings, written
 from phaseplane.scenarios import draw
 from phaseplane.scenarios.commands.guide import json_schema
 from phaseplane.scenarios.design.files import FitFile, OptimumFile, SearchOfFit, SearchOfOptimum
@@ -285,6 +285,14 @@ def test_a_new_scene_is_valid_as_it_stands_and_with_all_its_comments_taken_up(mo
         start = variable.start
         assert value == (pytest.approx(start, rel=1e-5) if isinstance(start, float) else start)
     assert tomllib.loads(text)["fmu"] == model
+
+
+def test_a_new_scene_names_its_model_from_its_own_folder() -> None:
+    system = '[system]\nname = "Trolley"\ncoordinates = { slide = 2.0 }\nelements.spring = '
+    written(system + "{ direction = { slide = 1 }, spring = { rate = 200.0 } }", "trolley.toml")
+    Path("mine").mkdir()
+    printed("new mine/car.toml --model trolley.toml")
+    assert load_scene("mine/car.toml").fmu.model == "Trolley"
 
 
 # -- files of other commands -----------------------------------------------------------------------
