@@ -9,6 +9,7 @@ from pathlib import Path
 
 PICTURES = (".png", ".svg", ".pdf")
 MOVING = (".gif", ".mp4")
+_LARGEST = 10_000_000
 _OVERFLOW = re.compile(r"\(34, '[^']*'\)|math range error")  # in Python's own words
 
 
@@ -63,6 +64,24 @@ def read_errors(path: Path) -> Iterator[None]:
         raise InputError(error) from None
 
 
+def read_text(path: Path, name: str = "") -> str:
+    """Return the text of a file, whose name in messages is its path unless it is given.
+
+    Raises
+    ------
+    InputError : if it cannot be read, is not UTF-8, or is larger than any that is written by hand.
+    """
+    try:
+        if path.stat().st_size > _LARGEST:
+            raise InputError(f"cannot read {name or path}: larger than {_LARGEST} bytes")
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise InputError(f"cannot read {name or path}: {error.strerror or error}") from None
+    except UnicodeDecodeError as error:
+        why = f"not UTF-8 text (byte {error.start}); save it as UTF-8"
+        raise InputError(f"cannot read {name or path}: {why}") from None
+
+
 def refuse_unknown_keys(given: Iterable[str], known: Collection[str]) -> None:
     """Reject unknown keys of a table.
 
@@ -80,7 +99,17 @@ def refuse_unknown_keys(given: Iterable[str], known: Collection[str]) -> None:
 
 
 def check_picture(path: Path | None, allowed: Sequence[str] = PICTURES) -> None:
-    """Reject a picture's file name before anything is computed.
+    """Reject a picture's file name before anything is computed; see `check_file`."""
+    check_file("--figure", path, allowed)
+
+
+def check_recording(path: Path | None) -> None:
+    """Reject a recording's file name before anything is computed; see `check_file`."""
+    check_file("--save", path, (".rrd",))
+
+
+def check_file(option: str, path: Path | None, allowed: Sequence[str]) -> None:
+    """Reject the name of a file to write, if one is given.
 
     Raises
     ------
@@ -89,25 +118,7 @@ def check_picture(path: Path | None, allowed: Sequence[str] = PICTURES) -> None:
     if path is None:
         return
     if path.suffix not in allowed:
-        raise InputError(f"--figure {path}: must end in {', '.join(allowed)}")
-    _check_place(path)
-
-
-def check_recording(path: Path | None) -> None:
-    """Reject a recording's file name before anything is computed.
-
-    Raises
-    ------
-    InputError : if it does not end in .rrd, its folder does not exist, or it is a folder.
-    """
-    if path is None:
-        return
-    if path.suffix != ".rrd":
-        raise InputError(f"--save {path}: the name must end in .rrd")
-    _check_place(path)
-
-
-def _check_place(path: Path) -> None:
+        raise InputError(f"{option} {path}: must end in {', '.join(allowed)}")
     if not path.parent.is_dir():
         raise InputError(f"{path}: no folder {path.parent}; make it first")
     if path.is_dir():

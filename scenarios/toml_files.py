@@ -7,11 +7,15 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from .errors import InputError
+from .errors import InputError, read_text
 
 
-def read_content(path: Path) -> dict[str, Any]:
+def read_content(path: Path, name: str = "") -> dict[str, Any]:
     """Return the content of a TOML file.
+
+    Parameters
+    ----------
+    name : its name in messages, if that is not its path
 
     Raises
     ------
@@ -19,14 +23,13 @@ def read_content(path: Path) -> dict[str, Any]:
     """
     if path.is_dir():
         raise InputError(f"{path} is a folder; give the path of a .toml file")
+    text = read_text(path, name)
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except UnicodeDecodeError as error:
-        why = f"not UTF-8 text (byte {error.start}); save it as UTF-8"
-        raise InputError(f"cannot read {path}: {why}") from None
-    except (OSError, ValueError, RecursionError) as error:
-        why = getattr(error, "strerror", None) or f"not TOML: {error}"
-        raise InputError(f"cannot read {path}: {why}") from None
+        return tomllib.loads(text)
+    except RecursionError:
+        raise InputError(f"cannot read {name or path}: nested too deeply") from None
+    except ValueError as error:
+        raise InputError(f"cannot read {name or path}: not TOML: {error}") from None
 
 
 def dotted(

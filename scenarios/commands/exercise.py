@@ -7,13 +7,11 @@ from pathlib import Path
 import click
 
 from ..draw import exercises
-from ..errors import InputError
+from ..errors import InputError, read_text
 from ..results.folder import Place, replace_folder, write_summary
 from ..results.plain import as_json
 from ..scene.loading import load_scene
 from .console import DONE, FAILED, FiniteRange, json_option, output_option, set_option
-
-_LARGEST = 1_000_000  # characters of readings
 
 
 @click.command()
@@ -69,8 +67,9 @@ def exercise(
     loaded = load_scene(scene, overrides, expect=False)
     made = exercises.exercise(loaded, steps, paper)
     if readings is not None:
+        text = read_text(readings)
         try:
-            summary = exercises.marked(made, _text_of(readings), 1e-3 * tolerance)
+            summary = exercises.marked(made, text, 1e-3 * tolerance)
         except ValueError as error:
             raise InputError(f"--mark {readings}: {error}") from None
         if output is not None:
@@ -91,15 +90,3 @@ def exercise(
         click.echo(f"{loaded.title or loaded.name}: {made.extent} on {paper}")
         click.echo("\n".join(f"file  {name}" for name in names))
     return DONE
-
-
-def _text_of(path: Path) -> str:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise InputError(f"--mark {path}: {error.strerror or error}") from None
-    except UnicodeDecodeError:
-        raise InputError(f"--mark {path}: not UTF-8 text") from None
-    if len(text) > _LARGEST:
-        raise InputError(f"--mark {path}: larger than {_LARGEST} characters")
-    return text

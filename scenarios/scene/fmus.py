@@ -15,7 +15,7 @@ from phaseplane.suspension.variables import MODELS, SOURCES, ParameterError, Val
 from phaseplane.vehicle_fmus.content import content_key
 from phaseplane.vehicle_fmus.model_description import CHOSEN
 
-from ..errors import InputError, SystemFileError, one_line, shown
+from ..errors import InputError, SystemFileError, one_line, read_text, shown
 from .equation import EQUATION, equation_variables
 from .names import SCENE_FILES, meant
 
@@ -171,9 +171,9 @@ def _of_system(path: Path) -> Fmu:
     from phaseplane.suspension.own_systems.file import load  # noqa: PLC0415  (rarely needed)
 
     try:
-        name = load(path.read_text(encoding="utf-8-sig"), path.name)
-    except OSError as error:
-        raise SystemFileError(f"{path}: cannot be read: {error.strerror or error}") from None
+        name = load(read_text(path), path.name)
+    except InputError as error:
+        raise SystemFileError(error) from None
     except ValueError as error:
         raise SystemFileError(f"{path}: {one_line(error, 300)}") from None
     return Fmu(name, None, MODELS[name], path.resolve())

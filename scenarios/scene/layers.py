@@ -17,7 +17,8 @@ from phaseplane.suspension.own_systems.module import scene_in
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import MODELS, ParameterError
 
-from ..errors import InputError, shown
+from ..errors import InputError, read_text, shown
+from ..toml_files import read_content
 from .equation import equation_variables, only_in
 from .fmus import default_duration
 from .names import CASES, SCENE_FILES, case_names, file_meant, meant
@@ -31,7 +32,6 @@ SOLVER = "parameters.solver."
 _EQUATION = "parameters.equation"
 SET = "--set"
 REFERENCE = "reference"  # a table within [expect]
-_LARGEST_FILE = 10_000_000
 
 
 class Setting(NamedTuple):
@@ -349,15 +349,10 @@ def _called(path: Path) -> str:
 
 def _read(path: Path, name: str) -> dict[str, Any]:
     try:
-        if path.stat().st_size > _LARGEST_FILE:
-            raise InputError(f"{name}: larger than {_LARGEST_FILE} bytes; not a scene file")
-        text = path.read_text(encoding="utf-8-sig")
         if path.suffix == ".py":
-            content = scene_in(text)
+            content = scene_in(read_text(path, name))
             content.setdefault("fmu", path.name)
-            return dict(flattened(content, name))
-        content = tomllib.loads(text)
-        if isinstance(content.pop("system", None), dict):
+        elif isinstance((content := read_content(path, name)).pop("system", None), dict):
             content.setdefault("fmu", path.name)  # the scene of the system that it describes
             if content["fmu"] != path.name:
                 raise InputError(
@@ -365,18 +360,10 @@ def _read(path: Path, name: str) -> dict[str, Any]:
                     "fmu to run the system of this file, or put one of them into another file"
                 )
         return dict(flattened(content, name))
-    except InputError:
-        raise
     except ParameterError as error:
         raise InputError(f"{name}: {error}") from None
-    except OSError as error:
-        raise InputError(f"cannot read {name}: {error.strerror or error}") from None
-    except UnicodeDecodeError as error:
-        raise InputError(f"{name}: not UTF-8 text (byte {error.start}); save it as UTF-8") from None
     except RecursionError:
         raise InputError(f"{name}: nested too deeply") from None
-    except ValueError as error:
-        raise InputError(f"{name}: not TOML: {error}") from None
 
 
 def flattened(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:

@@ -238,40 +238,44 @@ def _during(fmu: Fmu, given: object) -> tuple[During, ...]:
 
 
 def _reference(fmu: Fmu, expect: Mapping[str, Any], folders: Mapping[str, Path]) -> dict[str, Any]:
-    """Return the reference, the folder that its path is relative to, and its columns."""
+    """Return the reference, the folder that its path is relative to, and its columns.
+
+    A reference with other names, units or times is read as measured signals; see `results.signals`.
+    """
     if "reference" not in expect:
         return {}
-    said = dict(expect["reference"]) if isinstance(expect["reference"], Mapping) else {}
+    said = expect["reference"]
     folder = folders.get(f"{REFERENCE}.file", Path())
-    if isinstance(said.get("columns"), Mapping) or set(said) & set(SIGNALS):
-        return _measured_reference(fmu, said, folder)
-    reference = read_table(Reference, expect["reference"], REFERENCE)
-    if reference.columns == ():
-        raise RefusedError(REFERENCE, f"{REFERENCE}.columns = []: must name at least one column")
-    path = folder / reference.file
-    try:
-        columns = read_columns(path)[0]
-    except InputError as error:
-        raise RefusedError(REFERENCE, f"{REFERENCE}.file: {error}") from None
-    _check_reference(fmu, reference, path, columns)
+    if isinstance(said, Mapping) and (
+        isinstance(said.get("columns"), Mapping) or set(said) & set(SIGNALS)
+    ):
+        columns = _signals(fmu, said, folder)
+        rest = {key: value for key, value in said.items() if key not in SIGNALS}
+        names = [name for name in columns if name != "time"]
+        reference = read_table(Reference, {**rest, "columns": names}, REFERENCE)
+    else:
+        reference = read_table(Reference, said, REFERENCE)
+        if reference.columns == ():
+            raise RefusedError(
+                REFERENCE, f"{REFERENCE}.columns = []: must name at least one column"
+            )
+        try:
+            columns = read_columns(folder / reference.file)[0]
+        except InputError as error:
+            raise RefusedError(REFERENCE, f"{REFERENCE}.file: {error}") from None
+    _check_reference(fmu, reference, folder / reference.file, columns)
     return {"reference": reference, "reference_folder": folder, "reference_columns": columns}
 
 
-def _measured_reference(fmu: Fmu, said: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Return a reference with other names, units and times; see `results.signals`."""
+def _signals(fmu: Fmu, said: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     units = {name: output.unit or "1" for name, output in fmu.outputs().items()}
     signals = {key: value for key, value in said.items() if key in ("file", "columns", *SIGNALS)}
     if not isinstance(signals.get("columns", {}), Mapping):  # names of outputs
         signals["columns"] = {name: name for name in signals["columns"]}
     try:
-        columns = read_signals(signals, folder, units)
+        return read_signals(signals, folder, units)
     except InputError as error:
         raise RefusedError(REFERENCE, f"{REFERENCE}: {error}") from None
-    names = [name for name in columns if name != "time"]
-    rest = {key: value for key, value in said.items() if key not in SIGNALS}
-    reference = read_table(Reference, {**rest, "columns": names}, REFERENCE)
-    _check_reference(fmu, reference, folder / reference.file, columns)
-    return {"reference": reference, "reference_folder": folder, "reference_columns": columns}
 
 
 def _check_reference(fmu: Fmu, reference: Reference, path: Path, columns: Columns) -> None:
