@@ -18,7 +18,7 @@ from phaseplane.suspension.session import Session, SimulationError
 from .. import simulate
 from ..errors import InputError, RunError, one_line
 from ..measures import catalogue, outputs_needed
-from ..measures.solution import Column, GoingOn, Solution, instants, refinement, solved, solved_by
+from ..measures.solution import Column, Solution, instants, refinement, solved, solved_by
 from ..progress import Progress, silent
 from ..results.folder import Results
 from ..scene.equation import EQUATION
@@ -71,19 +71,17 @@ def run(
         nothing; its results say when it stopped and why.
     Interrupted : on Ctrl-C or SIGTERM, at the end of the step.
     """
-    if scene.fmu.system is not None or scene.controller is not None:
+    if scene.fmu.model == EQUATION or scene.fmu.system is not None or scene.controller is not None:
         results = solve(scene, progress=progress)
-        why = (
-            "a controller sets its inputs"
-            if scene.controller
-            else "the model is a user-defined system"
-        )
-        words = f"run in this process, with the same results as through an FMU: {why}"
-        remarks = [*results.summary["remarks"], words]
-        results = replace(results, summary={**results.summary, "remarks": remarks})
-        return _in_time(results, watch) if realtime else results
-    if scene.fmu.model == EQUATION:
-        results = _solved(scene, progress)
+        if scene.fmu.model != EQUATION:
+            why = (
+                "a controller sets its inputs"
+                if scene.controller
+                else "the model is a user-defined system"
+            )
+            words = f"run in this process, with the same results as through an FMU: {why}"
+            remarks = [*results.summary["remarks"], words]
+            results = replace(results, summary={**results.summary, "remarks": remarks})
         return _in_time(results, watch) if realtime else results
     # an FMU that is being loaded runs Python, too, and its wrapper swallows what is raised there
     with deferred_interrupt(), simulate.driver.opened(scene.fmu) as (fmu, build_time):
@@ -129,29 +127,41 @@ def solve(scene: Scene, *, progress: Progress = silent) -> Results:
     RunError : if the run does not start.
     Interrupted : on Ctrl-C or SIGTERM; what has been computed is kept.
     """
-    if scene.fmu.model == EQUATION:
-        return _solved(scene, progress)
     if scene.fmu.path is not None:
         raise InputError(f"{scene.fmu.path.name} runs through the FMU only")
     with deferred_interrupt() as interrupted:
-
-        def going_on(time: float) -> bool:
-            progress(time / scene.duration)
-            return not interrupted()
-
-        drive, own = _driven(scene, going_on)
+        drive, own = _driven(scene, progress, interrupted)
         if interrupted():
             drive = replace(drive, complaint=INTERRUPTED)
         return _finished(scene, drive, interrupted, own=own)
 
 
-def _driven(scene: Scene, going_on: GoingOn) -> tuple[Drive, Solution]:
+def _driven(
+    scene: Scene, progress: Progress, interrupted: Callable[[], int]
+) -> tuple[Drive, Solution]:
     """Return the rows of a scene that is run in this process, and the solution between them."""
     started, known = perf_counter(), catalogue(scene.fmu.outputs())
     measures = [known[name] for name in scene.measures]
     model, given = scene.fmu.model, scene.start_values
     time, parts = _times(scene)
     expected = {one.output for one in scene.during}
+
+    def going_on(time: float) -> bool:
+        progress(time / scene.duration)
+        return not interrupted()
+
+    if model == EQUATION:
+        parameters, starts = scene.all_parameters, scene.construction.starts
+        columns, seconds, complaint = simulate.solving.solve(
+            parameters, time, starts=starts, progress=progress, interrupted=interrupted
+        )
+        own = solved_by(
+            lambda places: simulate.solving.solve(parameters, places, starts=starts)[0],
+            columns, measures, expected,
+        )  # fmt: skip
+        at = own.rows(parts)
+        rows = {name: column[at] for name, column in columns.items()}
+        return Drive(rows, seconds, complaint, False), own
     wanted = {*scene.columns, *(scene.outputs_expected - expected)}
     if scene.controller is not None:
         wanted |= {output for one in measures for output in one.needs} | expected
@@ -212,31 +222,6 @@ def _finished(
     if interrupted():
         raise Interrupted(results, interrupted())
     return results
-
-
-def _solved(scene: Scene, progress: Progress = silent) -> Results:
-    """Solve an equation in this process, at the points that the measures need.
-
-    Raises
-    ------
-    Interrupted : on Ctrl-C or SIGTERM.
-    """
-    known, interval = catalogue(scene.fmu.outputs()), scene.show.output_interval
-    parameters, starts = scene.all_parameters, scene.construction.starts
-    measures = [known[name] for name in scene.measures]
-    parts = refinement(scene.duration, interval)
-    time = instants(scene.duration, interval, parts)
-    with deferred_interrupt() as interrupted:
-        columns, seconds, complaint = simulate.solving.solve(
-            parameters, time, starts=starts, progress=progress, interrupted=interrupted
-        )
-    own = solved_by(
-        lambda places: simulate.solving.solve(parameters, places, starts=starts)[0],
-        columns, measures, {one.output for one in scene.during},
-    )  # fmt: skip
-    at = own.rows(parts)
-    rows = {name: column[at] for name, column in columns.items()}
-    return _finished(scene, Drive(rows, seconds, complaint, False), interrupted, own=own)
 
 
 def _read_in(scene: Scene) -> tuple[list[str], list[str]]:
