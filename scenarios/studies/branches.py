@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from phaseplane.suspension.characteristics import Piece
 
-from .equations import LATE, Equations, Guard, Vector
+from .equations import LATE, LAWS, Equations, Guard, Vector
 
 _ELASTIC = 1  # the middle piece of the three of a yielding element
 # Of an element with a limit: in contact; out of contact up to its free length; across a gap.
@@ -51,9 +51,7 @@ class Branches:
         elements = self.system.elements
         self._known: dict[tuple[int, ...], tuple[Any, Any]] = {}  # shared by all copies
         self.segment = [0] * len(equations.courses)
-        self.spring = [0] * len(elements)
-        self.damper = [0] * len(elements)
-        self.modulation = [0] * len(elements)
+        self.piece = {law: [0] * len(elements) for law in LAWS}
         self.limited = [_TOUCHES] * len(elements)
         self.slip = [0] * len(elements)  # -1, 1, or 0 where friction sticks
         self.permanent_set = [element.permanent_set for element in elements]
@@ -72,6 +70,7 @@ class Branches:
         for name, value in vars(self).items():
             if isinstance(value, list):
                 setattr(other, name, value.copy())
+        other.piece = {law: places.copy() for law, places in self.piece.items()}
         other.p, other._g = self.p.copy(), self._g.copy()
         return other
 
@@ -138,10 +137,9 @@ class Branches:
         """Set all branches that follow from the state alone."""
         for i, element in enumerate(self.system.elements):
             d, w = self.deflection(i, t, y)
-            if element.yield_force == inf:
-                self.spring[i] = bisect_right(element.spring.corners, d)
-            self.damper[i] = bisect_right(element.damper.corners, w)
-            self.modulation[i] = bisect_right(element.modulation.corners, d)
+            for law, x in zip(LAWS, (d, w, d), strict=True):
+                if law != "spring" or element.yield_force == inf:
+                    self.piece[law][i] = bisect_right(getattr(element, law).corners, x)
             force = element.spring.force(d) + element.modulation.force(d) * element.damper.force(w)
             self.limited[i] = _HANGS if force > element.limit else _TOUCHES
             if d > element.opening:
@@ -151,11 +149,11 @@ class Branches:
 
     def _start_yielding(self, i: int, t: float, y: Vector) -> None:
         """Set the permanent set of an element that starts beyond its elastic range."""
-        self.spring[i] = _ELASTIC
+        self.piece["spring"][i] = _ELASTIC
         d, _ = self.deflection(i, t, y)
         for side in (-1, 1):
             if (d - self._flow_corner(i, side)) * side > 0.0:
-                self.spring[i] = _ELASTIC + side
+                self.piece["spring"][i] = _ELASTIC + side
                 self._unload(i, d)
 
     def _flow_corner(self, i: int, side: int) -> float:
@@ -169,10 +167,10 @@ class Branches:
         element = self.system.elements[i]
         force = self._yielding_piece(i).force(d)
         self.permanent_set[i] = d - force / element.spring.tangent(0.0)
-        self.spring[i] = _ELASTIC
+        self.piece["spring"][i] = _ELASTIC
 
     def _yielding_piece(self, i: int) -> Piece:
-        element, side = self.system.elements[i], self.spring[i] - _ELASTIC
+        element, side = self.system.elements[i], self.piece["spring"][i] - _ELASTIC
         rate, flow = element.spring.tangent(0.0), element.hardening
         if side == 0:
             return Piece(-inf, self.permanent_set[i], (0.0, rate, 0.0, 0.0))
@@ -208,12 +206,8 @@ class Branches:
         element = self.system.elements[i]
         if element.yield_force < inf and kind == "damper":
             self._unload(i, self.deflection(i, t, y)[0])
-        elif kind == "spring":
-            self.spring[i] += side
-        elif kind == "damper":
-            self.damper[i] += side
-        elif kind == "modulation":
-            self.modulation[i] += side
+        elif kind in self.piece:
+            self.piece[kind][i] += side
         elif kind == "contact":
             self.limited[i] = _HANGS if side > 0 else _TOUCHES
         elif kind == "gap":
@@ -252,14 +246,8 @@ class Branches:
 
     def _write_element(self, i: int) -> None:
         """Write the numbers of element i; they are cached for branches without memory."""
-        where = (
-            i,
-            self.spring[i],
-            self.damper[i],
-            self.modulation[i],
-            self.limited[i],
-            self.slip[i],
-        )
+        pieces = (places[i] for places in self.piece.values())
+        where = (i, *pieces, self.limited[i], self.slip[i])
         known = self._known.get(where)
         if known is not None:
             self.p[known[0]] = known[1]
@@ -274,14 +262,10 @@ class Branches:
     def _numbers(self, i: int) -> Iterator[tuple[int, float]]:
         """Yield the places in p, and the numbers there, of the current branch of element i."""
         equations, element = self.equations, self.system.elements[i]
-        for law, now in (
-            (equations.springs[i], self.spring[i]),
-            (equations.dampers[i], self.damper[i]),
-            (equations.modulations[i], self.modulation[i]),
-        ):
-            if law.at >= 0:
-                yields = law is equations.springs[i] and element.yield_force < inf
-                piece = self._yielding_piece(i) if yields else law.pieces[now]
+        for name, laws in equations.laws.items():
+            if (law := laws[i]).at >= 0:
+                yields = name == "spring" and element.yield_force < inf
+                piece = self._yielding_piece(i) if yields else law.pieces[self.piece[name][i]]
                 yield from enumerate(law.numbers(piece), law.at)
         if i in equations.contacts:
             yield from enumerate(
@@ -330,15 +314,10 @@ class Branches:
         if guard.kind == "multiplier":
             return side * element.holding * (1.0 + LATE) if self.slip[i] == 0 else None
         if yields and guard.kind == "damper":
-            return side * LATE if self.spring[i] == _ELASTIC - side else None
+            return side * LATE if self.piece["spring"][i] == _ELASTIC - side else None
         if yields:
-            flows = self.spring[i] != _ELASTIC
+            flows = self.piece["spring"][i] != _ELASTIC
             return None if flows else self._flow_corner(i, side) + side * LATE
-        law, now = {
-            "spring": (element.spring, self.spring[i]),
-            "damper": (element.damper, self.damper[i]),
-            "modulation": (element.modulation, self.modulation[i]),
-        }[guard.kind]
-        if not 0 <= now + min(side, 0) < len(law.corners):
-            return None
-        return law.corners[now + min(side, 0)] + side * LATE
+        corners = getattr(element, guard.kind).corners
+        corner = self.piece[guard.kind][i] + min(side, 0)
+        return corners[corner] + side * LATE if 0 <= corner < len(corners) else None

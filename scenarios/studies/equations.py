@@ -31,6 +31,7 @@ Vector = npt.NDArray[np.float64]
 # error of locating it, so that no switch repeats. As forces are continuous, this causes only an error
 # proportional to its square.
 LATE = 1e-11
+LAWS = ("spring", "damper", "modulation")  # of an element
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,9 +65,13 @@ class Equations:
         self.inverse = np.linalg.inv(np.array(system.mass)).tolist()
         self.names = list(system.signals)
         self.courses = [self._course(signal) for signal in system.signals.values()]
-        self.springs = [self._law(e.spring, yields=e.yield_force < inf) for e in system.elements]
-        self.dampers = [self._law(e.damper) for e in system.elements]
-        self.modulations = [self._law(e.modulation) for e in system.elements]
+        self.laws = {
+            name: [
+                self._law(getattr(e, name), yields=name == "spring" and e.yield_force < inf)
+                for e in system.elements
+            ]
+            for name in LAWS
+        }
         limited = [i for i, e in enumerate(system.elements) if e.limit < inf]
         self.contacts = {i: self._take(2) for i in limited}  # factor and constant of the force
         self.rubbing = [i for i, e in enumerate(system.elements) if e.friction > 0.0]
@@ -180,9 +185,9 @@ class Equations:
                 yield f"{name} = {moved}{self._under(road, prefix)}"
         for i, element in enumerate(self.system.elements):
             r = self._row(element)
-            laws = ((self.springs[i], "d"), (self.dampers[i], "w"), (self.modulations[i], "d"))
+            of = ((laws[i], f"{x}{r}") for laws, x in zip(self.laws.values(), "dwd", strict=True))
             spring, damper, factor = (
-                law.choosing_text(f"{x}{r}") if choosing else law.text(f"{x}{r}") for law, x in laws
+                law.choosing_text(x) if choosing else law.text(x) for law, x in of
             )
             if factor != "1.0" and damper != "0.0":
                 damper = f"({factor}) * ({damper})"

@@ -133,7 +133,7 @@ class _Straight:
 
     def _places(self) -> list[int]:
         e = self.equations
-        laws = [law.at for law in (*e.springs, *e.dampers, *e.modulations) if law.at >= 0]
+        laws = [law.at for laws in e.laws.values() for law in laws if law.at >= 0]
         return [*laws, *e.contacts.values(), *e.slips.values(), e.sticking]
 
     def enters(self, branches: Branches, t: float) -> bool:
