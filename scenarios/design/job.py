@@ -27,6 +27,7 @@ from ..results.report import UNCOMPILED, aligned
 from ..results.tables import write_table
 from ..scene.expectations import Bounds
 from ..scene.names import SCENE_FILES, meant
+from ..sweeps.job import picture_of
 from .fit import Fit, fit, read_task
 from .optimum import Optimum, read_problem, solve
 from .space import Space
@@ -253,19 +254,12 @@ def _optimum_runs(found: Optimum) -> dict[str, Any]:
 
 def _draw_optimum(found: Optimum, columns: Mapping[str, Any]) -> Figure:
     problem, space = found.problem, found.problem.space
-    keys, measures = space.plan.keys, problem.measures
+    measures = problem.measures
     known = catalogue(space.plan.scene.fmu.outputs())
     others = [name for name in (problem.against, *problem.bounds) if name]
     if not others or others[0] == problem.objective:
-        units = [unit for unit, _ in space.plan.shown]
-        sizes = [size for _, size in space.plan.shown]
-        varied = {
-            key: (unit, (columns[key] / size).tolist())
-            for key, unit, size in zip(keys, units, sizes, strict=True)
-        }
-        unit, factor = shown_in(known[problem.objective].unit)
-        taken = {problem.objective: (unit, (factor * columns[problem.objective]).tolist())}
-        return figures.sweep(varied, taken, title=space.plan.title)
+        points = space.values(found.points).tolist()
+        return picture_of(space.plan, points, {problem.objective: columns[problem.objective]})
     pair = (problem.objective, others[0])
     shown = [shown_in(known[name].unit) for name in pair]
     labels = [

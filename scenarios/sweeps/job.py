@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,8 @@ from .running import Row, journal_key, sweep
 
 if TYPE_CHECKING:
     import pyarrow
+
+    from phaseplane.figures.style import Figure
 
 _PICTURE = "sweep.png"
 
@@ -76,30 +78,46 @@ def run_sweep(
 
 def _drawn(plan: Plan, rows: list[Row], path: Path) -> list[str]:
     """Draw the sweep; return the problems, a line each."""
-    varied = {
-        key: (unit, _drawable([plan.points[row.run][k] for row in rows], size))
-        for k, (key, (unit, size)) in enumerate(zip(plan.keys, plan.shown, strict=True))
-    }
-    known = catalogue(plan.scene.fmu.outputs())
-    taken = {}
-    for k, name in enumerate(plan.measures):
-        found = [row.values[k] for row in rows]
-        in_si = unit_of(known[name], [x for x in found if x is not None])
-        unit, factor = shown_in(in_si)
-        values = np.array(found, float)  # None becomes not a number
-        if np.isfinite(values).any():
-            size = (factor * (abs(values) if has_sign(name) else values)).tolist()
-            taken[f"magnitude of {name}" if has_sign(name) else name] = (
-                unit or in_si,
-                size,
-            )
-    if not taken:
+    if all(value is None for row in rows for value in row.values):
         return []
+    points = [plan.points[row.run] for row in rows]
+    measured = {name: [row.values[k] for row in rows] for k, name in enumerate(plan.measures)}
     try:
-        figures.save(figures.sweep(varied, taken, title=plan.title or plan.name), path)
+        figures.save(picture_of(plan, points, measured), path)
     except Exception as error:  # a picture that fails must not cost the rows
         return [one_line(f"{path.name} was not drawn: {error}")]
     return []
+
+
+def picture_of(
+    plan: Plan,
+    points: Sequence[Sequence[Value]],
+    measured: Mapping[str, Sequence[float | int | None]],
+) -> Figure:
+    """Return the picture of runs of a plan, of a peak with its magnitude.
+
+    Parameters
+    ----------
+    points : the values of the keys in each run
+    measured : each measure to draw, of each run
+    """
+    varied = {
+        key: (unit, _drawable(values, size))
+        for key, (unit, size), values in zip(
+            plan.keys, plan.shown, zip(*points, strict=True), strict=True
+        )
+    }
+    known = catalogue(plan.scene.fmu.outputs())
+    taken = {}
+    for name, found in measured.items():
+        in_si = unit_of(known[name], [x for x in found if x is not None])
+        unit, factor = shown_in(in_si)
+        values = factor * np.array(found, float)  # None becomes not a number
+        if np.isfinite(values).any():
+            signed = has_sign(name)
+            size = (abs(values) if signed else values).tolist()
+            taken[f"magnitude of {name}" if signed else name] = (unit or in_si, size)
+    return figures.sweep(varied, taken, title=plan.title or plan.name)
 
 
 def _drawable(values: Sequence[Value], size: float) -> list[float] | list[str]:

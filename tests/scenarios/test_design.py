@@ -172,6 +172,20 @@ def test_no_run_lies_beyond_the_trade_off_that_is_drawn(monkeypatch):
 
 
 @pytest.mark.slow
+def test_a_peak_is_drawn_with_its_magnitude(monkeypatch):
+    drawn, name = {}, "peak.suspension_deflection"
+    plain = figures.sweep
+    monkeypatch.setattr(
+        figures, "sweep", lambda *of, **more: drawn.update(of[1]) or plain(*of, **more)
+    )
+    found = phaseplane.optimise(study(SHORT.replace("rms.body_displacement", name)))
+    peaks = phaseplane.read(found.folder / "runs.csv")[name]
+    assert (peaks < 0.0).all()
+    unit, values = drawn[f"magnitude of {name}"]
+    assert (unit, values) == ("mm", (-1e3 * peaks).tolist())
+
+
+@pytest.mark.slow
 def test_what_cannot_be_met_is_said():
     name = study('minimise = "rms.body_acceleration"\n[vary]\n'
                  "damper.rebound_rate = { from = 300, to = 6000 }\n"
