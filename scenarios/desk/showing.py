@@ -22,6 +22,7 @@ from ..draw.recording_content import of_scene
 from ..scene.layers import Setting
 from ..scene.loading import load_scene
 from .picture import Picture
+from .run import settings
 
 _open = ExitStack()  # servers and their files, until the notebook ends
 atexit.register(_open.close)
@@ -75,10 +76,10 @@ def show(
     ValueError : if the construction lacks what the figure shows.
     """
     printed = look_of(**look)
-    settings: list[str | Setting] = list(changes)
+    given = settings(changes, {})
     if kind in RULES_SHOWN:
-        settings.insert(0, Setting("construction.rule", RULES_SHOWN[kind], "kind"))
-    found = load_scene(os.fspath(scene), settings, expect=False)
+        given.insert(0, Setting("construction.rule", RULES_SHOWN[kind], "kind"))
+    found = load_scene(os.fspath(scene), given, expect=False)
     found.check_construction()
     drawing = draw_scene(found)
     title = found.title or found.name

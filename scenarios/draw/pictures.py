@@ -135,7 +135,8 @@ def figure_of(
         raise InputError(f"no picture {shown(name)}{nearest(name, FIGURES)}")
     printed = look or figures.Look()
     if name == "time_histories":
-        assert results is not None
+        if results is None:
+            raise ValueError("time_histories shows a run, and not a construction")
         if "front_suspension_deflection" in results.columns:
             centre = {
                 name.replace("body", "body_centre"): column
