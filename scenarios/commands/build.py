@@ -84,7 +84,10 @@ def build(
                 "--ssp: a system is packed from FMUs that run Python; leave out --native"
             )
         wanted = tuple(filter(None, (platforms or "").split(",")))
-        paths = build_native(models, output, wanted, settings, int(fmi or 2))
+        pack = vehicle_fmus.native.pack.build
+        paths = _packed(
+            models, output, partial(pack, fmi=int(fmi or 2), platforms=wanted), settings
+        )
     elif settings or platforms or fmi:
         raise InputError("--fmi, --set and --platforms are for native FMUs; give --native, too")
     else:
@@ -121,37 +124,8 @@ def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list
     Parameters
     ----------
     ssp : whether to pack each vehicle on its road as an SSP system too
-
-    Raises
-    ------
-    InputError : if there is no such model, or the folder cannot be written to.
-    RunError : if an FMU could not be packed.
     """
     return _packed(models, folder, partial(vehicle_fmus.build.build, ssp=ssp))
-
-
-def build_native(
-    models: Sequence[str],
-    folder: Path,
-    platforms: Sequence[str] = (),
-    settings: Sequence[str] = (),
-    fmi: int = 2,
-) -> list[Path]:
-    """Pack native FMUs of the given models, or of all, each with a reference result beside it.
-
-    Parameters
-    ----------
-    platforms : names of platforms; none for the one at hand, or all if zig is installed
-    settings : start values, as `name=value`; each is for the models that have such a parameter
-    fmi : version of FMI
-
-    Raises
-    ------
-    InputError : if there is no such model, parameter or platform, or the folder cannot be written to.
-    RunError : if a compiler failed.
-    """
-    pack = partial(vehicle_fmus.native.pack.build, fmi=fmi, platforms=platforms)
-    return _packed(models, folder, pack, settings)
 
 
 def _packed(
@@ -160,7 +134,17 @@ def _packed(
     pack: Callable[..., list[Path]],
     settings: Sequence[str] = (),
 ) -> list[Path]:
-    """Pack models and scenes; a scene under its own name, with its parameters as start values."""
+    """Pack models and scenes, or all models; a scene under its own name, with its parameters.
+
+    Parameters
+    ----------
+    settings : start values, as `name=value`; each is for the models that have such a parameter
+
+    Raises
+    ------
+    InputError : if there is no such model, parameter or platform, or the folder cannot be written to.
+    RunError : if an FMU could not be packed.
+    """
     names = list(dict.fromkeys(models)) or list(FILES)
     scenes = _scenes_among(names)
     try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from math import pi, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -74,10 +75,7 @@ def modes(
         "title": title,
         "modes": modes,
         "proportional": found is not None and found.proportional,
-        "damped": [
-            {"frequency": mode.frequency, "damping_ratio": mode.damping_ratio}
-            for mode in system.modes()
-        ],
+        "damped": [asdict(mode) for mode in system.modes()],
         "why_damped": why_damped,
         "files": [str(figure)] if figure is not None else [],
     }

@@ -33,6 +33,7 @@ _OF_EQUATION = ("displacement", "x")
 _REACH = 3.0  # of an equation, unless it starts farther out
 _PART = 0.1  # m, of a vehicle
 _PERIODS = 100
+_OF_CYCLE = ("crossing", "period", "multiplier", "attracts", "kind")
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,13 +138,7 @@ def _as_data(made: Portrait) -> dict[str, Any]:
             | ({"until": at.until} if at.stretches else {})
             for at in made.equilibria
         ],
-        "cycles": [
-            {
-                "crossing": c.crossing, "period": c.period, "multiplier": c.multiplier,
-                "attracts": c.attracts, "kind": c.kind,
-            }
-            for c in made.cycles
-        ],
+        "cycles": [{name: getattr(c, name) for name in _OF_CYCLE} for c in made.cycles],
         "section": None if made.section is None else {
             "period": made.section.period,
             "transient": made.section.transient,

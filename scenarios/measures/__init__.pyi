@@ -1,5 +1,4 @@
 from . import linearised as linearised
-from .catalogue import at_end as at_end
 from .catalogue import catalogue as catalogue
 from .catalogue import default_measures as default_measures
 from .catalogue import has_sign as has_sign

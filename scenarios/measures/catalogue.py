@@ -68,11 +68,6 @@ def outputs_needed(known: Mapping[str, Measure], names: Iterable[str]) -> set[st
     return {output for name in names for output in known[name].needs}
 
 
-def at_end(known: Mapping[str, Measure], names: Iterable[str]) -> bool:
-    """Whether the last row is sufficient for the named measures."""
-    return all(known[name].at_end for name in names)
-
-
 def take(
     known: Mapping[str, Measure], names: Iterable[str], run: Run, rows: Run | None = None
 ) -> dict[str, Reading]:

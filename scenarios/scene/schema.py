@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
-from ..measures import at_end, catalogue, default_measures
+from ..measures import catalogue, default_measures
 from .names import CASES
 from .sections import Construction, Show
 
@@ -164,9 +164,8 @@ class Scene:
             or self.show.recording
         )
         known = catalogue(self.fmu.outputs())
-        if self.fmu.is_ours and not wants_rows and at_end(known, self.measures):
-            return self.duration
-        return self.show.output_interval
+        enough = self.fmu.is_ours and all(known[name].at_end for name in self.measures)
+        return self.duration if enough and not wants_rows else self.show.output_interval
 
     def only(self, measures: Sequence[str]) -> Scene:
         """Return the same scene with only these measures as its results."""

@@ -67,14 +67,17 @@ class Rung:
     ----------
     name : name of the rung
     parts : one model, or one for each axle
-    degrees : degrees of freedom in all
     argument : why it may be accurate
     """
 
     name: str
     parts: tuple[Part, ...]
-    degrees: int
-    argument: str
+    argument: str = ""
+
+    @property
+    def degrees(self) -> int:
+        """The degrees of freedom in all."""
+        return sum(len(build(part.model, part.parameters).coordinates) for part in self.parts)
 
 
 def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dict[str, Any]:
@@ -133,7 +136,6 @@ def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dic
     }
 
 
-_DEGREES = {"OneDof": 1, "QuarterCar": 2, "HalfCarRigidTyres": 2, "HalfCar": 4}
 _DESCENDS = ("HalfCar", "HalfCarRigidTyres", "QuarterCar")
 _MOTION = ("displacement", "velocity", "acceleration", "deflection")
 
@@ -151,9 +153,7 @@ def _check(scene: Scene) -> None:
 
 
 def _as_it_stands(scene: Scene, name: str) -> Rung:
-    model, parameters = scene.fmu.model, scene.all_parameters
-    degrees = len(build(model, parameters).coordinates)
-    return Rung(name, (Part(model, parameters),), degrees, "")
+    return Rung(name, (Part(scene.fmu.model, scene.all_parameters),))
 
 
 def _outputs_compared(scene: Scene, smaller: Sequence[Scene]) -> tuple[str, ...]:
@@ -210,18 +210,18 @@ def _below(scene: Scene, truth: Columns) -> Iterator[Rung]:
         p = {**p, **{name: value for values in idle.values() for name, value in values.items()}}
         words = _joined(list(idle))
         argument = f"{words} never {'acts' if len(idle) == 1 else 'act'}"
-        yield Rung(f"without {words}", (Part(model, p),), _DEGREES[model], argument)
+        yield Rung(f"without {words}", (Part(model, p),), argument)
     if model != "QuarterCar":
         single = "QuarterCar" if model == "HalfCar" else "OneDof"
         yield _two(single, p, _format_coupling(p))
         if model == "HalfCar":
             rigid = _only("HalfCarRigidTyres", p)
             words = _format_frequency(model, p)
-            yield Rung("rigid tyres", (Part("HalfCarRigidTyres", rigid),), 2, words)
+            yield Rung("rigid tyres", (Part("HalfCarRigidTyres", rigid),), words)
             yield _two("OneDof", p, f"{_format_coupling(p)}; {words}")
     else:
         words = _format_frequency(model, p)
-        yield Rung("rigid tyre", (Part("OneDof", _only("OneDof", p)),), 1, words)
+        yield Rung("rigid tyre", (Part("OneDof", _only("OneDof", p)),), words)
 
 
 def _off(p: Mapping[str, Value], truth: Columns) -> Iterator[tuple[str, dict[str, Value]]]:
@@ -250,7 +250,7 @@ def _two(model: str, p: Mapping[str, Value], argument: str) -> Rung:
         own |= {"sprung_mass": float(p["sprung_mass"]) * arm / (a + b), **more}
         parts.append(Part(model, _only(model, own), f"{axle}_"))
     name = "two quarter cars" if model == "QuarterCar" else "two single-mass models"
-    return Rung(name, tuple(parts), 2 * _DEGREES[model], argument)
+    return Rung(name, tuple(parts), argument)
 
 
 def _only(model: str, p: Mapping[str, Value]) -> dict[str, Value]:
