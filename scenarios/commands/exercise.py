@@ -67,13 +67,15 @@ def exercise(
     loaded = load_scene(scene, overrides, expect=False)
     made = exercises.exercise(loaded, steps, paper)
     if readings is not None:
+        place = None if output is None else Place(output, "exercise", loaded.file)
+        if place is not None:
+            place.check_apart("--mark", readings)
         text = read_text(readings)
         try:
             summary = exercises.marked(made, text, 1e-3 * tolerance)
         except ValueError as error:
             raise InputError(f"--mark {readings}: {error}") from None
-        if output is not None:
-            place = Place(output, "exercise", loaded.file)
+        if place is not None:
             with replace_folder(place) as draft:
                 exercises.write_marked_sheet(made, summary, draft / "marked.pdf")
                 write_summary({**summary, "origin": place.origin}, draft)

@@ -22,7 +22,7 @@ from ..errors import MOVING, PICTURES, InputError, RunError, check_picture, chec
 from ..results.folder import DAMAGED, read_results, read_summary
 from ..results.plain import as_json
 from ..results.report import format_missed
-from ..results.tables import read_table
+from ..results.tables import ENDINGS, read_table
 from ..scene.fields import one_of
 from ..scene.layers import Setting, find_scene
 from ..scene.loading import construction_settings, load_scene
@@ -212,7 +212,7 @@ def _results_folder(path: Path) -> Path | None:
 
 def _scene_or_folder(what: str) -> str:
     """Return the reference of a scene, after checking that it exists."""
-    if Path(what).suffix in (".csv", ".parquet", ".h5"):
+    if Path(what).suffix in ENDINGS:
         raise InputError(
             f"{what} is a table without a model; give its scene too: replay SCENE --over {what}"
         )

@@ -155,6 +155,8 @@ def run_scene(
     check_recording(save)
     scene = load_scene(reference, overrides, expect=expect)
     place = Place.chosen(folder, scene.name, "run", scene.file)
+    if save is not None:
+        place.check_apart("--save", save)
     problems: list[str] = []
     facts: dict[str, Any] = {"drawn": None, "problems": problems}
     drawing = None

@@ -79,7 +79,7 @@ def optimise(
     """
     path = _file(file)
     problem = read_problem(path)
-    place = _place(path, folder, "optimise")
+    place = _place(path, folder, "optimise", problem.space)
     found = solve(problem, _journal(place), progress or silent)
     return _written(place, problem.space, found.best, _optimum_data(found), _format_optimum(found),
                     _optimum_runs(found), lambda runs: _draw_optimum(found, runs))  # fmt: skip
@@ -104,7 +104,7 @@ def fit_parameters(
     """
     path = _file(file)
     task = read_task(path)
-    place = _place(path, folder, "fit")
+    place = _place(path, folder, "fit", task.space)
     found = fit(task, _journal(place), progress or silent)
     shares = task.space.shares(found.values.tolist())
     return _written(place, task.space, shares, _fit_data(found), _format_fit(found),
@@ -121,8 +121,10 @@ def _file(file: str | os.PathLike[str]) -> Path:
     return path
 
 
-def _place(path: Path, folder: str | os.PathLike[str] | None, kind: str) -> Place:
-    return Place.chosen(Path(folder) if folder else None, f"studies/{path.stem}", kind, path)
+def _place(path: Path, folder: str | os.PathLike[str] | None, kind: str, space: Space) -> Place:
+    place = Place.chosen(Path(folder) if folder else None, f"studies/{path.stem}", kind, path)
+    place.check_apart(f"{path}: scene =", Path(space.plan.reference))
+    return place
 
 
 def _journal(place: Place) -> Path:

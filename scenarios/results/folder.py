@@ -66,6 +66,19 @@ class Place(NamedTuple):
         check_replaceable(place)
         return place
 
+    def check_apart(self, option: str, path: Path) -> None:
+        """Refuse a file within the folder, with which it would be replaced.
+
+        Raises
+        ------
+        InputError : if it is; the message begins with the option or the key that names it.
+        """
+        if self.folder.resolve() in path.resolve().parents:
+            raise InputError(
+                f"{option} {path}: is within {self.folder}, which the results replace as a whole; give a "
+                "place outside of it"
+            )
+
     @property
     def origin(self) -> dict[str, str]:
         """The origin of the results, as plain data.

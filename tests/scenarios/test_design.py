@@ -186,6 +186,15 @@ def test_a_peak_is_drawn_with_its_magnitude(monkeypatch):
 
 
 @pytest.mark.slow
+def test_a_study_does_not_replace_the_scene_that_it_starts_from():
+    scene = phaseplane.optimise(study(SHORT)).folder / "scene.toml"
+    text = scene.read_text()
+    with pytest.raises(InputError, match=r"scene\.toml: is within out"):
+        phaseplane.optimise(written(f'scene = "{scene}"\n{SHORT}', "study.toml"))
+    assert scene.read_text() == text
+
+
+@pytest.mark.slow
 def test_what_cannot_be_met_is_said():
     name = study('minimise = "rms.body_acceleration"\n[vary]\n'
                  "damper.rebound_rate = { from = 300, to = 6000 }\n"

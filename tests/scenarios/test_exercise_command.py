@@ -158,6 +158,7 @@ def test_two_planes_are_drawn_to_scale_on_a3() -> None:
     ("line", "message"),
     [
         ("van_der_pol --steps 0", "--steps 0: must be from 1 to 40"),
+        ("van_der_pol --mark ex/readings.csv -o ex", "--mark ex/readings.csv: is within ex"),
         ("van_der_pol --mark none.csv", "cannot read none.csv: No such file"),
         (f"van_der_pol --mark {devnull}", f"--mark {devnull}: no readings"),
         ("van_der_pol --paper A5", "'A5' is not one of"),
