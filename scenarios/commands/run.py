@@ -51,10 +51,6 @@ if TYPE_CHECKING:
 ProgressBar = Callable[[str], AbstractContextManager[Progress]]
 
 
-def _no_bar(_label: str) -> AbstractContextManager[Progress]:
-    return nullcontext(silent)
-
-
 @click.command()
 @click.argument("scene")
 @set_option
@@ -118,7 +114,7 @@ def run_scene(
     reference: str,
     overrides: Sequence[str | Setting] = (),
     folder: Path | None = None,
-    progress: ProgressBar = _no_bar,
+    progress: ProgressBar = lambda _label: nullcontext(silent),
     *,
     viewer: str = "",
     save: Path | None = None,

@@ -94,6 +94,19 @@ class Scene:
                 f"{self.construction_time:g} s; at most {_MOST_STEPS} are allowed"
             )
 
+    def refuse_controller(self, why: str) -> None:
+        """Reject a scene with a controller where its model runs without one.
+
+        Raises
+        ------
+        InputError : if it has one.
+        """
+        if self.controller is not None:
+            raise InputError(
+                f"{self.name} has a controller, but {why} models without one; give a scene without "
+                "[controller]"
+            )
+
     @property
     def reference_path(self) -> Path:
         """The file of the reference."""
@@ -149,7 +162,7 @@ class Scene:
         """Duration of the construction, s."""
         return min(self.construction.duration or self.duration, self.duration)
 
-    @property
+    @cached_property
     def communication_step(self) -> float:
         """Time from one row to the next, s: as long as the results of the run allow.
 
@@ -175,7 +188,7 @@ class Scene:
         }  # fmt: skip
         return replace(self, show=show, **nothing)
 
-    @property
+    @cached_property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs shown, in the FMU's order; by default the motion, or else all."""
         wanted, names = self.show.outputs, tuple(self.fmu.outputs())
@@ -184,7 +197,7 @@ class Scene:
         motion = tuple(name for name in names if name.endswith(_SHOWN))
         return names if wanted == "all" else motion or names
 
-    @property
+    @cached_property
     def measures(self) -> tuple[str, ...]:
         """Names of the measures: those shown, and those with bounds."""
         wanted = self.show.measures
@@ -200,7 +213,7 @@ class Scene:
         pairs = tuple(pair for pair in self.fmu.rates if {*pair} <= {*self.columns})
         return replace(self.show, planes=pairs)
 
-    @property
+    @cached_property
     def columns(self) -> tuple[str, ...]:
         """Names of the outputs stored: those shown, and those drawn."""
         wanted = {*self.outputs, *(name for names in self.show.planes for name in names)}

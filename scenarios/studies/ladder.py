@@ -146,10 +146,7 @@ def _check(scene: Scene) -> None:
             f"{scene.name}: {scene.fmu.model} cannot be compared; allowed: models of this package, "
             "and systems in .toml or .py files"
         )
-    if scene.controller is not None:
-        raise InputError(
-            f"{scene.name} has a controller, but the ladder runs models without one; remove [controller]"
-        )
+    scene.refuse_controller("the ladder runs")
 
 
 def _as_it_stands(scene: Scene, name: str) -> Rung:

@@ -172,11 +172,7 @@ def _of_scene(name: str) -> Problem:
             f"{name}: fmu = {str(scene.fmu.path or scene.fmu.model)!r}: only models of this "
             f"package can be compared: {', '.join(SYSTEMS)}"
         )
-    if scene.controller is not None:
-        raise InputError(
-            f"{name} has a controller, but problems are models without one; give a scene without "
-            "[controller]"
-        )
+    scene.refuse_controller("problems are")
     intervals = min(max(1, round(scene.duration / scene.show.output_interval)), _MOST_INTERVALS)
     problem = of_model(
         scene.name,

@@ -80,11 +80,7 @@ def measure_rules(scene: Scene) -> list[RuleResult]:
     InputError : if the scene's model has no construction, or it has a controller.
     """
     names = _displacements(scene)
-    if scene.controller is not None:
-        raise InputError(
-            f"{scene.name} has a controller, but the rules are measured on models without one; give a "
-            "scene without [controller]"
-        )
+    scene.refuse_controller("the rules are measured on")
     results = [
         _measured(name, rule.order, scene, partial(_drawn, scene, name, names))
         for name, rule in constructions.RULES.items()
