@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from phaseplane.suspension import characteristics, roads
 from phaseplane.suspension.characteristics import Characteristic
-from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.engine import METHODS, Integrator
 from phaseplane.suspension.models import Element, System, build
 from phaseplane.suspension.session import Session
 from scipy.optimize import brentq
@@ -66,6 +66,23 @@ def test_damped_free_vibration(mass: float, natural: float, ratio: float, speed:
     from_place, from_speed = swing(natural, ratio, t)
     expected = 0.01 * from_place + speed * from_speed
     assert np.abs(found - expected).max() < 1e-10 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("ratio", [3.0, 30.0, 1000.0])
+def test_steps_chosen_by_a_method_resolve_what_a_damper_alone_brings_to_rest(
+    method: str, ratio: float
+) -> None:
+    """Without a spring, and with one so soft that its period says nothing of the decay."""
+    mass, natural, t = 100.0, 0.1, np.array([0.5])
+    damping = 2.0 * ratio * natural * mass
+    soft = oscillator(mass, mass * natural**2, damping)
+    for system, expected in (
+        (soft, swing(natural, ratio, t)[1]),
+        (oscillator(mass, 0.0, damping), mass / damping * -np.expm1(-damping / mass * t)),
+    ):
+        integrator = started(system, 0.0, 1.0, method=method, tolerance=1e-6)
+        assert displaced(integrator, t)[0, 0] == pytest.approx(expected[0], rel=3e-5)
 
 
 @settings(max_examples=20)

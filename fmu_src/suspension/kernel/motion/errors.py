@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from math import fabs, isfinite, pow
+from math import fabs, isfinite, pow, sqrt
 
 from ..language import inline
+from ..layout import UNBOUNDED
 from ..linear import decompose, solve
 from .balance import Balance
 from .modes import Modes
@@ -86,6 +87,21 @@ class Errors:
             return 0.2
         factor = 0.9 * pow(self.error, -1.0 / self.order)
         return min(max(factor, 0.2), 4.0)
+
+    def longest_by_jerk(self) -> float:
+        """Return the longest step of a method of order 2 while it decays, as at a damper alone.
+
+        Linear acceleration errs by h^3 a'' / 12 in velocity. A motion that decays at the rate d has
+        a'' = -d j, and moves on by 1/d of its velocity: errors of displacement add up to h^2 j / (12 d),
+        and to some times as much if h grows as j decays. An oscillation has shorter steps by its period.
+        """
+        most = 0.0
+        for i in range(self.n):
+            drift = self.modes.quickest * fabs(self.motion.drift[i])
+            most = max(most, fabs(self.motion.j[i]) + drift)
+        reach = max(self.motion.state.reach, self.motion.state.scale)
+        allowed = 2.0 * self.tolerance * reach * self.modes.quickest
+        return sqrt(allowed / most) if most * UNBOUNDED > allowed else UNBOUNDED
 
     def negligible(self, h: float) -> float:
         """Return the negligible error of accelerations in a step, m/s^2; 0 for a fixed step."""

@@ -397,6 +397,8 @@ class TimeLoop:
         if not self.stepper.errors.controlled:
             # the period error of the linear-acceleration method is (omega h)^2 / 24
             h = sqrt(self.stepper.errors.tolerance) / omega if omega > 0.0 else road
+            if not self.stepper.method.exact:
+                h = min(h, self.stepper.errors.longest_by_jerk())
             h = self._while_decaying(h)
         else:
             h = self.state.proposal if self.state.proposal > 0.0 else _FIRST_PHASE / (omega + 1.0)
