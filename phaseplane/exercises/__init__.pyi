@@ -15,4 +15,5 @@ from .protocol import protocol_text as protocol_text
 from .readings import Reading as Reading
 from .readings import blank_readings as blank_readings
 from .readings import columns as columns
+from .readings import is_filled_in as is_filled_in
 from .readings import read_readings as read_readings

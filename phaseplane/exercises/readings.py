@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from io import StringIO
@@ -59,6 +60,12 @@ def blank_readings(drawing: Drawing, steps: int) -> str:
     for number in range(1, steps + 1):
         writer.writerow([str(number), *[""] * (3 * len(drawing.planes))])
     return out.getvalue()
+
+
+def is_filled_in(text: str) -> bool:
+    """Return whether a table of readings has any beyond its start point."""
+    rows = (re.split("[,;\t]", line) for line in text.splitlines()[2:])
+    return any(cell.strip() for row in rows for cell in row[1:])
 
 
 def read_readings(text: str, planes: Sequence[Plane]) -> list[Reading]:

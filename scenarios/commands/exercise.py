@@ -70,6 +70,7 @@ def exercise(
         place = None if output is None else Place(output, "exercise", loaded.file)
         if place is not None:
             place.check_apart("--mark", readings)
+            _keep_readings(place.folder)
         text = read_text(readings)
         try:
             summary = exercises.marked(made, text, 1e-3 * tolerance)
@@ -82,6 +83,7 @@ def exercise(
         click.echo(as_json(summary) if as_data else exercises.format_marks(summary))
         return DONE if summary["right"] == made.steps else FAILED
     place = Place.chosen(output, f"exercises/{loaded.name}", "exercise", loaded.file)
+    _keep_readings(place.folder)
     with replace_folder(place) as draft:
         exercises.write_sheets(made, draft)
         write_summary({"scene": loaded.name, "steps": made.steps, "origin": place.origin}, draft)
@@ -92,3 +94,12 @@ def exercise(
         click.echo(f"{loaded.title or loaded.name}: {made.extent} on {paper}")
         click.echo("\n".join(f"file  {name}" for name in names))
     return DONE
+
+
+def _keep_readings(folder: Path) -> None:
+    """Refuse to replace an exercise whose table of readings has been filled in."""
+    if exercises.has_readings(folder):
+        raise InputError(
+            f"{folder / exercises.READINGS} has been filled in, and a new exercise would replace it; move it, "
+            "or give another folder with -o"
+        )

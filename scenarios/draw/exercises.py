@@ -24,7 +24,7 @@ from phaseplane.exercises.protocol import (
     written,
 )
 
-from ..errors import DrawingError, InputError
+from ..errors import DrawingError, InputError, read_text
 from ..scene.equation import EQUATION, formula_of
 from .constructions import Begin, draw_construction, of_model_alone
 from .planes import planes_of
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
     from ..scene.schema import Scene
 
+READINGS = "readings.csv"
 _FACTORS = tuple(m * 10.0**k for k in range(3, -13, -1) for m in (5.0, 4.0, 2.5, 2.0, 1.0))
 _APART = (1.0, 0.8, 0.6, 0.5, 0.4, 0.3, 0.2)  # distances of two planes, in parts of their own
 _MOST = 20.0  # times a plane's own scale
@@ -192,7 +193,7 @@ def write_sheets(made: Exercise, folder: Path) -> list[Path]:
     figures.save(_sheet(made, solved=True), written[1])
     entries = exercises.protocol(made.drawing)
     texts = {
-        "readings.csv": exercises.blank_readings(made.drawing, made.steps),
+        READINGS: exercises.blank_readings(made.drawing, made.steps),
         "sheet.html": exercises.exercise_page(made.drawing, made.steps),
         "protocol.html": exercises.protocol_page(made.drawing),
         "protocol.txt": exercises.protocol_text(entries),
@@ -207,6 +208,12 @@ def write_sheets(made: Exercise, folder: Path) -> list[Path]:
         commands = exercises.commands(made.drawing, rule, _law(made))
         exercises.write_geogebra(written[-1], commands, made.drawing)
     return written
+
+
+def has_readings(folder: Path) -> bool:
+    """Return whether the table of readings in a folder has been filled in."""
+    table = folder / READINGS
+    return table.is_file() and exercises.is_filled_in(read_text(table))
 
 
 def marked(made: Exercise, text: str, tolerance: float) -> dict[str, Any]:

@@ -173,6 +173,17 @@ def test_bad_input_is_refused_in_a_line(line: str, message: str) -> None:
     assert message in complaint(f"exercise {line}")
 
 
+def test_readings_that_were_filled_in_are_never_replaced(folder: Path) -> None:
+    printed("exercise van_der_pol", *SETTINGS, "-o", folder)  # a blank table is
+    filled = folder / "readings.csv"
+    text = filled.read_text().replace("\n1,", "\n1;0,5", 1)
+    filled.write_text(text)
+    for mark in ([], ["--mark", answers(folder)]):
+        line = ["exercise van_der_pol", *SETTINGS, "-o", folder, *mark]
+        assert f"{filled} has been filled in" in complaint(*line)
+    assert filled.read_text() == text
+
+
 def test_two_planes_are_drawn_as_large_as_the_sheet_allows() -> None:
     made = exercises.exercise(load_scene("half_car_rigid_tyres"), 4, "A4")
     first, second = made.drawing.planes
