@@ -100,6 +100,6 @@ def _keep_readings(folder: Path) -> None:
     """Refuse to replace an exercise whose table of readings has been filled in."""
     if exercises.has_readings(folder):
         raise InputError(
-            f"{folder / exercises.READINGS} has been filled in, and a new exercise would replace it; move it, "
-            "or give another folder with -o"
+            f"{folder / exercises.READINGS} has been filled in, and a new exercise would replace it; "
+            "move it, or give another folder with -o"
         )

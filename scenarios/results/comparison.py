@@ -127,9 +127,12 @@ def compared(ours: Columns, other: Columns, names: Iterable[str] | None = None) 
 
     Raises
     ------
-    ValueError : if no column or no time is common, or a time is not finite or goes back.
+    ValueError : if no column or no time is common, `names` contains the time, or a time is not finite
+        or goes back.
     """
     wanted = None if names is None else tuple(names)
+    if wanted is not None and "time" in wanted:
+        raise ValueError("time cannot be compared: columns are compared at equal times")
     shared = [name for name in ours if name in other and name != "time"]
     if wanted is not None:
         shared = [name for name in wanted if name in shared]

@@ -382,7 +382,7 @@ def flattened(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
                 raise InputError(
                     f"{name}: {dotted} = {{}}: an empty table sets nothing; give at least one key"
                 )
-            if isinstance(value, dict):
+            if isinstance(value, dict) and (value or key in SECTIONS):
                 yield from walk(value, f"{dotted}.")
             elif dotted in seen:
                 raise InputError(f"{name}: {shown(dotted)} is given twice")

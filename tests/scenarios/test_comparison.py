@@ -32,6 +32,8 @@ def test_what_is_no_number_in_one_of_them_is_a_difference() -> None:
 
 
 def test_what_cannot_be_compared() -> None:
+    with pytest.raises(ValueError, match="time cannot be compared"):
+        compared(OURS, OURS, ["a", "time"])
     with pytest.raises(ValueError, match="no column in common"):
         compared(OURS, {"time": OTHER["time"]})
     with pytest.raises(ValueError, match="no time in common: 0 to 1 s and 5 to 7 s"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
@@ -326,6 +327,14 @@ def test_an_empty_table_within_a_table(line: str) -> None:
     assert f"{line} = {{}}: an empty table sets nothing" in refusal(
         written(f"{MINIMAL}{line} = {{}}")
     )
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [("[shwo]", "unknown key 'shwo'.* did you mean 'show'"), ("source = {}", "must be a string")],
+)
+def test_an_empty_table_that_is_no_section(line: str, words: str) -> None:
+    assert re.search(words, refusal(written(f"{MINIMAL}{line}\n")))
 
 
 def test_an_empty_table_at_the_top_is_a_heading_without_keys() -> None:
