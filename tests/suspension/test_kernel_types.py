@@ -6,7 +6,7 @@ import ast
 
 import pytest
 from phaseplane.suspension.kernel_name import KERNEL
-from phaseplane.suspension.kernel_types import Declared, declared, modules_in
+from phaseplane.suspension.kernel_types import Declared, assigned, declared, modules_in
 
 FIRST_VALUES = {
     "a number": ("self.x = 0.5", "double"),
@@ -138,3 +138,37 @@ def test_no_class_has_more_attributes_than_a_reader_can_hold() -> None:
     assert {name: count for name, count in counts.items() if count > 25} == {}
     assert counts["Integrator"] > 20
     assert len(records) > 40
+
+
+def test_an_array_stays_where_it_was_made() -> None:
+    """A state of a native FMU is a copy of all numbers; the addresses are then those of the start."""
+    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in modules_in(KERNEL)]
+    records = {name: record for each in declared(trees) for name, record in each.records.items()}
+
+    def kind(node: ast.expr, owner: str) -> str:
+        """The type of an attribute, of `self` in a method of the owner."""
+        if not isinstance(node, ast.Attribute):
+            return owner
+        record = records.get(kind(node.value, owner))
+        while record and node.attr not in record.fields:
+            record = records.get(record.base)
+        return record.fields[node.attr] if record else ""
+
+    moved = {
+        f"{owner.name}: {ast.unparse(target)}"
+        for tree in trees
+        for owner in tree.body
+        if isinstance(owner, ast.ClassDef)
+        for method in owner.body
+        if isinstance(method, ast.FunctionDef) and method.name != "__init__"
+        for node in ast.walk(method)
+        if isinstance(node, ast.Assign)
+        for target, value in assigned(node)
+        if kind(target, owner.name) in ("double*", "int*") and not isinstance(value, ast.Call)
+    }
+    assert moved == {
+        # what every attempt sets before it is read
+        "Errors: self.motion.jerk", "Errors: self.motion.end_jerk",
+        "Motion: self.jerk", "Motion: self.end_jerk",
+        "RunQueue: self.numbers",  # of batches, which are in no FMU
+    }  # fmt: skip

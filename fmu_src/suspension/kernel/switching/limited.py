@@ -25,7 +25,9 @@ class Limited:
 
     def add_step(self, h: float) -> None:
         """Add a step, in the present branches."""
-        for k in range(self.count if self.present else 0):
+        if self.present == 0:
+            return
+        for k in range(self.count):
             e = self.element[k]
             if self.elements.branch[BRANCHES * e + CONTACT]:
                 self.time[e] += h

@@ -126,7 +126,9 @@ class Switches:
     def carry_on(self) -> None:
         """After the attempt was accepted, take its end as the start of the next one."""
         self.rows.carry_on()
-        self.far_start, self.far_end = self.far_end, self.far_start
+        # copied, not exchanged: a state of a native FMU is a copy of all numbers, and of no addresses
+        for k in range(self.watched):
+            self.far_start[k] = self.far_end[k]
 
     def polynomial(self, e: int, kind: int, h: float) -> int:
         """Set the polynomial of a watched quantity over the attempt; return its degree."""
