@@ -129,6 +129,8 @@ def test_a_file_that_changes_replaces_its_model():
         ('"stiffness"', '"stiffness / 0"', "not an expression"),
         ('"stiffness"', '"stiffness + μ"', "no parameter 'μ'"),
         ('"stiffness"', '"2 ℘"', "no parameter '℘'"),
+        ('"stiffness"', '"2 × stiffness"', "not an expression of numbers and parameters .*'×'"),
+        ('"stiffness"', '"stiffness\u00a0+ 1"', "not an expression of .* character U.00A0"),
         ('"stiffness"', '"__import__(1)"', "no parameter '__import__'"),
         ('"stiffness"', '"stiffness & 3"', "the operators are"),
         ('{ value = "2 kg", min = 0.1 }', "{ min = 0.1 }", "system.parameters.mass has no value"),

@@ -14,8 +14,8 @@ from ..variable import ParameterError, Variable
 if TYPE_CHECKING:
     from .definition import Definition
 
-# a word of any alphabet, or other signs that are not ASCII and would be names to Python
-_NAME = re.compile(r"(?<![\w.])[^\W\d][\w.]*|[^\x00-\x7f]+")
+# a word of any alphabet, or one of the signs other than letters that are names in Python
+_NAME = re.compile(r"(?<![\w.])[^\W\d][\w.]*|[\u1885\u1886\u2118\u212e]")
 _PLACE = "_"  # before the number of a name in an expression
 _RATE, _DAMPING, _FORCE = ("N/m", "J"), ("N.s/m",), ("N", "J")  # J: a moment, N.m
 _OF_ELEMENT: Mapping[str, Mapping[str, tuple[str, ...]]] = {
