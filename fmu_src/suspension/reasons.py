@@ -74,13 +74,13 @@ def _diverged(one: Integrator, system: System) -> str:
     one.sample(one.time)
     q = list(one.sample_q)
     k = max(range(len(q)), key=lambda i: abs(q[i]) if q[i] == q[i] else float("inf"))
-    return f"{system.coordinates[k]} is at {q[k]:.3g} m; the last step was {one.last_attempt:.3g} s"
+    return f"{_moved(system, k)} is at {q[k]:.3g} m; the last step was {one.last_attempt:.3g} s"
 
 
 def _short_steps(one: Integrator, system: System) -> str:
     rate, k = _fastest_motion(one, system)
     return (
-        f"the last was {one.last_attempt:.3g} s; the fastest motion, that of {system.coordinates[k]}, "
+        f"the last was {one.last_attempt:.3g} s; the fastest motion, that of {_moved(system, k)}, "
         f"changes at {rate:.3g} 1/s"
     )
 
@@ -94,7 +94,7 @@ def _not_positive(one: Integrator, system: System) -> str:
     i = min(range(len(k)), key=lambda i: k[i][i])
     return (
         f"a step of {one.last_attempt:.3g} s; the least stiffness is {k[i][i]:.3g} N/m, that of "
-        f"{system.coordinates[i]}"
+        f"{_moved(system, i)}"
     )
 
 
@@ -102,7 +102,7 @@ def _unstable(one: Integrator, system: System) -> str:
     omega, k = _fastest_mode(one, system)
     return (
         f"its limit is {one.stable_step():.3g} s for the fastest mode, {omega:.4g} rad/s, which moves "
-        f"{system.coordinates[k]} most"
+        f"{_moved(system, k)} most"
     )
 
 
@@ -146,6 +146,11 @@ def _of_curved(system: System) -> str:
         if not all(p.is_straight for law in (element.spring, element.damper) for p in law.pieces)
     ]
     return f", with the curved forces of {', '.join(names)}" if names else ""
+
+
+def _moved(system: System, k: int) -> str:
+    """Return the name of a coordinate; the only one of a system may have none."""
+    return system.coordinates[k] or "the mass"
 
 
 def _fastest_motion(one: Integrator, system: System) -> tuple[float, int]:

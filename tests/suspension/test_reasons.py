@@ -70,10 +70,15 @@ def test_a_matrix_without_inverse_is_named_with_its_stiffness_and_step() -> None
     assert "(a step of 0.1 s; the least stiffness is -1e+04 N/m, that of heave)" in said
 
 
-def test_a_session_says_it_too() -> None:
-    session = Session("QuarterCar", {"solver.step": 0.08, "solver.beyond_stable": "refuse"})
-    with pytest.raises(SimulationError, match=r"which moves wheel\S* most\); shorten it"):
-        session.advance(1.0)
+@pytest.mark.parametrize(
+    ("model", "step", "moved"),
+    [("QuarterCar", 0.08, r"wheel\S*"), ("Elastoplastic", 1.0, "the mass")],
+)
+def test_a_session_says_it_too(model: str, step: float, moved: str) -> None:
+    fixed = {"solver.step": step, "solver.beyond_stable": "refuse"}
+    session = Session(model, fixed)
+    with pytest.raises(SimulationError, match=rf"which moves {moved} most\); shorten it"):
+        session.advance(10.0)
 
 
 def test_a_session_names_the_switches_between_which_no_time_passes() -> None:
