@@ -39,7 +39,6 @@ from .variables import (
 )
 
 _AT_REST = 1e-12  # s by which a communication point may precede the present, from rounding
-_SOLVER = {v.name: v.start for v in SOLVER_PARAMETERS}  # of a source of signals, too
 _TOLERANCE = next(v for v in SOLVER_PARAMETERS if v.name == "solver.tolerance")
 
 
@@ -74,8 +73,11 @@ class Session:
         self.ok = True
         self.messages: list[tuple[str, str]] = []
         self._tolerance = self._allowed(tolerance)
-        self._parameters: Checked | None = checked_parameters(model, parameters)
-        self._now: dict[str, Value] = {**self._parameters}  # as they are now
+        given = checked_parameters(model, parameters)
+        self._parameters: Checked | None = given
+        # a source of signals has none of them
+        self._solver = {v.name: given.get(v.name, v.start) for v in SOLVER_PARAMETERS}
+        self._now: dict[str, Value] = {**given}  # as they are now
         self._tuned: dict[str, Value] = {}  # as they are from the next step on
         self._retuning = Retuning(model)
         self._energies: Energies | None = None  # at the present time, once asked for
@@ -83,10 +85,7 @@ class Session:
         system = build(model, self.parameters)
         self._signals = dict(system.signals)
         integrator = self._new_integrator(system, start_time)
-        self._fixed_step = float(
-            self._parameters.get("solver.step", 0.0)
-        )  # s; 0 if steps are chosen
-        self._notices = Notices(self._fixed_step)
+        self._notices = Notices(float(self._solver["solver.step"]))
         tyres = [axle for axle in system.axles if axle.tyre]
         sampled = self.parameters.get("road.shape") == "input"
         lines = driven(system, self._inputs, sampled)
@@ -159,7 +158,7 @@ class Session:
 
     def _new_integrator(self, system: System, time: float) -> Integrator:
         """Return an integrator that starts at a time, s, with the solver's parameters."""
-        p = _SOLVER | self.parameters
+        p = self._solver
         wanted = p["solver.tolerance"]
         if self._tolerance is not None and wanted == _TOLERANCE.start:
             wanted = self._tolerance
@@ -269,7 +268,7 @@ class Session:
         reason = ""
         if status not in (0, HALTED):
             where = f"at {integrator.time:.6g} s, in step {integrator.step_count}"
-            fixed = self._fixed_step > 0.0
+            fixed = bool(self._solver["solver.step"])
             # it names the last switches in the log, which is then taken
             reason = why_stopped(status, where, integrator, self.system, fixed=fixed)
         self._events.note(integrator.take_log(), until if until > self.time else -inf)

@@ -8,7 +8,7 @@ from phaseplane.suspension.session import Session
 from phaseplane.suspension.variables import outputs, variables
 
 CASES = [
-    *((model, {}) for model in MODELS if model not in SOURCES),
+    *((model, {}) for model in (*MODELS, *SOURCES)),
     ("QuarterCar", {"road.shape": "bump", "road.height": 0.1}),
     ("QuarterCar", {"road.shape": "sine", "road.start": 0.013}),
     ("QuarterCar", {"road.shape": "random"}),
