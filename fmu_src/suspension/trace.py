@@ -21,7 +21,7 @@ OPERATIONS: Mapping[str, Callable[..., Any]] = {
     "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq,
     "!=": operator.ne,
 }  # fmt: skip
-"""What is done to numbers, by its name on a tape."""
+"""The operations on numbers, by their names on a tape."""
 _OPPOSITE = {"==": "!=", "!=": "==", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
 _LONGEST = 90  # characters of a condition in a message
 

@@ -121,7 +121,7 @@ class Variable:
         return f" in {self.unit}" if self.unit not in ("", "1") else ""
 
     def format_range(self, *, finite: bool = False) -> str:
-        """Return the allowed values as a phrase, which says whether they are finite if asked for."""
+        """Return the allowed values as a phrase; `finite` adds that they must be finite."""
         bounds = []
         if self.positive:
             bounds.append("greater than 0")

@@ -170,5 +170,7 @@ def test_a_road_is_read_beside_a_mass_at_rest(shape: str) -> None:
     ],
 )
 def test_a_road_alone_is_not_run(start: Callable[[], object]) -> None:
-    with pytest.raises(ParameterError, match="Road is not run by itself; what is run are One"):
+    with pytest.raises(
+        ParameterError, match="Road cannot be run by itself; models that can are One"
+    ):
         start()

@@ -169,7 +169,7 @@ def outputs_over_time(model: str) -> list[str]:
 
     Raises
     ------
-    ParameterError : unknown model.
+    ParameterError : unknown model, or a source of signals, which cannot be run by itself.
     """
     return [*_over_time_and_at_end(model)[0]]
 
@@ -179,7 +179,7 @@ def outputs_at_end(model: str) -> list[str]:
 
     Raises
     ------
-    ParameterError : unknown model.
+    ParameterError : unknown model, or a source of signals, which cannot be run by itself.
     """
     return [*_over_time_and_at_end(model)[1]]
 
@@ -187,7 +187,9 @@ def outputs_at_end(model: str) -> list[str]:
 @cached
 def _over_time_and_at_end(model: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
     if model in SOURCES:
-        raise ParameterError(f"{model} is not run by itself; what is run are {', '.join(MODELS)}")
+        raise ParameterError(
+            f"{model} cannot be run by itself; models that can are {', '.join(MODELS)}"
+        )
     system = build(model, {})
     readings = {name: reading_of(v, system) for name, v in outputs_of(model).items()}
     over_time, at_end = (

@@ -2,7 +2,7 @@
 
 xi_2(t) = xi_1(t - L / v)
 
-The system is a mass at rest, beside which its signals pass.
+Its system is a mass that stays at rest; the elevations are signals that drive nothing.
 """
 
 from __future__ import annotations

@@ -90,7 +90,7 @@ def _loaded(text: str, file: str, key: str, checked: bool) -> tuple[str, Model]:
 
 
 def _raise_twice(declared: Sequence[Variable]) -> None:
-    """Reject a name that two variables would have."""
+    """Reject a name that two variables would have; the independent variable of an FMU is `time`."""
     kinds: dict[str, str] = {"time": "time"}
     for v in declared:
         if v.name in kinds:

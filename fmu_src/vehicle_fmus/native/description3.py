@@ -59,7 +59,7 @@ def description(
     outputs = [k for k, v in enumerate(declared) if v.causality == "output"] + [
         k for k, _ in clocks
     ]
-    for k in outputs:  # see `model_description.model_structure`
+    for k in outputs:  # as in FMI 2.0, see `model_description`
         SubElement(structure, "Output", valueReference=str(k), dependencies="")
     for k in outputs:
         SubElement(structure, "InitialUnknown", valueReference=str(k))

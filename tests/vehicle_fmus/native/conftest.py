@@ -21,7 +21,7 @@ from phaseplane.vehicle_fmus.native.pack import build
 from structures import SANITIZED, SANITIZERS
 
 Packer = Callable[..., Path]
-# sources are compiled by others, too, with other compilers
+# users compile the sources, too, with other compilers
 STRICT = ("-O0", "-pedantic-errors", "-Wall", "-Wextra", "-Werror", "-Wno-unused")
 
 
