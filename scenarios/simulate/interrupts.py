@@ -27,17 +27,18 @@ class _Record(list[int]):
 def deferred_interrupt() -> Iterator[Callable[[], int]]:
     """Record Ctrl-C and SIGTERM; inside the FMU they would be lost, or treated as its failure.
 
-    A nested deferral yields the record of the outer one. Signals that this process ignores, such as
-    Ctrl-C in the background of a script, remain ignored.
+    A nested deferral yields the record of the outer one; in another thread, which gets no signals, it
+    records none. Signals that this process ignores, such as Ctrl-C in the background of a script, remain
+    ignored.
     """
+    record = _Record()
+    if threading.current_thread() is not threading.main_thread():
+        yield record.last
+        return
     before = {one: signal.getsignal(one) for one in (signal.SIGINT, signal.SIGTERM)}
     outer = [handler for handler in before.values() if isinstance(handler, _Record)]
     if outer:
         yield outer[0].last
-        return
-    record = _Record()
-    if threading.current_thread() is not threading.main_thread():
-        yield record.last
         return
     heeded = {one: handler for one, handler in before.items() if handler not in _NOT_OURS}
     for one in heeded:

@@ -19,11 +19,12 @@ import pytest
 from command_line import complaint, phaseplane, reported
 from hosting import HANGS, PROGRAM, children, is_running, started, wait_until
 from phaseplane.scenarios.errors import RunError
+from phaseplane.scenarios.simulate import runner
 from phaseplane.scenarios.sweeps import running
 from phaseplane.scenarios.sweeps.journal import open_journal
 from phaseplane.scenarios.sweeps.plan import Plan, load_plan
 from phaseplane.scenarios.sweeps.running import Row, journal_key, sweep
-from small_sweep import GRID, SCENE, rows, sweep_file
+from small_sweep import GRID, HEAD, SCENE, rows, sweep_file
 
 pytestmark = pytest.mark.usefixtures("scene_of_a_sweep")
 
@@ -171,6 +172,22 @@ def test_an_interrupt_waits_for_the_run_under_way_alone(monkeypatch: pytest.Monk
     assert result.stderr.lstrip() == said
     (journal,) = Path("out/sweeps").glob(".sweep.*.journal")
     assert len(journal.read_text().splitlines()) == 1 + 3
+
+
+def test_a_run_that_an_interrupt_meets_ends_as_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    driven, begun = runner._driven, []
+
+    def interrupted(*given: Any) -> Any:
+        begun.append(given)
+        if len(begun) == 2:
+            os.kill(os.getpid(), signal.SIGINT)
+            assert running._STOPPING.wait(HANGS)
+        return driven(*given)
+
+    monkeypatch.setattr(runner, "_driven", interrupted)
+    many = sweep_file(f"{HEAD}[vary]\nduration = {{ from = 0.1, to = 0.4, count = 60 }}")
+    result = phaseplane("sweep", many, "--workers", "1")
+    assert result.stderr.lstrip().startswith("phaseplane: interrupted after 2 of 60 runs")
 
 
 @pytest.mark.slow
