@@ -153,6 +153,8 @@ def run_scene(
     place = Place.chosen(folder, scene.name, "run", scene.file)
     if save is not None:
         place.check_apart("--save", save)
+    if scene.reference is not None:
+        place.check_apart(f"{scene.name}: reference.file =", scene.reference_path)
     problems: list[str] = []
     facts: dict[str, Any] = {"drawn": None, "problems": problems}
     drawing = None

@@ -15,7 +15,7 @@ from ..draw.constructions import draw_scene
 from ..draw.look import look_of
 from ..draw.pictures import figure_of, pictures_of
 from ..errors import InputError, shown
-from ..results.folder import Place, Results, check_replaceable, replace_folder, write_results
+from ..results.folder import Place, Results, replace_folder, write_results
 from ..results.report import report
 from ..scene.layers import Setting, from_top
 from ..scene.loading import load_scene
@@ -107,10 +107,11 @@ class Run(Table):
 
         Raises
         ------
-        InputError : if the folder contains anything but the results of a run.
+        InputError : if the folder contains anything but the results of a run, or the scene's reference.
         """
-        place = Place(Path(folder), "run", self.scene.file)
-        check_replaceable(place)
+        place = Place.chosen(Path(folder), "", "run", self.scene.file)
+        if self.scene.reference is not None:
+            place.check_apart(f"{self.scene.name}: reference.file =", self.scene.reference_path)
         summary = {**self.summary, **_NOT_SHOWN_IN_PYTHON, "origin": place.origin}
         with replace_folder(place) as draft:
             drawing = draw_scene(self.scene) if self.scene.show.figures_construction else None

@@ -9,7 +9,7 @@ from math import pi, sqrt
 import numpy as np
 import pyarrow
 import pytest
-from command_line import written
+from command_line import complaint, written
 from hosting import in_python
 from phaseplane.scenarios.desk import run as module
 from phaseplane.scenarios.errors import InputError
@@ -171,6 +171,18 @@ def test_a_run_is_written_as_the_command_writes_it(bump, tmp_path):
     (folder / "mine.txt").write_text("mine")
     with pytest.raises(InputError, match="no run wrote"):
         bump.write(folder)
+
+
+def test_results_do_not_replace_the_reference_that_they_are_compared_with():
+    folder = phaseplane.run("QuarterCar", duration=0.1).write("out/scene")
+    table = (folder / "results.csv").read_bytes()
+    reference = f'reference = {{ file = "{folder}/results.csv" }}'
+    written(f'fmu = "QuarterCar"\nduration = 0.1\nparameters.speed = 9\n[expect]\n{reference}')
+    words = "scene: reference.file = out/scene/results.csv: is within out/scene"
+    assert words in complaint("run scene.toml -o out/scene")
+    with pytest.raises(InputError, match=words):
+        phaseplane.run("scene.toml").write(folder)
+    assert (folder / "results.csv").read_bytes() == table
 
 
 def test_arrow_shares_the_memory(bump):
