@@ -215,7 +215,7 @@ def _check_origin(place: Place, there: Mapping[str, str]) -> None:
         )
     if there["file"] != ours["file"] and not place.named:
         theirs, own = (
-            os.path.relpath(folder / file) if "/" in file else file
+            os.path.relpath(folder / file) if "/" in file else file or "a scene without a file"
             for file in (there["file"], ours["file"])
         )
         raise InputError(

@@ -173,6 +173,15 @@ def test_a_run_is_written_as_the_command_writes_it(bump, tmp_path):
         bump.write(folder)
 
 
+def test_what_was_written_of_a_scene_without_a_file_is_replaced_on_demand_only():
+    phaseplane.run("QuarterCar", duration=0.1).write("out/scene")
+    written('fmu = "QuarterCar"\nduration = 0.1')
+    words = (
+        "contains the results of a scene without a file, which those of scene.toml do not replace"
+    )
+    assert words in complaint("run scene.toml")
+
+
 def test_results_do_not_replace_the_reference_that_they_are_compared_with():
     folder = phaseplane.run("QuarterCar", duration=0.1).write("out/scene")
     table = (folder / "results.csv").read_bytes()
