@@ -170,15 +170,15 @@ def run(
         raise InputError(
             f"{_ORIGIN}: through = {shown(through)}: allowed: {', '.join(get_args(_Through))}"
         )
-    loaded = load_scene(_reference(scene), settings(changes, values), expect=expect)
+    loaded = load_scene(_reference(scene), settings(changes, values, _ORIGIN), expect=expect)
     direct = through == "process" and loaded.fmu.path is None
     return Run(loaded, runner.solve(loaded) if direct else runner.run(loaded))
 
 
 def settings(
-    changes: Mapping[str, Any] | Sequence[str], values: Mapping[str, Any]
+    changes: Mapping[str, Any] | Sequence[str], values: Mapping[str, Any], origin: str
 ) -> list[str | Setting]:
-    """Return changes to a scene as settings.
+    """Return changes to a scene as settings, whose origin in messages is the function that is called.
 
     Raises
     ------
@@ -190,15 +190,16 @@ def settings(
         isinstance(text, str) for text in texts
     ):  # fmt: skip
         raise InputError(
-            f"{_ORIGIN}: changes = {shown(changes)}: give a mapping such as {{'speed': 25}}, or a list "
+            f"{origin}: changes = {shown(changes)}: give a mapping such as {{'speed': 25}}, or a list "
             "of strings such as ['speed=25']"
         )
-    return [*texts, *(_setting(str(key), value) for key, value in {**given, **values}.items())]
+    named = {**given, **values}.items()
+    return [*texts, *(_setting(str(key), value, origin) for key, value in named)]
 
 
-def _setting(key: str, value: Any) -> Setting:
+def _setting(key: str, value: Any, origin: str) -> Setting:
     dotted = f"show.{key}" if key in _SHOWN else from_top(key)
-    return Setting(dotted, plain(value, dotted), _ORIGIN)
+    return Setting(dotted, plain(value, dotted), origin)
 
 
 def plain(value: Any, key: str) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import atexit
 import base64
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from html import escape
@@ -50,7 +50,7 @@ class Page:
 
 def show(
     scene: str | os.PathLike[str],
-    changes: Sequence[str] = (),
+    changes: Mapping[str, Any] | Sequence[str] = (),
     /,
     kind: str = "phase_planes",
     *,
@@ -63,7 +63,7 @@ def show(
     Parameters
     ----------
     scene : name of a built-in scene, or path of a scene file
-    changes : `key=value` texts
+    changes : values of parameters or scene keys by dotted name, or `key=value` texts
     kind : name of a figure, such as `phase_planes`, `storyboard` or `figure7`; `animation`; or
         `recording`, which is served to this machine only until the notebook ends
     at_step : step that a figure of one step shows
@@ -76,7 +76,7 @@ def show(
     ValueError : if the construction lacks what the figure shows.
     """
     printed = look_of(**look)
-    given = settings(changes, {})
+    given = settings(changes, {}, "show()")
     if kind in RULES_SHOWN:
         given.insert(0, Setting("construction.rule", RULES_SHOWN[kind], "kind"))
     found = load_scene(os.fspath(scene), given, expect=False)

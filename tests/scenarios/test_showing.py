@@ -50,7 +50,9 @@ def test_what_cannot_be_shown_is_refused() -> None:
         show("ap57", SHORT, width=85)
     with pytest.raises(ValueError, match="time_histories shows a run"):
         show("ap57", SHORT, "time_histories")
-    with pytest.raises(InputError, match="changes = 'speed=3': give a mapping"):
+    with pytest.raises(InputError, match=r"^show\(\): changes = 'speed=3': give a mapping"):
         show("ap57", "speed=3")
+    with pytest.raises(InputError, match=r"^show\(\): .*did you mean 'speed'"):
+        show("ap57", {"sped": 3})
     with pytest.raises(InputError, match="no picture 'figure77'"):
         show("ap57", SHORT, "figure77")
