@@ -89,7 +89,8 @@ def read_readings(text: str, planes: Sequence[Plane]) -> list[Reading]:
     for given in rows[0]:
         name, unit = _name_and_unit(given)
         if unit and unit != units.get(name, unit):
-            raise ValueError(f"column {given!r}: must be in {units[name] or 'no unit'}")
+            right = f"in {units[name]}" if units[name] else "without a unit"
+            raise ValueError(f"column {given!r}: must be {right}")
         head.append(name)
     needed = [*units][: 1 + 2 * len(planes)]
     missing = [name for name in needed if name not in head]

@@ -369,6 +369,7 @@ def test_readings_are_read_and_begin_with_the_start_point(task):
     [
         ("", "no readings"),
         ("point,x\n0,1\n", "no column 'x_bar'; the table needs point, x, x_bar, D"),
+        ("point,x [cm],x_bar\n0,2,0.1\n", "column 'x [cm]': must be without a unit"),
         ("point,x,x_bar\n0,2,0.1\n2,1,1\n", "line 3: point 2 follows point 0"),
         ("point,x,x_bar\n0,2,0,1\n", "line 2: 4 values for 3 columns; numbers with decimal commas"),
         ("point,x,x_bar\n0,2,0.1\n1,a,1\n", "line 3: x = 'a' is not a number"),
