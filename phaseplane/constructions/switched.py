@@ -152,10 +152,8 @@ class SwitchedPlane(OnePlane):
             return True
         k, still = signs.index(0), (0.0, 0.0, 0.0)
         g_v, g_x, g_t = self.switching.gradient(k, signs, *still)
-        if g_x == g_t == 0.0:
-            return (
-                self.switching.guards[k](*still, signs) == 0.0
-            )  # a relay may hold another velocity
+        if g_x == g_t == 0.0:  # a relay may hold another velocity
+            return self.switching.guards[k](*still, signs) == 0.0
         return g_v == 0.0
 
     @cached_property

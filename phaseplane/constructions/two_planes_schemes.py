@@ -32,34 +32,28 @@ def axle_scheme(*, flies: bool, linear_tyre: bool = True, sticks: bool = False) 
         strokes("excitation", "A2*-B2"),
     )
     replaced = "B2" if linear_tyre else "A2*"
+    free = f", which replaces {replaced}. From A1* along the y1 axis by a M g/c1: D1."
     weight = (
-        "From Q2 against the y2 axis by b x2st: B0"
-        + (
-            "."
-            if sticks
-            else f", which replaces {replaced}. From A1* along the y1 axis by a M g/c1: D1."
-        ),
+        "From Q2 against the y2 axis by b x2st: B0" + ("." if sticks else free),
         marks("excitation", "B0"),
         marks("normal", "" if sticks else "D1"),
         strokes("excitation", "Q2-B0" if sticks else "Q2-B0 A1*-D1"),
     )
-    through = {
-        (False, False): f"A1*{end} cuts line I in C1 and line II in C2. Q1 through C1 gives D2, Q2 "
-        "through C2 gives D1.",
-        (False, True): f"A1*{end} cuts line I in C1. Q1 through C1 gives D2. Line II is not used.",
-        (
-            True,
-            False,
-        ): f"Q2D1 cuts line II in C2, and {end}C2 the y1 axis in A1*: between both branches "
-        f"of the auxiliary curve. A1*{end} cuts line I in C1. Q1 through C1 gives D2.",
-        (
-            True,
-            True,
-        ): f"From D1 against the y1 axis by a M g/c1: A1*. A1*{end} cuts line I in C1. Q1 "
-        "through C1 gives D2.",
-    }
+    found = (
+        "From D1 against the y1 axis by a M g/c1: A1*. "
+        if flies
+        else f"Q2D1 cuts line II in C2, and {end}C2 the y1 axis in A1*: between both branches of the "
+        "auxiliary curve. "
+    )
+    through_c1 = f"A1*{end} cuts line I in C1. Q1 through C1 gives D2."
+    projected = (
+        f"{through_c1} Line II is not used."
+        if flies
+        else f"A1*{end} cuts line I in C1 and line II in C2. Q1 through C1 gives D2, Q2 through C2 "
+        "gives D1."
+    )
     projection = (
-        through[sticks, flies],
+        found + through_c1 if sticks else projected,
         marks("construction", "A1*" if sticks else ""),
         marks("projection", "C1" if flies else "C1 C2"),
         marks("normal", "" if flies or sticks else "D1"),

@@ -287,7 +287,7 @@ def _name(
         centre = complex(2.0 * axis[1].real - x if other else x, height)
         box = Box(centre, half)
         gap = line.gap(box)
-        if page.view.contains(box) and all(gap <= other.gap(box) for other in parallel):
+        if page.view.contains(box) and all(gap <= of.gap(box) for of in parallel):
             far = gap + (rows + 0.3 * other + 1.5 * back) * page.em
             struck = _struck(box.grown(PLATE * page.em), ways)
             found.append((struck >= _MOTION, foot, struck, far, replace(text, centre=centre)))
