@@ -21,7 +21,7 @@ class InputError(ValueError):
 
 
 class SystemFileError(InputError):
-    """The file of a user-defined system that cannot be used; the message begins with its path."""
+    """The file of a user-defined system that cannot be used; the message names it."""
 
 
 class DrawingError(InputError):

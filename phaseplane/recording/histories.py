@@ -110,7 +110,10 @@ def panels_of(content: Content) -> list[Panel]:
 def _by_part(
     content: Content, quantity: Quantity, names: list[str]
 ) -> list[tuple[Quantity, list[str]]]:
-    """Return columns of a quantity together, or many of them by the parts of several wheels."""
+    """Return columns of a quantity together, or many of them by the parts of several wheels.
+
+    Lengths are in a unit for their range, once it is known.
+    """
     if quantity.si == "m" and len(content.times):
         unit, factor = unit_of_columns("m", map(content.column, names))
         quantity = replace(quantity, unit=unit, factor=factor)

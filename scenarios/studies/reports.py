@@ -42,7 +42,8 @@ def study_accuracy(
 
     Raises
     ------
-    InputError : if there is no such problem or scene, or its model is not of this package.
+    InputError : if there is no such problem or scene, its model is not of this package, or there is no
+        independent solution.
     """
     place = Place.chosen(folder, "accuracy", "accuracy")
     problems = [find_problem(name) for name in references or PROBLEMS]
@@ -79,7 +80,8 @@ def study_stability(
 
     Raises
     ------
-    InputError : if there is no such problem or scene, or its model is not of this package.
+    InputError : if there is no such problem or scene, its model is not of this package, or nothing in it
+        oscillates.
     """
     place = Place.chosen(folder, "stability", "stability")
     problems = [find_problem(name) for name in references or PROBLEMS]
