@@ -104,7 +104,8 @@ def _obstacles(system: System) -> Iterator[str]:
             )
     for load in system.loads if system.axles else ():
         if system.signals[load.signal].scale:
-            yield f"{load.signal}: there is no construction of a vehicle under forces on its body"
+            name = load.signal.removesuffix("_table")
+            yield f"{name}: there is no construction of a vehicle under a force on its body"
 
 
 def _one_dof(system: System, settings: Mapping[str, Any], start: Start) -> Construction:
