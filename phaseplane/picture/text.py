@@ -206,8 +206,8 @@ def end_text(drawing: Drawing, quantities: Mapping[str, Quantity | None], run: f
 def motion_text(*, planes: bool, vehicle: bool, plots: bool) -> str:
     """Return what is seen of a motion without the description of its steps, in Markdown."""
     seen = [
-        "The axes of a phase plane are a displacement and its rate; the disc is the present state, and "
-        "the curve the motion up to it." * planes,
+        "A plane shows one quantity over another, a phase plane a rate over its displacement; the disc "
+        "is the present state, and the curve the motion up to it." * planes,
         "The side view is to scale and travels with the vehicle." * vehicle,
         "The line across plots stands at the present time." * plots,
     ]
