@@ -25,7 +25,7 @@ def signed_frequency(plane: Plane) -> float:
     return -(y.conjugate() * y_bar).imag * plane.angular_frequency
 
 
-Made = Callable[[str, States, Window], Points]
+MakePoints = Callable[[str, States, Window], Points]
 """The points of a construction, as `Construction.points`."""
 
 
@@ -35,13 +35,13 @@ class Stepper:
 
     Parameters
     ----------
-    made : makes the points; None if the construction does
-    factors : by which turn angles are laid off too large, by plane; empty if they are right
+    make_points : makes the points; None if the construction does
+    factors : of the turn angles, by plane; empty if they are right
     """
 
     construction: Construction
     rule: Rule
-    made: Made | None = None
+    make_points: MakePoints | None = None
     factors: tuple[float, ...] = ()
 
     @cached_property
@@ -50,9 +50,9 @@ class Stepper:
         return self.construction.planes
 
     @cached_property
-    def points(self) -> Made:
+    def points(self) -> MakePoints:
         """Makes the points."""
-        return self.made or self.construction.points
+        return self.make_points or self.construction.points
 
     @cached_property
     def rates(self) -> tuple[float, ...]:

@@ -20,7 +20,7 @@ from phaseplane.constructions.construction import JOLT, Construction, Window
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.rules import RULES, Rule
-from phaseplane.constructions.stepping import Made, Stepper
+from phaseplane.constructions.stepping import MakePoints, Stepper
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.switching import first_end
 from phaseplane.exercises.readings import Reading
@@ -302,8 +302,8 @@ def _mistakes(stepper: Stepper, step: _Step) -> Iterator[tuple[str, States]]:
     def turned(words: str, *factors: float) -> tuple[str, Stepper]:
         return words, replace(stepper, factors=factors)
 
-    def made(mistakes: Iterator[tuple[str, Made]]) -> Iterator[tuple[str, Stepper]]:
-        return ((words, replace(stepper, made=points)) for words, points in mistakes)
+    def made(mistakes: Iterator[tuple[str, MakePoints]]) -> Iterator[tuple[str, Stepper]]:
+        return ((words, replace(stepper, make_points=points)) for words, points in mistakes)
 
     backwards = (
         turned(
@@ -369,14 +369,14 @@ _WRONG_FEET: tuple[tuple[str, Callable[[Points, Plane], complex]], ...] = (
 )  # fmt: skip
 
 
-def _missed(stepper: Stepper, step: _Step) -> Iterator[tuple[str, Made]]:
+def _missed(stepper: Stepper, step: _Step) -> Iterator[tuple[str, MakePoints]]:
     """Yield the mistake of one who goes on as before the last switch."""
     if step.missed:
         before, words = step.missed
         yield words, lambda _mode, states, window: stepper.points(before, states, window)
 
 
-def _wrong_feet(stepper: Stepper) -> Iterator[tuple[str, Made]]:
+def _wrong_feet(stepper: Stepper) -> Iterator[tuple[str, MakePoints]]:
     """Yield known mistakes in finding D, with the points to which they lead."""
     planes, right = stepper.planes, stepper.points
 
@@ -412,7 +412,7 @@ def _with_feet(stepper: Stepper, right: Points, feet: States) -> Stepper:
         off = ((n, foot - right[n]) for n, foot in zip(stepper.feet, feet, strict=True))
         return {**points, **{n: points[n] + way for n, way in off}}
 
-    return replace(stepper, made=beside)
+    return replace(stepper, make_points=beside)
 
 
 Tried = TypeVar("Tried")
