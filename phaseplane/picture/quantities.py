@@ -6,9 +6,10 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
+from typing import TYPE_CHECKING
 
-import numpy as np
-import numpy.typing as npt
+if TYPE_CHECKING:
+    import numpy.typing as npt
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +50,8 @@ def display_unit(unit: str, span: float) -> tuple[str, float]:
 
 def unit_of_columns(unit: str, columns: Iterable[npt.ArrayLike]) -> tuple[str, float]:
     """Return the unit in which columns are shown together, and its number in one `unit`."""
+    import numpy as np  # noqa: PLC0415  (the page of exercises needs the standard library alone)
+
     values = np.concatenate([np.zeros(0), *(np.asarray(column, float) for column in columns)])
     values = values[np.isfinite(values)]
     return display_unit(unit, float(np.ptp(values)) if values.size else 0.0)

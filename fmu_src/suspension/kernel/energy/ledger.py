@@ -32,7 +32,7 @@ class Ledger:
 
     def __init__(self, balance: Balance, rows: Rows, dense: Dense) -> None:
         self.balance, self.dense = balance, dense
-        self.net, self.straight = self.balance.net, self.balance.straight
+        self.net = self.balance.net
         self.elements = self.net.elements
         elements, most = self.elements.count, max(self.elements.rows, 1)
         self.works = elements + self.net.signals.count
@@ -46,7 +46,6 @@ class Ledger:
         # then, and what contact switches have exchanged
         self.kinetic = self.exchanged = 0.0
         self.kept, self.until = memory.zeros(elements), memory.zeros(self.works)
-        self.scratch = memory.zeros(self.net.n)
         # of each element: force at rest and damping of its dissipative part, and whether that is curved
         self.loss, self.loss_rate = memory.zeros(elements), memory.zeros(elements)
         self.curved = memory.marks(elements)
@@ -56,7 +55,7 @@ class Ledger:
         self.moving = False  # whether any signal changes within the step
         self.loaded = False  # whether any load is not zero throughout the present segments
         self.readings = StepReadings(rows, dense)
-        self.potential = Potential(self.straight)
+        self.potential = Potential(self.balance.straight)
         self.start()
 
     def start(self) -> None:
@@ -78,11 +77,11 @@ class Ledger:
             c = 0.0
             self.curved[e] = 0
             if not self.elements.branch[at + CONTACT]:
-                if self.straight.bent_damper[e]:
+                if self.balance.straight.bent_damper[e]:
                     self.curved[e] = 1
                 else:
-                    f += self.straight.damper_f[e]
-                    c = self.straight.damper_c[e]
+                    f += self.balance.straight.damper_f[e]
+                    c = self.balance.straight.damper_c[e]
                 if self.elements.yields[e] and self.elements.branch[at + SPRING] != ELASTIC:
                     f += self.elements.flow_force(e)
             self.loss[e], self.loss_rate[e] = f, c
@@ -168,7 +167,7 @@ class Ledger:
             rate = self.readings.du[POINTS * s + k]
             if rate != 0.0:
                 d, w = self.readings.d[POINTS * r + k], self.readings.w[POINTS * r + k]
-                force = self.straight.f[r] + self.straight.k[r] * d + self.straight.c[r] * w
+                force = self.balance.straight.force(r, d, w)
                 if bent >= 0:
                     self.balance.bends.find(bent, d, w, 0.0, 0.0)
                     force += self.balance.bends.force[bent]
@@ -211,7 +210,7 @@ class Ledger:
             self.net.signals.all_signals(t)
             self.elements.row_states(self.dense.q, self.dense.v)
             self.elements.row_forces()
-            self.net.accelerate(self.scratch)
+            self.net.accelerate(self.dense.a)  # for the forces of sticking
             self.net.sticking.hold()
             weight = self.readings.weight[k] * h
             for e in range(self.elements.count):

@@ -40,6 +40,10 @@ class Straight:
                     self.c[r] += self.damper_c[e]
             self.f[r] += self.elements.branch[BRANCHES * e + FRICTION] * self.elements.friction[e]
 
+    def force(self, r: int, d: float, w: float) -> float:
+        """Return the straight force of row r at deflection d and rate w."""
+        return self.f[r] + self.k[r] * d + self.c[r] * w
+
     def _read(self, e: int) -> None:
         """Read the pieces of element e."""
         spring, damper = self.elements.piece_now(e, SPRING), self.elements.piece_now(e, DAMPER)

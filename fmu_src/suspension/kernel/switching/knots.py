@@ -32,7 +32,7 @@ class Knots:
 
     def __init__(self, switches: Switches) -> None:
         self.switches = switches
-        self.stepper, self.motion = self.switches.stepper, self.switches.motion
+        self.stepper, self.motion = self.switches.stepper, self.switches.stepper.motion
         self.net, self.crossing = self.switches.net, self.switches.crossing
         self.elements, self.laws = self.net.elements, self.net.laws
         # the laws of joined pieces, and one piece of each

@@ -26,7 +26,7 @@ class Switches:
 
     def __init__(self, stepper: Stepper) -> None:
         self.stepper = stepper
-        self.net, self.motion = self.stepper.net, self.stepper.motion
+        self.net = self.stepper.net
         self.elements = self.net.elements
         self.rows, self.row = self.stepper.rows, self.stepper.rows.row
         self.crossing = Crossing()
@@ -35,8 +35,8 @@ class Switches:
         self.watched = 0
         self.watched_element, self.watched_kind = memory.marks(most), memory.marks(most)
         self.low, self.high = memory.zeros(most), memory.zeros(most)
-        # the place of each in `row`, and whether straight forces or the row alone give it
-        self.place, self.direct = memory.marks(most), memory.marks(most)
+        # the place of each in `row`, if that and straight forces are all it follows from; otherwise -1
+        self.place = memory.marks(most)
         # the longest step for which the coefficients that an end of the attempt sets are within these
         # bounds, as far as is known, s
         self.far_start, self.far_end = memory.zeros(most), memory.zeros(most)
@@ -68,8 +68,8 @@ class Switches:
                 self.watched_element[k], self.watched_kind[k] = e, kind
                 self.low[k], self.high[k] = low, high
                 self.place[k] = 8 * self.elements.row_of[e] + (1 if kind == DAMPER else 0)
-                curved = kind == CONTACT and self.straight.curved[e]
-                self.direct[k] = not (kind == FRICTION or curved)
+                if kind == FRICTION or (kind == CONTACT and self.straight.curved[e]):
+                    self.place[k] = -1
                 self.watched += 1
 
     def first(self, t: float, h: float) -> float:
@@ -99,7 +99,7 @@ class Switches:
         Each end sets half of them. If the step continues the last one, those of its start have already
         been compared.
         """
-        if not self.direct[k] or (kind == CONTACT and self._is_slaved(e, h)):
+        if self.place[k] < 0 or (kind == CONTACT and self._is_slaved(e, h)):
             return False
         if not self._is_far(k, e, kind, 4, h):
             return False
@@ -142,7 +142,7 @@ class Switches:
             self._contact_force(e, at + 4)
             e0, e1, e2 = self.elements.force0, self.elements.force1, self.elements.force2
             if self._is_slaved(e, h):
-                f1 += self._rate_left(e, self.motion.j, self.motion.jerk)
+                f1 += self._rate_left(e, self.stepper.motion.j, self.stepper.motion.jerk)
                 self.crossing.hermite3(f0, f1, e0, self._end_rate(e, h), h)
                 return 3
             self.crossing.hermite5(f0, f1, f2, e0, e1, e2, h)
@@ -150,7 +150,7 @@ class Switches:
         if kind == FRICTION and self.elements.branch[BRANCHES * e + FRICTION] == 0:
             # the force of sticking
             self.crossing.hermite3(
-                self.motion.multiplier[e], self.motion.multiplier_rate[e],
+                self.stepper.motion.multiplier[e], self.stepper.motion.multiplier_rate[e],
                 self.net.sticking.multiplier[e], self.net.sticking.multiplier_rate[e], h,
             )  # fmt: skip
             return 3
@@ -182,7 +182,9 @@ class Switches:
         """Return the rate of the contact force last found, at the end of the attempt."""
         if not self._is_slaved(e, h):
             return self.elements.force1
-        return self.elements.force1 + self._rate_left(e, self.motion.jb, self.motion.end_jerk)
+        return self.elements.force1 + self._rate_left(
+            e, self.stepper.motion.jb, self.stepper.motion.end_jerk
+        )
 
     def _left_over(self, e: int, acceleration: float) -> float:
         """Return the force that the others leave for a tyre, minus its own, which has yet to decay.
@@ -192,7 +194,7 @@ class Switches:
         """
         fastest = 0.0
         for i in range(self.net.n):
-            fastest = max(fastest, fabs(self.motion.vb[i]))
+            fastest = max(fastest, fabs(self.stepper.motion.vb[i]))
         lost = ROUNDING_OF_RATES * self.straight.damper_c[e] * fastest * self.side
         return acceleration / self.net.mobility(self.elements.row_of[e]) - lost
 
