@@ -56,8 +56,9 @@ ATTEMPTS = (
 # Functions that Python calls take arguments apart and set things up. Without optimisation an integrator
 # takes a tenth longer to make and steps as long as before; the kernel compiles in two thirds of the time.
 CALLED_FROM_PYTHON = re.compile(r"^static (?=[^;{=\n]*\b__pyx_p[wf]_)", re.MULTILINE)
-# Substeps are compiled at -O3, which unrolls their loops early: runs with curved forces take 10 to 20 %
-# less time, and compiling 1 s more. The attribute resets the flags above, so it names them again.
+# Substeps, and the move to the next step, are compiled at -O3, which unrolls their loops early: runs with
+# curved forces take 10 to 20 % less time, and compiling 1 s more. The attribute resets the flags above,
+# so it names them again.
 INNERMOST = re.compile(
     r"^static (?=[^;{=\n]*\b__pyx_f_\w+_"
     r"(?:\d+(?:Columns|Dense|Inverses|Iteration|Balance|Bends|Laws|Modes)_|(?:multiply|resist)\b))",

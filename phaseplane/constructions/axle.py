@@ -217,7 +217,10 @@ class Axle:
         shown = "wheel_displacement" if self.linear_tyre else "tyre_deflection"
         foot = "D" if self.linear_tyre else "H"
         plane = plane_at(f"{self.prefix}{shown}", n, omega, origin, -place.sense, scale, foot)
-        return Lienard.of_strut(plane, self.tyre)
+        if not self.linear_tyre:
+            return Lienard.of_strut(plane, self.tyre)
+        slope = self.lag * omega  # of the auxiliary line (AP57 eq. 18), exactly
+        return Lienard(plane, lambda y_bar, _y: slope * y_bar)
 
     @cached_property
     def lag(self) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cmath import exp, isfinite
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 from phaseplane.constructions.construction import Construction, Window
 from phaseplane.constructions.primitives import Plane
@@ -23,6 +23,12 @@ def signed_frequency(plane: Plane) -> float:
     """
     y, y_bar = plane.displacement.direction, plane.scaled_velocity.direction
     return -(y.conjugate() * y_bar).imag * plane.angular_frequency
+
+
+@cache
+def _named(template: str, numbers: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names of points of one kind, in all planes."""
+    return tuple(template.format(n=number) for number in numbers)
 
 
 MakePoints = Callable[[str, States, Window], Points]
@@ -62,6 +68,11 @@ class Stepper:
         return tuple(factor * signed_frequency(plane) for plane, factor in pairs)
 
     @cached_property
+    def numbers(self) -> tuple[str, ...]:
+        """The numbers of the planes."""
+        return tuple(plane.number for plane in self.planes)
+
+    @cached_property
     def feet(self) -> tuple[str, ...]:
         """The names of the feet of the normals."""
         return tuple(plane.foot for plane in self.planes)
@@ -73,8 +84,7 @@ class Stepper:
         ------
         OverflowError : if a successor is far off the sheet or not finite.
         """
-        make, count = self.points, len(self.planes)
-        numbers = [plane.number for plane in self.planes]
+        make, numbers, count = self.points, self.numbers, len(self.planes)
         moving, memory = states[:count], states[count:]
 
         def construct(at: States) -> tuple[States, Points]:
@@ -87,8 +97,7 @@ class Stepper:
         for name, point in move.repeated.items():
             points[name + REPEATED] = point
         for template, found in (*move.helpers.items(), ("P{n}'", move.successors)):
-            names = (template.format(n=number) for number in numbers)
-            points.update(zip(names, found, strict=True))
+            points.update(zip(_named(template, numbers), found, strict=True))
         vertex = self.construction.protractor
         points["W"] = vertex
         for number, p, d, turn in zip(numbers, moving, feet, turns, strict=True):

@@ -64,7 +64,8 @@ def blueprint(recorder: Recorder) -> rrb.Blueprint:
     if plots and (recorder.words or beside):
         right.append((2.6, rrb.Tabs(*plots)))
     elif plots:  # high enough for the names of four wheels
-        roads = [k for k, panel in enumerate(recorder.panels[2:]) if panel.title.startswith("road")]
+        # the road's plot in front of the others
+        roads = [k for k, plot in enumerate(plots[2:]) if str(plot.name).startswith("road")]
         more = [rrb.Tabs(*plots[2:], active_tab=roads[0] if roads else 0)] if plots[2:] else []
         right.append((2.5, rrb.Vertical(*plots[:2], *more)))
     if recorder.note:  # a few lines, above what they are about

@@ -9,6 +9,7 @@ from math import log2
 import numpy as np
 import pytest
 import vehicle_reference as reference
+from drawn_axles import AXLES
 from hypothesis import given
 from hypothesis import strategies as st
 from phaseplane.suspension import roads
@@ -64,26 +65,13 @@ def referred(gyration: float, height: float, times: np.ndarray) -> reference.Sol
     return reference.solve("HalfCar", parameters, times)
 
 
-axle_data = st.builds(
-    AxleData,
-    unsprung_mass=st.floats(5.0, 200.0),
-    spring=st.builds(cubic, st.floats(1e3, 1e5), st.floats(0.0, 1e6)),
-    damper=st.builds(damper, st.floats(0.0, 5e3), st.floats(0.0, 5e3), st.just(400.0)),
-    tyre_stiffness=st.floats(5e4, 1e6),
-    tyre_damping=st.floats(0.0, 3e3),
-    static_load=st.floats(100.0, 1e4),
-    road=st.builds(roads.bump, st.floats(-0.1, 0.1), st.floats(0.5, 3.0), st.just(20.0)),
-    initial=st.tuples(
-        st.floats(-0.1, 0.1), st.floats(-3.0, 3.0), st.floats(-0.1, 0.1), st.floats(-3.0, 3.0)
-    ),
-)
 cars = st.builds(
     HalfCarPlanes,
     front_mass=st.floats(100.0, 1000.0),
     rear_mass=st.floats(100.0, 1000.0),
     coupling_mass=st.floats(-95.0, 95.0),
-    front=axle_data,
-    rear=axle_data,
+    front=AXLES,
+    rear=AXLES,
     plane_scales=st.tuples(st.floats(0.3, 3.0), st.floats(0.3, 3.0)),
     plane_distance=st.floats(0.05, 1.0),
 )

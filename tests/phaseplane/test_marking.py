@@ -20,11 +20,7 @@ from phaseplane.constructions.geometry import turned
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.stepping import Stepper
 from phaseplane.equations import Formula
-from phaseplane.exercises import (
-    blank_readings,
-    mark,
-    read_readings,
-)
+from phaseplane.exercises import blank_readings, mark, read_readings
 from phaseplane.exercises.marking import METHOD, READING, RIGHT
 from phaseplane.exercises.readings import Reading
 

@@ -8,10 +8,11 @@ from math import cos, inf, log2, nan, pi, sin
 
 import numpy as np
 import pytest
+from drawn_axles import AXLES
 from hypothesis import given
 from hypothesis import strategies as st
 from phaseplane.suspension import roads
-from phaseplane.suspension.characteristics import bump_stop, cubic, damper, linear
+from phaseplane.suspension.characteristics import bump_stop, cubic, linear
 from recorded import check_schemes
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
@@ -19,7 +20,6 @@ from worked_example import C1, C2, K2, KGF, STEP, M, ap57, by_scipy, column, ele
 
 from phaseplane.constructions import (
     RULES,
-    AxleData,
     QuarterCarPlanes,
     Strut,
     Window,
@@ -76,19 +76,7 @@ scale = st.floats(0.1, 10.0)
 cars = st.builds(
     QuarterCarPlanes,
     sprung_mass=st.floats(50.0, 2000.0),
-    axle=st.builds(
-        AxleData,
-        unsprung_mass=st.floats(5.0, 200.0),
-        spring=st.builds(cubic, st.floats(1e3, 1e5), st.floats(0.0, 1e6)),
-        damper=st.builds(damper, st.floats(0.0, 5e3), st.floats(0.0, 5e3), st.just(400.0)),
-        tyre_stiffness=st.floats(5e4, 1e6),
-        tyre_damping=st.floats(0.0, 3e3),
-        static_load=st.floats(100.0, 2e4),
-        road=st.builds(roads.bump, st.floats(-0.1, 0.1), st.floats(0.5, 3.0), st.just(20.0)),
-        initial=st.tuples(
-            st.floats(-0.1, 0.1), st.floats(-3.0, 3.0), st.floats(-0.1, 0.1), st.floats(-3.0, 3.0)
-        ),
-    ),
+    axle=AXLES,
     plane_scales=st.tuples(scale, scale),
     plane_distance=st.floats(0.02, 2.0),
 )
@@ -96,18 +84,15 @@ windows = st.builds(Window, st.floats(0.0, 0.2), st.one_of(st.just(0.0), st.floa
 
 
 def excitation_by_quadrature(car: QuarterCarPlanes, window: Window) -> float:
+    road, lag = car.axle.road, car.axle.tyre_damping / car.axle.tyre_stiffness
+
     def h(t):
-        return car.axle.road.value(
-            t
-        ) + car.axle.tyre_damping / car.axle.tyre_stiffness * car.axle.road.rate(t)
+        return road.value(t) + lag * road.rate(t)
 
     if window.duration == 0.0:
         return h(window.start)
-    cuts = [
-        window.start,
-        *(t for t in car.axle.road.joints if window.start < t < window.end),
-        window.end,
-    ]
+    within = (t for t in road.joints if window.start < t < window.end)
+    cuts = [window.start, *within, window.end]
     inside = [quad(h, a, b, epsabs=1e-14, epsrel=1e-12)[0] for a, b in pairwise(cuts)]
     return sum(inside) / window.duration
 
