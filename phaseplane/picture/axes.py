@@ -28,7 +28,7 @@ _BACK = (0.0, 0.5, 1.0, 2.0)
 _PLACES = ((0.0, 0.0), (0.0, -0.8), (0.0, 0.8), (0.8, 0.0))
 _MOTION = 2  # of what lies under a text, see `_struck`
 _ROW = 1.5  # em: from the units of a plane to its name above them
-_WIDEST = 0.27  # part of the width that the name of an axis may take up
+_WIDEST = 0.28  # part of the width that the name of an axis may take up
 
 # of an axis: its ends; its name, at an edge, with the sense in which it ends there; and its values, each
 # in the places where it may stand
@@ -116,13 +116,12 @@ def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> _Texts:
     # one word per line, to keep clear of the motion
     rows = plane.name.split("_")
     label = f"{typeset(axis.label)}{bracketed(graduation.unit)}".strip()
-    name = "\n".join(rows) + f" {label}"
-    if _too_wide(page, name):
-        name, rows = label, rows[:1]
+    names = ["\n".join(rows) + f" {label}", f"{' '.join(rows[:-1] or rows)}\n{label}", label]
+    name = next((name for name in names if not _too_wide(page, name)), label)
     places = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
     sides = [complex(along, way * (1.0 + far)) for far, along in _PLACES for way in (-1, 1)]
     values = [[value_text(z + side * em, text) for side in sides] for z, text in places]
-    edge = tip + (0.6 + 0.6 * len(rows)) * 1j * em
+    edge = tip + (1.2 + 0.6 * name.count("\n")) * 1j * em
     return ((start, tip), edge, name, sense), values
 
 

@@ -28,7 +28,7 @@ _EVENTS = {
     "unloading": "The spring unloads.",
 }
 # characters of a row and rows of a protocol in the pane of the text in a window of 1366x768
-_ROW, _MOST_ROWS = 68, 20
+_ROW, _MOST_ROWS = 68, 15
 _NOTHING = 1e-12  # a smaller reading is one of rounding
 _DIFFERS = 0.1  # of the largest displacement of a body: a difference of its control that is told
 HELP = (

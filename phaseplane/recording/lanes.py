@@ -20,7 +20,7 @@ from .content import Content
 
 Bools = npt.NDArray[np.bool_]
 LANES = "/lanes"
-SHEET_SHARE = 8.0  # the height of the sheet, relative to that of the lanes below it
+_MOST_SEEN = 2  # lanes that have room; others are scrolled to
 _CALM, _LOUD = "calm", "loud"
 _DARK = 0.65  # brightness of bands, relative to that of curves
 # by the ending of a column: what it is about, the words for its two states, and the hue of the second
@@ -76,10 +76,10 @@ def lanes_of(content: Content) -> dict[str, Lane]:
     return {name: lane for name, lane in found.items() if lane.active.any()}
 
 
-def lanes_share(content: Content) -> float:
-    """Return the height of the lanes where that of the sheet is `SHEET_SHARE`; zero without lanes."""
-    lanes = min(len(lanes_of(content)), 4)
-    return 0.6 + 0.8 * lanes if lanes else 0.0
+def lanes_height(content: Content) -> float:
+    """Return the height of a few lanes in the viewer, in pixels; zero without lanes."""
+    lanes = min(len(lanes_of(content)), _MOST_SEEN)
+    return 55.0 + 40.0 * lanes if lanes else 0.0
 
 
 def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:

@@ -18,8 +18,8 @@ from phaseplane.picture.text import in_words, number
 from .canvas import PARTS, legible
 from .content import Content
 from .histories import MOST_NAMED, Panel
-from .lanes import LANES, SHEET_SHARE, lanes_share
-from .motion import state_planes
+from .lanes import LANES, lanes_height
+from .motion import SHEET_HEIGHT, SHEET_WIDTH, WINDOW_WIDTH, is_narrow, state_planes
 from .recorder import MOST_ROWS, Recorder
 from .side_view import VEHICLE, vehicle_of, view_box
 from .steps import ARMS, CHART, SHEET, WORDS
@@ -30,57 +30,82 @@ _LIVE = 1.0  # s of a live run that are drawn in full
 _NOTE = 0.4  # height of a note, relative to what is below it
 _ROUNDING = 1e-6  # of the range of a plot: an end that is as good as zero
 
+# heights in a window of 1366x768, pixels: of the side view and the turn angles, and of the plots, each
+# without and with the text of steps; and of that text
+_BESIDE, _PLOTS, _WORDS = (280.0, 100.0), (420.0, 155.0), 358.0
+_TEXT_WIDTH = 450.0  # of that text beside a narrow sheet
+
 Part = tuple[float, rrb.View | rrb.Container]
 """A part of a column with its share of the height."""
 
 
 def blueprint(recorder: Recorder) -> rrb.Blueprint:
-    """Return the layout: the sheet with lanes below it, and the text, side view and plots next to it.
+    """Return the layout: the sheet, and next to it the text, the side view, the plots and the lanes.
 
-    During a live run the viewer stays at the latest time.
+    Beside a narrow sheet, the text has a column of its own. During a live run the viewer stays at the
+    latest time.
     """
-    content = recorder.content
-    left: list[Part] = []
+    content, narrow = recorder.content, is_narrow(recorder.content)
+    sheet: list[Part] = []
     if recorder.pages:
-        left.append((SHEET_SHARE, _sheets(content, recorder.pages)))
-    below = lanes_share(content)
-    if below:
-        time = None if content.live else _whole_time()
-        left.append((below, rrb.StateTimelineView(origin=LANES, name="lanes", time_view=time)))
-    right: list[Part] = []
+        sheet.append((SHEET_HEIGHT, _sheets(content, recorder.pages)))
+    text: list[Part] = []
+    others = _others(recorder)
     if recorder.words:
-        right.append((6.7, rrb.TextDocumentView(origin=WORDS, name="construction step")))
-    beside: list[rrb.View] = []
-    vehicle = vehicle_of(content)
-    if vehicle is not None:
-        beside.append(_view(VEHICLE, "side view", view_box(vehicle, content)))
-    if recorder.arms_page is not None:
-        beside.append(_view(ARMS, "turn angles", recorder.arms_page.view))
-    if beside:
-        right.append((1.9, rrb.Horizontal(*beside)))
-    plots: list[rrb.View] = [_plot(panel, content) for panel in recorder.panels]
-    if recorder.chart is not None:
-        plots.insert(0, _view(CHART, "over time", recorder.chart.stays.view))
-    if plots and (recorder.words or beside):
-        right.append((2.6, rrb.Tabs(*plots)))
-    elif plots:  # high enough for the names of four wheels
-        # the road's plot in front of the others
-        roads = [k for k, plot in enumerate(plots[2:]) if str(plot.name).startswith("road")]
-        more = [rrb.Tabs(*plots[2:], active_tab=roads[0] if roads else 0)] if plots[2:] else []
-        right.append((2.5, rrb.Vertical(*plots[:2], *more)))
-    if recorder.note:  # a few lines, above what they are about
-        height = _NOTE * sum(share for share, _ in right)
-        right.insert(0, (height or 1.0, rrb.TextDocumentView(origin=WORDS, name="what is seen")))
-    columns = [
-        views[0] if len(views) == 1 else rrb.Vertical(*views, row_shares=list(shares))
-        for shares, views in (zip(*parts, strict=True) for parts in (left, right) if parts)
-    ]
+        text.append((_WORDS, rrb.TextDocumentView(origin=WORDS, name="construction step")))
+    elif recorder.note:  # a few lines, above what they are about
+        height = _NOTE * sum(share for share, _ in others)
+        text.append((height or 1.0, rrb.TextDocumentView(origin=WORDS, name="what is seen")))
+    height = lanes_height(content)
+    if height:
+        time = None if content.live else _whole_time()
+        lanes = rrb.StateTimelineView(origin=LANES, name="lanes", time_view=time)
+        (others or sheet).append((height, lanes))
+    width = SHEET_WIDTH[narrow]
+    beside = {WINDOW_WIDTH - width: text + others}
+    if narrow and recorder.words and others:
+        beside = {_TEXT_WIDTH: text, WINDOW_WIDTH - width - _TEXT_WIDTH: others}
+    columns = {width: parts for width, parts in ({width: sheet} | beside).items() if parts}
     return rrb.Blueprint(
-        rrb.Horizontal(*columns, column_shares=[2.0, 1.0][-len(columns) :]),
+        rrb.Horizontal(*map(_column, columns.values()), column_shares=list(columns)),
         _time_panel(recorder),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
     )
+
+
+def _column(parts: Sequence[Part]) -> rrb.View | rrb.Container:
+    shares, views = zip(*parts, strict=True)
+    return views[0] if len(views) == 1 else rrb.Vertical(*views, row_shares=list(shares))
+
+
+def _others(recorder: Recorder) -> list[Part]:
+    """Return the side view with the turn angles, and the plots."""
+    content = recorder.content
+    found: list[Part] = []
+    views: list[rrb.View] = []
+    vehicle = vehicle_of(content)
+    if vehicle is not None:
+        views.append(_view(VEHICLE, "side view", view_box(vehicle, content)))
+    if recorder.arms_page is not None:
+        views.append(_view(ARMS, "turn angles", recorder.arms_page.view))
+    if views:
+        height = _BESIDE[recorder.words]
+        if is_narrow(content):
+            found.append((height * len(views), rrb.Vertical(*views)))
+        else:
+            found.append((height, rrb.Horizontal(*views)))
+    plots: list[rrb.View] = [_plot(panel, content) for panel in recorder.panels]
+    if recorder.chart is not None:
+        plots.insert(0, _view(CHART, "over time", recorder.chart.stays.view))
+    if plots and (recorder.words or views):
+        found.append((_PLOTS[recorder.words], rrb.Tabs(*plots)))
+    elif plots:  # high enough for the names of four wheels
+        # the road's plot in front of the others
+        roads = [k for k, plot in enumerate(plots[2:]) if str(plot.name).startswith("road")]
+        more = [rrb.Tabs(*plots[2:], active_tab=roads[0] if roads else 0)] if plots[2:] else []
+        found.append((_PLOTS[False], rrb.Vertical(*plots[:2], *more)))
+    return found
 
 
 def _time_panel(recorder: Recorder) -> rrb.TimePanel:
@@ -106,12 +131,14 @@ def _time_panel(recorder: Recorder) -> rrb.TimePanel:
 
 def _sheets(content: Content, pages: Sequence[Page]) -> rrb.View | rrb.Container:
     """Return the view of the whole sheet, and with several planes one of each, or a grid of them."""
-    together, names = False, [in_words(displacement) for displacement, _ in content.pairs]
+    together = is_narrow(content)  # one below the other on the sheet, they are small
+    names = [in_words(displacement) for displacement, _ in content.pairs]
     if content.constructed is not None:
-        planes = content.constructed.planes
-        together = len(planes) > 2  # one below the other on the sheet, they are small
-        names = [typeset(p.displacement.label) + f", {in_words(p.name)}" * together for p in planes]
-    names.insert(0, content.heading)
+        names = [
+            typeset(plane.displacement.label) + f", {in_words(plane.name)}" * together
+            for plane in content.constructed.planes
+        ]
+    names.insert(0, (content.manner if together else "") or content.heading)
     whole, *single = (_sheet(content, page, name) for page, name in zip(pages, names, strict=False))
     if together:
         return rrb.Tabs(whole, rrb.Grid(*single, grid_columns=2, name="each plane"), active_tab=0)

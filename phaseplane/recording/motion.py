@@ -24,15 +24,16 @@ from phaseplane.picture.text import in_words
 from phaseplane.picture.views import views_of
 
 from .content import Content
-from .lanes import SHEET_SHARE, lanes_share
 
 _HALF_WIDTH = 0.1  # half width of a plane, m of paper
 _CLOSE, _ACROSS = 0.25, 0.51  # distances between the origins of planes, m of paper
 _MOST = 2000  # vertices of a motion that texts keep clear of
 _AT_REST = 1e-3  # of the largest motion with the same unit
-# width and height of the sheet with its lanes, of the bar above it, and of its type in the viewer, in
-# pixels of a window of 1366x768; the width is less, since larger windows are higher
-_WIDTH, _HEIGHT, _BAR, _TYPE = 875.0, 700.0, 30.0, 16.75
+# of a window of 1366x768, pixels: its width, that of the sheet, and of one of four planes, each below the
+# other; the height of the sheet, of the bar above it, and of its type in the viewer
+WINDOW_WIDTH, SHEET_WIDTH, SHEET_HEIGHT = 1366.0, (910.0, 600.0), 700.0
+_BAR, _TYPE = 30.0, 16.75
+_LARGER = 0.96  # shape of the sheet in larger windows, which are higher, relative to that
 # em of a letter from its point without a leader: in a window twice as large, with type of the same size,
 # both are twice as far apart
 _UNLED = 1.0
@@ -92,7 +93,7 @@ def made_planes(
     A motion smaller than a thousandth of the largest one of its kind counts as rest: it has the scale of
     that one.
     """
-    across = ceil((_WIDTH / _HEIGHT * (len(pairs) or 1)) ** 0.5)
+    across = ceil((SHEET_WIDTH[0] / SHEET_HEIGHT * (len(pairs) or 1)) ** 0.5)
     rows = ceil((len(pairs) or 1) / across)
     beside = ceil(len(pairs) / rows)
     largest: dict[str, float] = {}
@@ -125,6 +126,11 @@ def _unit(name: str, units: Mapping[str, str]) -> str:
     return units.get(name) or (quantity.si if quantity else "")
 
 
+def is_narrow(content: Content) -> bool:
+    """Whether the planes of a construction are so many below each other that their sheet is narrow."""
+    return content.constructed is not None and len(content.constructed.planes) > 2
+
+
 def pages_of(content: Content) -> list[Page]:
     """Return the pages that stay: that of the whole sheet, then with several planes one of each.
 
@@ -145,8 +151,9 @@ def pages_of(content: Content) -> list[Page]:
             curves = [z[np.isfinite(z)] for z in (plane.motion(few) for plane in planes)]
             motions = [z if z.size else ends for z, ends in zip(curves, motions, strict=True)]
         drawing = Drawing(content.title, tuple(p.plane for p in planes), (), {}, StoredFrames(()))
-    high = _HEIGHT * SHEET_SHARE / (SHEET_SHARE + lanes_share(content)) - _BAR
-    subject, shape, pages = Subject(drawing, motions, known), _WIDTH / high, []
+    high = SHEET_HEIGHT - _BAR
+    shape = _LARGER * SHEET_WIDTH[is_narrow(content)] / high
+    subject, pages = Subject(drawing, motions, known), []
     for view in views if len(views) > 2 else views[:1]:
         across, up = view.half.real, view.half.imag
         # widened or heightened to the shape of its pane

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import rerun.blueprint as rrb
 from recorded import Recorded, content, drawing, paper, read_back
 
 from phaseplane.constructions import EquationPlane, construct_motion, delta
@@ -17,9 +18,11 @@ from phaseplane.picture.paper import Box, around
 from phaseplane.recording import VIEWS, AxleView, Content, Vehicle, record
 from phaseplane.recording.drawer import Begin, Drawer
 from phaseplane.recording.histories import panels_of
-from phaseplane.recording.lanes import SHEET_SHARE, lanes_share
+from phaseplane.recording.layout import blueprint
 from phaseplane.recording.motion import made_planes, pages_of
+from phaseplane.recording.recorder import Recorder
 from phaseplane.recording.side_view import view_box
+from phaseplane.recording.sinks import new_recording
 
 STATIC = 0.02
 TIME = np.linspace(0.0, 0.3, 301)
@@ -303,17 +306,17 @@ def test_the_words_on_lanes_are_legible_on_light_ground(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_lanes_show_the_whole_time_and_leave_the_type_of_the_sheet_its_size(tmp_path: Path) -> None:
+def test_lanes_show_the_whole_time_and_leave_the_sheet_its_whole_height(tmp_path: Path) -> None:
     shown = replace(content(), histories=MOTION, vehicle=QUARTER)
     made = read_back(shown, tmp_path)
     (lanes,) = (path for path, row in made.layout
                 if row.get("ViewBlueprint:class_identifier") == ["StateTimeline"])  # fmt: skip
     whole = {path: row["TimeAxis:view_range"] for path, row in made.layout if "TimeAxis" in path}
     assert whole[f"{lanes}/TimeAxis"] == [{"start": None, "end": None}]
-    assert lanes_share(shown) > 0.0
+    sheet, *_ = blueprint(Recorder(new_recording(shown), shown)).root_container.contents
+    assert not isinstance(sheet, rrb.Vertical)
+    wide, high = 910.0, 670.0  # pixels of its pane in a window of 1366x768
     for content_ in (shown, content()):
-        share = SHEET_SHARE / (SHEET_SHARE + lanes_share(content_))
-        wide, high = 910.0, 700.0 * share - 30.0  # pixels of its pane in a window of 1366x768
         for page in pages_of(content_):
             scale = min(wide / page.view.half.real, high / page.view.half.imag) / 2.0
             assert scale * page.em > 16.0
