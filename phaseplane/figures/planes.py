@@ -52,18 +52,29 @@ def phase_planes(drawing: Drawing, frame: int | None = None, *, look: Look) -> t
 def step_page(drawing: Drawing, frame: Frame, look: Look, beside: float = 0.0) -> Page:
     """Return axes, curves, the whole motion and the lines of one step, without letters.
 
-    On the right there may be room for dimensions, a fraction of the width.
+    On the right there may be room for the distances of lines I and II, a fraction of the width.
     """
     view = view_of(drawing, [frame], turn=False)
     room = beside * view.half.real
     page = new_page(drawing, Box(view.centre + room, view.half + room), look)
-    draw_axes(page, step_lines(page, frame))
+    lines = step_lines(page, frame)
+    if beside:
+        ends = [plane.displacement.origin.imag for plane in drawing.planes]
+        rows = np.array([[x - aside * page.em for aside in (0.0, 1.2)] for x in distances(page)])
+        lines = np.append(lines, rows.reshape(-1, 1) + 1j * np.array(ends), axis=0)
+    draw_axes(page, lines)
     draw_curves(page)
     draw_own_curves(page, frame)
     draw_trails(page, recent=0)  # the lettered step is rarely one of the last
     draw_missed(page)
     draw_step(page, frame)
     return page
+
+
+def distances(page: Page) -> list[float]:
+    """Return where the distances of the other plane and of lines I and II are dimensioned."""
+    edge = page.view.corners[1].real
+    return [edge - (1.0 + 3.2 * column) * page.em for column in range(3)]
 
 
 def step_lines(page: Page, frame: Frame) -> Points:

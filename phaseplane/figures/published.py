@@ -26,7 +26,7 @@ from phaseplane.picture.views import frame_at, motion_points, telling_frame
 
 from .canvas import as_figure, new_page
 from .histories import has_histories, time_histories
-from .planes import construction_sheet, format_step, step_page
+from .planes import construction_sheet, distances, format_step, step_page
 from .style import PLAIN, Look
 
 _ELASTIC = (r"$\dfrac{c_2/c_1}{r + c_2/c_1}\,l$", r"$\dfrac{\kappa}{r + \kappa}\,l$")
@@ -96,10 +96,8 @@ def _dimensioned(
     page = step_page(drawing, frame, look, 0.12)
     top, bottom = (plane.displacement.origin.imag for plane in drawing.planes)
     lines = {c.label: c.vertices[-1] for c in drawing.curves if c.role == "line"}
-    edge = page.view.centre.real + page.view.half.real
-    ends = (complex(edge, bottom), lines["I"], lines["II"])
-    for column, (formula, end) in enumerate(zip(("$l$", *formulas), ends, strict=True)):
-        x = edge - (1.0 + 3.2 * column) * page.em
+    ends = (complex(page.view.corners[1].real, bottom), lines["I"], lines["II"])
+    for x, formula, end in zip(distances(page), ("$l$", *formulas), ends, strict=True):
         foot = complex(x, end.imag)
         if end.real < x:
             dimensions.witness(page, end, foot)

@@ -30,9 +30,9 @@ _MOTION = 2  # of what lies under a text, see `_struck`
 _ROW = 1.5  # em: from the units of a plane to its name above them
 _WIDEST = 0.28  # part of the width that the name of an axis may take up
 
-# of an axis: its ends; its name, at an edge, with the sense in which it ends there; and its values, each
-# in the places where it may stand
-_Texts = tuple[tuple[tuple[complex, complex], complex, str, float], list[list[Text]]]
+# of an axis: its ends; its name, or shorter ones, at an edge, with the sense in which it ends there; and
+# its values, each in the places where it may stand
+_Texts = tuple[tuple[tuple[complex, complex], complex, list[str], float], list[list[Text]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +101,7 @@ def draw_y_axis(page: Page, plane: Plane) -> None:
     middle = complex(page.view.centre.real, axis.origin.imag)
     start, tip = middle - sense * reach_of_view, middle + sense * reach_of_view
     page.arrow("axis", start, tip)
-    _name(page, _ways(page), (start, tip), tip - 1.0j * page.em, typeset(axis.label), sense)
+    _name(page, _ways(page), (start, tip), tip - 1.0j * page.em, [typeset(axis.label)], sense)
 
 
 def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> _Texts:
@@ -117,12 +117,10 @@ def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> _Texts:
     rows = plane.name.split("_")
     label = f"{typeset(axis.label)}{bracketed(graduation.unit)}".strip()
     names = ["\n".join(rows) + f" {label}", f"{' '.join(rows[:-1] or rows)}\n{label}", label]
-    name = next((name for name in names if not _too_wide(page, name)), label)
     places = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
     sides = [complex(along, way * (1.0 + far)) for far, along in _PLACES for way in (-1, 1)]
     values = [[value_text(z + side * em, text) for side in sides] for z, text in places]
-    edge = tip + (1.2 + 0.6 * name.count("\n")) * 1j * em
-    return ((start, tip), edge, name, sense), values
+    return ((start, tip), tip + 1.2j * em, _fitting(page, names), sense), values
 
 
 def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) -> _Texts:
@@ -135,9 +133,7 @@ def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) 
     # on the side of the axis away from the motion
     side = -1.0 if (motion - axis.origin).real.sum() > 0.0 else 1.0
     label = typeset(axis.label)
-    if _too_wide(page, label):
-        label = label.partition(" =")[0]
-    name = label + bracketed(graduation.unit)
+    label, *_ = _fitting(page, [label, label.partition(" =")[0]])
     places = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
     values = [
         [
@@ -146,7 +142,8 @@ def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) 
         ]
         for z, text in places
     ]
-    return ((start, tip), tip + side * 0.8 * em - 0.2j * em, name, -side), values
+    edge = tip + side * 0.8 * em - 0.2j * em
+    return ((start, tip), edge, [label + bracketed(graduation.unit)], -side), values
 
 
 def _between(graduation: Graduation, axis: Axis, start: complex, end: complex) -> Graduation:
@@ -160,8 +157,10 @@ def _between(graduation: Graduation, axis: Axis, start: complex, end: complex) -
     return replace(graduation, values=values)
 
 
-def _too_wide(page: Page, name: str) -> bool:
-    return bool(text_box(0j, name, page.em).half.real > _WIDEST * page.view.half.real)
+def _fitting(page: Page, names: Sequence[str]) -> list[str]:
+    """Return the names that are not too wide, or else the last and shortest."""
+    most = _WIDEST * page.view.half.real
+    return [n for n in names if text_box(0j, n, page.em).half.real <= most] or [names[-1]]
 
 
 def _graduation_up(page: Page, plane: Plane) -> Graduation:
@@ -259,26 +258,31 @@ def _name(
     ways: Sequence[Points],
     axis: tuple[complex, complex],
     edge: complex,
-    name: str,
+    names: Sequence[str],
     sense: float,
     parallel: Sequence[Box] = (),
 ) -> None:
     """Write the name of an axis, ending (sense > 0) or beginning at the edge of the view.
 
-    It avoids the axes, and lines I and II, which may be close to them; if it can the motion, too, and
-    then the auxiliary curves. Of the places that are equally free it takes the one nearest to the axis;
-    the unit may stand in a row of its own. Where all places at its tip are on the motion, an upright axis
-    may have its name at its lower end. No place is nearer to one of the other `parallel` axes.
+    It avoids the axes, and lines I and II, which may be close to them; if it can the motion, too, for
+    which it may be a shorter one, and then the auxiliary curves. Of the places that are equally free it
+    takes the one nearest to the axis; the unit may stand in a row of its own. Where all places at its
+    tip are on the motion, an upright axis may have its name at its lower end. No place is nearer to one
+    of the other `parallel` axes.
     """
-    words = name, name.replace(" [", "\n[")
-    texts = [Text("axis", each, edge, 8.5 / TYPE, "name") for each in dict.fromkeys(words)]
+    words = {
+        each: (shorter, broken)
+        for shorter, name in enumerate(names)
+        for broken, each in enumerate((name, name.replace(" [", "\n[")))
+    }
     low, high = page.view.grown(-0.3 * page.em).corners
     line = _line(*axis)
     heights = [edge.imag, (axis[0] + axis[1] - edge).imag] if line.half.real == 0.0 else [edge.imag]
     found = []
-    for (foot, end), (rows, text), other, back, up in product(
-        enumerate(heights), enumerate(texts), (0, 1), _BACK, _BESIDE
+    for (foot, end), (each, (shorter, broken)), other, back, up in product(
+        enumerate(heights), words.items(), (0, 1), _BACK, _BESIDE
     ):
+        text, rows = Text("axis", each, edge, 8.5 / TYPE, "name"), each.count("\n")
         half = text.box(page.em).half
         x = min(max(edge.real - sense * half.real, low.real + half.real), high.real - half.real)
         height = end + (up + copysign(0.6 * rows, up)) * page.em
@@ -287,10 +291,11 @@ def _name(
         box = Box(centre, half)
         gap = line.gap(box)
         if page.view.contains(box) and all(gap <= of.gap(box) for of in parallel):
-            far = gap + (rows + 0.3 * other + 1.5 * back) * page.em
+            far = gap + (broken + 0.3 * other + 1.5 * back) * page.em
             struck = _struck(box.grown(PLATE * page.em), ways)
-            found.append((struck >= _MOTION, foot, struck, far, replace(text, centre=centre)))
-    page.write_first(text for *_, text in sorted(found, key=itemgetter(0, 1, 2, 3)))
+            rank = struck >= _MOTION, foot, shorter, struck, far
+            found.append((rank, replace(text, centre=centre)))
+    page.write_first(text for _, text in sorted(found, key=itemgetter(0)))
 
 
 def _write_values(page: Page, values: list[list[Text]], ways: Sequence[Points]) -> None:
