@@ -15,7 +15,7 @@ from phaseplane.constructions.storage import StoredFrames
 
 from .frames import read_over
 from .page import Page, Text
-from .paper import Box, Integers, Reals
+from .paper import Box, Points, Reals, telling_vertices
 from .quantities import Quantity
 from .styles import PARTS, part_of, strength_of, weight_of
 from .subject import Subject
@@ -24,7 +24,7 @@ from .text import bracketed, in_words, number
 _WIDTH, _HEIGHT = 0.3, 0.15  # of the chart, m of paper
 _NAMES = 1.17 * _WIDTH  # where the names of the columns begin
 _EM = 0.029  # of type in a window of 1366x768
-_MOST = 600  # vertices of a curve, about
+_CLOSE, _MOST = 1e-4, 600  # m of paper from a curve to that of fewer vertices; the most of these
 _POINTS = 200  # readings that are points; more of them would be a cloud in which no curve is seen
 _SERIES = 4
 
@@ -62,16 +62,13 @@ class Chart:
 
     def at(self, time: float, value: float) -> complex:
         """Return the point of a value at a time."""
-        (point,) = self._curve(np.array([time]), np.array([value]))
-        return point
+        return complex(self._points(np.array(time), np.array(value)))
 
-    def _curve(self, times: Reals, values: Reals) -> list[complex]:
-        """Return the points of values at times, shape (n,), or the telling ones of many."""
-        chosen = telling_rows(values)
-        times, values = times[chosen], values[chosen]
+    def _points(self, times: Reals, values: Reals) -> Points:
+        """Return the points of values at times, shape (n,)."""
         span = (self.high - self.low) or 1.0
         x = _WIDTH * (times - self.start) / ((self.end - self.start) or 1.0)
-        points: list[complex] = (x + 1j * (_HEIGHT * (values - self.low) / span)).tolist()
+        points: Points = x + 1j * (_HEIGHT * (values - self.low) / span)
         return points
 
     def _stays(self) -> Page:
@@ -94,9 +91,9 @@ class Chart:
         page.write(replace(words, centre=complex(aside, _HEIGHT + 0.72 * _EM)))
         self._values(page)
         for role, name in zip(self.roles, self.names, strict=True):
-            curve = self._curve(self.times, self.values[name])
+            curve = self._points(self.times, self.values[name])
             if len(curve) > 1:
-                page.lines(role, [curve], 0.9 * weight_of(name), 0.6 * strength_of(name))
+                page.lines(role, [_thinned(curve)], 0.9 * weight_of(name), 0.6 * strength_of(name))
         for row, text in enumerate(named):  # beside it, centred: in larger windows type is smaller
             page.write(replace(text, centre=complex(_NAMES + widest, _HEIGHT - 1.7 * row * _EM)))
         return page
@@ -128,11 +125,11 @@ class Chart:
         times, read = (of[: step + 1] for of in self.read)
         for name, role, values in zip(self.names, self.roles, read.T, strict=True):
             shown = np.isfinite(values)
-            points = self._curve(times[shown], values[shown])
+            points = self._points(times[shown], values[shown])
             if len(points) > 1 and len(self.read[0]) > _POINTS:
-                page.lines(role, [points], 1.2 * weight_of(name), strength_of(name))
+                page.lines(role, [_thinned(points)], 1.2 * weight_of(name), strength_of(name))
             else:
-                page.dots(role, points, 0.9 * weight_of(name), strength_of(name))
+                page.dots(role, points.tolist(), 0.9 * weight_of(name), strength_of(name))
         page.lines("value", [self.cursor(times[-1])])
         return page
 
@@ -141,15 +138,5 @@ class Chart:
         return [self.at(time, self.low), self.at(time, self.high)]
 
 
-def telling_rows(values: Reals) -> Integers:
-    """Return the rows that show a series: of many, the least and the greatest of each short part.
-
-    Every n-th row would show a fast vibration as a slow one.
-    """
-    every = 2 * ceil(len(values) / _MOST)
-    if every <= 2:
-        return np.arange(len(values))
-    parts = values[: len(values) // every * every].reshape(-1, every)
-    first = every * np.arange(len(parts))
-    rest = np.arange(parts.size - 1, len(values))
-    return np.unique(np.concatenate([first + parts.argmin(1), first + parts.argmax(1), rest]))
+def _thinned(curve: Points) -> Points:
+    return curve[telling_vertices(curve, _CLOSE, _MOST)]

@@ -93,23 +93,18 @@ def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) ->
             values=[_CALM, _LOUD], labels=[lane.calm, lane.loud], colors=hues
         )
         new = _new(lane.active)
-        states = lane.active[new]
-        send(recording, path, look, [seconds(lane.times[new])], _changes(states))
-        if not len(clock.times):
+        send(recording, path, look, [seconds(lane.times[new])], _changes(lane.active[new]))
+        if content.live or not len(clock.times):  # steps are told when all have happened
             continue
-        if lane.drawn is None:
-            inside = lane.times[new] <= clock.times[-1] * (1.0 + 1e-9)
-            steps, states = _steps_of(new, lane.times, content, clock)[inside], states[inside]
-        else:  # below the steps stands what they show, even where the run does not follow them
-            steps = _new(lane.drawn)
-            states = lane.drawn[steps]
-        recording.send_columns(path, [clock.counts(steps)], _changes(states))
-        if len(clock.ticks) and not content.live:
-            told = np.searchsorted(clock.times, clock.ticks + 1e-9, side="right") - 1
-            last = np.maximum(np.searchsorted(steps, told, side="right") - 1, 0)
+        # below the steps stands what they show, even where the run does not follow them
+        states = lane.active[_last(lane.times, clock.times)] if lane.drawn is None else lane.drawn
+        steps = _new(states)
+        recording.send_columns(path, [clock.counts(steps)], _changes(states[steps]))
+        if len(clock.ticks):
+            told = states[_last(clock.times, clock.ticks)]
             # the band of the last tick is as wide as all others, so one more follows it
             stages = clock.stages(np.arange(len(told) + 1))
-            recording.send_columns(path, stages, _changes(states[np.append(last, last[-1])]))
+            recording.send_columns(path, stages, _changes(np.append(told, told[-1])))
 
 
 def _dark(colour: int) -> int:
@@ -123,16 +118,9 @@ def _new(states: Bools) -> Integers:
     return np.flatnonzero(np.append([True], states[1:] != states[:-1]))
 
 
-def _steps_of(new: Integers, times: Reals, content: Content, clock: Clock) -> Integers:
-    """Return the indices of the steps in which the state changes to that of a row.
-
-    If a step since the row before begins with an event, the state changes there.
-    """
-    assert content.drawing is not None
-    events = clock.times[sorted(content.drawing.frames.events)]
-    last = np.append(-np.inf, events)[np.searchsorted(events, times[new], side="right")]
-    when = np.where(last > times[np.maximum(new - 1, 0)], last, times[new])
-    return np.maximum(np.searchsorted(clock.times, when + 1e-9, side="right") - 1, 0)
+def _last(times: Reals, when: Reals) -> Integers:
+    """Return the indices of the last of some times before or at others."""
+    return np.maximum(np.searchsorted(times, when + 1e-9, side="right") - 1, 0)
 
 
 def _changes(states: Bools) -> Any:
