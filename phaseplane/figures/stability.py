@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import cycle
 from math import log10
 
 import numpy as np
@@ -15,13 +14,12 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, VIOLET
+from phaseplane.picture.styles import GREY
 
 from .style import PLAIN, Palette, styled
 
 Values = npt.NDArray[np.float64]
 
-_COLOURS = (RED, OCHRE, PINK, VIOLET, TEAL, GREEN, BLUE, ORANGE, GREY)
 _GROWTH = LinearSegmentedColormap.from_list("growth", ["#cfe3f5", "#ffffff", "#f3b199", "#b52a1a"])
 _GROWING, _GROWN = 1.01, 10.0  # what a line surrounds: growth of a step, and of a run
 _END = 4.5  # of the axis of ratios
@@ -73,7 +71,7 @@ def stability_sheet(
         raise ValueError("there is nothing to draw: no curves")
     palette, figure = PLAIN.palette, PLAIN.blank(12.0, 9.6)
     places = figure.subplot_mosaic("RRRFFF;001122")
-    colours = dict(zip(curves, map(palette.chart, cycle(_COLOURS)), strict=False))
+    colours = {name: palette.curve(number)["color"] for number, name in enumerate(curves)}
     axes = places["R"]
     axes.set_title("Spectral radius of one step, undamped")
     axes.axhline(1.0, color=palette.faint, linewidth=0.8)

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from phaseplane.picture.styles import BLUE, GREY, ORANGE, RED, SERIES
-from phaseplane.picture.text import bracketed
+from phaseplane.picture.text import bracketed, in_words
 
 from .style import PLAIN, Printed, name_up, styled
 
@@ -25,6 +25,7 @@ _MOST = 6  # measures
 _LEVELS = 14
 _MAP = "viridis"
 _FAMILY = len(SERIES)  # curves that can still be distinguished
+_LINE = 18  # letters of a row of the name of an axis that points up
 _LONGEST = 36  # most characters of an entry in the legend
 
 
@@ -174,11 +175,8 @@ def _matrix(varied: Quantities, measured: Quantities) -> Printed:
 
 
 def _words(name: str, unit: str, *, broken: bool = True) -> str:
-    words = name.replace("_", " ").replace(".", " ")
-    if broken and len(words) > 14:
-        middle = min((i for i, c in enumerate(words) if c == " "), default=0,
-                     key=lambda i: abs(i - len(words) // 2))  # fmt: skip
-        words = f"{words[: middle + 1].rstrip()}\n{words[middle + 1 :]}"
+    words = in_words(name).replace(".", " ")
+    words = fill(words, _LINE) if broken else words
     return words + bracketed("" if unit == "count" else unit)
 
 

@@ -88,7 +88,7 @@ class Content:
         Raises
         ------
         ValueError : if a detail, a view, a staged step or the scheme of a step is unknown, there are
-            neither steps nor columns, or columns lack `time` or differ in length.
+            neither steps nor columns, a time is not finite, or columns lack `time` or differ in length.
         """
         for problem in self._problems():
             raise ValueError(problem)
@@ -104,6 +104,8 @@ class Content:
             yield f"{self.title!r} has neither steps nor columns: nothing to record"
         if self.histories and "time" not in self.histories:
             yield f"histories need a column 'time'; given: {', '.join(self.histories)}"
+        elif not np.isfinite(self.times).all():
+            yield f"the times of {self.title!r} are not all finite numbers"
         for name, column in self.histories.items():
             shape = np.shape(self.histories["time"])
             if np.ndim(column) != 1 or np.shape(column) != shape:

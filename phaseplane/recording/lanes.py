@@ -101,7 +101,7 @@ def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) ->
         steps = _new(states)
         recording.send_columns(path, [clock.counts(steps)], _changes(states[steps]))
         if len(clock.ticks):
-            told = states[_last(clock.times, clock.ticks)]
+            told = states[np.minimum(_last(clock.times, clock.ticks), len(states) - 1)]
             # the band of the last tick is as wide as all others, so one more follows it
             stages = clock.stages(np.arange(len(told) + 1))
             recording.send_columns(path, stages, _changes(np.append(told, told[-1])))

@@ -41,15 +41,10 @@ _UNLED = 1.0
 
 @dataclass(frozen=True, slots=True)
 class StatePlane:
-    """A phase plane, named after a column of the motion in it, and the column of the rate."""
+    """A phase plane, and the columns of the displacement and its rate."""
 
     plane: Plane
-    rate: str
-
-    @property
-    def columns(self) -> tuple[str, str]:
-        """The displacement and its rate."""
-        return self.plane.name, self.rate
+    columns: tuple[str, str]
 
     @property
     def transform(self) -> rr.Transform3D:
@@ -77,7 +72,10 @@ def state_planes(content: Content) -> list[StatePlane]:
     if not content.shows("planes"):
         return []
     if content.constructed is not None:
-        planes = [StatePlane(plane, rate_of(plane.name)) for plane in content.constructed.planes]
+        planes = [
+            StatePlane(plane, (plane.name, rate_of(plane.name)))
+            for plane in content.constructed.planes
+        ]
     else:
         planes = made_planes(content.pairs, content.histories, content.units)
     return [plane for plane in planes if {*plane.columns} <= content.histories.keys()]
@@ -117,7 +115,10 @@ def made_planes(
         right, down = (_ACROSS if rows > least else _CLOSE for least in (1, 2))
         origin = complex(right * column, -down * row)
         axes = axis(displacement, origin, 1 + 0j), axis(rate, origin, 1j)
-        planes.append(StatePlane(Plane(displacement, 1.0, *axes, f"P{i + 1}"), rate))
+        # each has its own place in the recording; the last word of a name is not written
+        again = displacement in (other for other, _ in pairs[:i])
+        name = f"{displacement}_{i + 1}" if again else displacement
+        planes.append(StatePlane(Plane(name, 1.0, *axes, f"P{i + 1}"), (displacement, rate)))
     return planes
 
 

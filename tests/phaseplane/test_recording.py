@@ -133,7 +133,12 @@ def test_contact_has_a_lane_on_every_timeline(tmp_path: Path, every: int) -> Non
     histories = {name: column[::every] for name, column in HISTORIES.items()}
     times = histories["time"]
     flies = (times > 0.0624) & (times < 0.0999)
-    shown = replace(content(), histories={**histories, "airborne": flies})
+    frames = tuple(
+        replace(f, readings={"contact_force": 0.0 if f.scheme == "flight" else 3236.2})
+        for f in map(frame, range(60))
+    )
+    made = replace(drawing(), frames=frames)
+    shown = replace(content(), drawing=made, histories={**histories, "airborne": flies})
     rows = read_back(shown, tmp_path).rows["/lanes/wheel"]
     off = {
         name: [r[name] for r in rows if name in r and r["StateChange:state"] == ["loud"]]

@@ -225,6 +225,18 @@ def test_the_phase_plane_of_two_columns(tmp_path: Path) -> None:
     assert any("body velocity" in label and "m/s" in label for label in labels)
 
 
+def test_planes_of_one_displacement_over_several_columns_do_not_meet(tmp_path: Path) -> None:
+    pairs = (("body", "body_velocity"), ("body", "speed"))
+    made = read_back(Content("a run", histories=MOTION, pairs=pairs, views=("planes",)), tmp_path)
+    for path, rate in (("body", "body_velocity"), ("body_2", "speed")):
+        (strip,) = made.rows[f"/sheet/trail/{path}/past"][-1]["LineStrips2D:strips"]
+        ends = np.ravel(paper(strip))
+        assert ends[-1] == pytest.approx(MOTION["body"][-1] + 1j * MOTION[rate][-1], rel=1e-5)
+    places = [made.static[f"/sheet/trail/{path}"] for path in ("body", "body_2")]
+    one, other = (place["Transform3D:translation"][0][0] for place in places)
+    assert one != other
+
+
 def test_a_run_is_seen_in_the_planes_of_the_construction(tmp_path: Path) -> None:
     columns = {
         "time": TIME,
@@ -264,6 +276,7 @@ def test_a_view_that_is_not_wanted_is_not_logged(tmp_path: Path, view: str) -> N
     [
         ({"views": ("plans",)}, "'plans' is unknown; views are planes"),
         ({"histories": {}}, "neither steps nor columns"),
+        ({"histories": {**MOTION, "time": np.full(301, np.nan)}}, "finite"),
         ({"pairs": (("body", "no"),)}, "no column 'no' for a phase plane"),
         (
             {"drawing": drawing(5), "staged": (2, 5)},
