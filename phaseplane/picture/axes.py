@@ -27,6 +27,7 @@ _BACK = (0.0, 0.5, 1.0, 2.0)
 # places of a value: beside its tick, em, and along the axis; shifted and far it would name no tick
 _PLACES = ((0.0, 0.0), (0.0, -0.8), (0.0, 0.8), (0.8, 0.0))
 _MOTION = 2  # of what lies under a text, see `_struck`
+_FARTHEST = 3.5  # em: of a name from its axis, where a shorter one is nearer
 _ROW = 1.5  # em: from the units of a plane to its name above them
 _WIDEST = 0.28  # part of the width that the name of an axis may take up
 
@@ -293,7 +294,8 @@ def _name(
         if page.view.contains(box) and all(gap <= of.gap(box) for of in parallel):
             far = gap + (broken + 0.3 * other + 1.5 * back) * page.em
             struck = _struck(box.grown(PLATE * page.em), ways)
-            rank = struck >= _MOTION, foot, shorter, struck, far
+            astray = gap > _FARTHEST * page.em
+            rank = struck >= _MOTION, astray, foot, struck, shorter, far
             found.append((rank, replace(text, centre=centre)))
     page.write_first(text for _, text in sorted(found, key=itemgetter(0)))
 

@@ -13,7 +13,7 @@ from phaseplane.constructions.storage import StoredFrames
 from phaseplane.constructions.two_planes import STUCK
 from phaseplane.constructions.yielding import FLOWS
 
-from .paper import Lengths, Points
+from .paper import Points, Reals
 from .quantities import display_unit
 
 
@@ -32,11 +32,6 @@ def table(frames: StoredFrames, names: Sequence[str]) -> Points:
                 f"step {frame.step} of the construction has no point {names[column]!r}"
             )
     return points
-
-
-def readings(frames: StoredFrames, names: Sequence[str]) -> Lengths:
-    """Return the named readings of the frames, shape (frames, names); nan where there is none."""
-    return columns(frames, names, "readings")
 
 
 def columns(
@@ -59,7 +54,7 @@ def columns(
 
 def read_over(
     drawing: Drawing, names: Sequence[str], first: int = 0, last: int | None = None
-) -> tuple[Lengths, Lengths]:
+) -> tuple[Reals, Reals]:
     """Return the times of a range of steps and their readings, shape (times, names).
 
     After the last step of a construction, its end follows if it is known.
@@ -67,7 +62,7 @@ def read_over(
     several = [drawing.frames[first:last]]
     if drawing.end is not None and first + len(several[0]) == len(drawing.frames):
         several.append(StoredFrames([drawing.end]))
-    times, read = zip(*((of.times, readings(of, names)) for of in several), strict=True)
+    times, read = zip(*((of.times, columns(of, names, "readings")) for of in several), strict=True)
     return np.concatenate(times), np.concatenate(read)
 
 

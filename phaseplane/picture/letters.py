@@ -9,7 +9,7 @@ from math import pi
 import numpy as np
 import numpy.typing as npt
 
-from .paper import Box, Lengths, Points, segments_of
+from .paper import Box, Points, Reals, corners, segments_of
 
 NEAR = 2.0  # farthest distance of a letter from its point without a leader, in em
 
@@ -29,7 +29,7 @@ def text_box(centre: complex, text: str, em: float) -> Box:
     return Box(centre, complex(0.5 * _WIDTH * widest + 0.15, 0.5 * _HEIGHT * len(rows)) * em)
 
 
-def away(half: complex, ways: Points) -> Lengths:
+def away(half: complex, ways: Points) -> Reals:
     """Return how far the centres of boxes are from a point that they touch, in some directions."""
     across, up = np.maximum(abs(ways.real), 1e-9), np.maximum(abs(ways.imag), 1e-9)
     return np.minimum(half.real / across, half.imag / up)
@@ -84,7 +84,7 @@ def place(
     segments: Points,
     taken: Sequence[Box] = (),
     others: Sequence[complex] = (),
-) -> tuple[Points, Lengths, npt.NDArray[np.bool_]]:
+) -> tuple[Points, Reals, npt.NDArray[np.bool_]]:
     """Place letters of a size of type `em` beside their points, in view.
 
     Letters with the closest neighbours are placed first. Each takes the best of 144 positions about its
@@ -131,8 +131,6 @@ def place(
 
 def _may_meet(box: Box, segments: Points) -> npt.NDArray[np.bool_]:
     """Return which segments may have a part in a box."""
-    near = np.ones(len(segments), bool)
-    apart = segments - box.centre
-    for part, reach in ((apart.real, box.half.real), (apart.imag, box.half.imag)):
-        near &= (part.min(axis=1) <= reach) & (part.max(axis=1) >= -reach)
-    return near
+    (low, high), reach = corners(segments - box.centre).T, box.half
+    begins = (low.real <= reach.real) & (low.imag <= reach.imag)
+    return np.asarray(begins & (high.real >= -reach.real) & (high.imag >= -reach.imag), bool)

@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 
 Points = npt.NDArray[np.complex128]
-Lengths = npt.NDArray[np.floating]
 Reals = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 Strip = Sequence[complex] | Points
@@ -76,11 +75,11 @@ class Box:
         y = max(-half.imag, min(half.imag, apart.imag))
         return complex(self.centre + complex(x, y))
 
-    def inside(self, starts: Points, ends: Points) -> Lengths:
+    def inside(self, starts: Points, ends: Points) -> Reals:
         """Return the length of each segment inside each box."""
         ways, begins, half = ends - starts, starts - self.centre, np.asarray(self.half)
-        low: Lengths = np.zeros(())
-        high: Lengths = np.ones(())
+        low: Reals = np.zeros(())
+        high: Reals = np.ones(())
         # a segment (nearly) parallel to a side gives infinities: unbounded inside, empty outside
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             for step, position, reach in (
@@ -90,7 +89,7 @@ class Box:
                 one, other = (-reach - position) / step, (reach - position) / step
                 low = np.maximum(low, np.fmin(one, other))
                 high = np.minimum(high, np.fmax(one, other))
-            return abs(ways) * np.maximum(0.0, high - low)
+            return np.asarray(abs(ways) * np.maximum(0.0, high - low), float)
 
 
 def corners(points: Points) -> Points:

@@ -18,7 +18,7 @@ from phaseplane.suspension.units import counted
 
 from . import dimensions, text
 from .curves import CURVES, draw_curves, draw_own_curves, draw_trails, words_at_end
-from .frames import readings, table
+from .frames import columns, table
 from .layers import Part
 from .letters import text_box
 from .page import TYPE, Arrow, Page
@@ -165,7 +165,7 @@ def _drift(stays: Page) -> list[str]:
         name, axis = f"{plane.name}_drift", plane.displacement
         if name not in frames[0].readings:
             return []
-        drift = readings(frames, [name])[:, 0]
+        drift = columns(frames, [name], "readings")[:, 0]
         state = abs(table(frames, [plane.state])[:, 0] - axis.origin) / axis.scale
         unit, factor = stays.units[plane.name]
         largest = drift.max() if drift.max() > _ROUNDED * state.max() else 0.0

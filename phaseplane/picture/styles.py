@@ -73,7 +73,6 @@ ROLES = {
     "successor": Style(GREEN, 1.6, size=4.5, words="step P to P'"),
     "event": Style(RED, 1.6, size=7.0),
 }
-_UNKNOWN = Style()
 MOVING_POINT = ("halo", "here", "state")
 """The roles of the discs that make up the moving point, one on another: it stands out on any ground."""
 
@@ -98,7 +97,7 @@ def style_of(role: str) -> Style:
     """Return the style of a role or of a part; unknown ones are drawn like construction lines."""
     if role in PARTS:
         return Style(PARTS[role], 1.4)
-    return ROLES.get(role, _UNKNOWN)
+    return ROLES.get(role, Style())
 
 
 def hue_of(variable: str, number: int = 0) -> Hue:

@@ -15,7 +15,7 @@ from phaseplane.constructions.sheet import Event, events_of, plane_of
 from phaseplane.constructions.storage import Frame
 from phaseplane.constructions.two_planes import STUCK
 
-from .frames import readings
+from .frames import columns
 from .quantities import Quantity, rate_of, rate_unit, unit_text
 
 _EXPONENT = re.compile(r"\d[\d.]*e[+-]\d+")
@@ -28,7 +28,7 @@ _EVENTS = {
     "unloading": "The spring unloads.",
 }
 # characters of a row and rows of a protocol in the pane of the text in a window of 1366x768
-_ROW, _MOST_ROWS = 68, 15
+_ROW, _MOST_ROWS = 75, 17
 _NOTHING = 1e-12  # a smaller reading is one of rounding
 _DIFFERS = 0.1  # of the largest displacement of a body: a difference of its control that is told
 HELP = (
@@ -219,8 +219,9 @@ def control_text(drawing: Drawing, quantities: Mapping[str, Quantity | None]) ->
     known = drawing.frames[0].readings
     names = [n for n in known if n.startswith("control_") and n.endswith("displacement")]
     quantity = quantities.get(names[0]) if names else None
-    planes = readings(drawing.frames, [name.removeprefix("control_") for name in names])
-    apart = abs(readings(drawing.frames, names) - planes)
+    own = [name.removeprefix("control_") for name in names]
+    control, planes = (columns(drawing.frames, of, "readings") for of in (names, own))
+    apart = abs(control - planes)
     if quantity is None or (apart.max(axis=0) <= _DIFFERS * abs(planes).max(axis=0)).all():
         return ""
     largest = f"{number(quantity.factor * apart.max(), 2)} {quantity.unit}"

@@ -15,7 +15,7 @@ from phaseplane.constructions.storage import Frame, StoredFrames
 from .axes import graduation_of
 from .frames import columns, motions_of, reach_of, table
 from .layers import is_main
-from .paper import Box, Lengths, Points, around, bounds, corners
+from .paper import Box, Points, Reals, around, bounds, corners
 
 _NAME = 0.16  # room for the name of an axis, as a fraction of the sheet's height
 _FEET = 0.1  # share of the feet at either end that may be out of view
@@ -43,7 +43,7 @@ def telling_frame(drawing: Drawing, mode: str = "") -> Frame:
     return frames[int(room_for_letters(drawing, frames).argmax())]
 
 
-def room_for_letters(drawing: Drawing, frames: StoredFrames) -> Lengths:
+def room_for_letters(drawing: Drawing, frames: StoredFrames) -> Reals:
     """Return how clear of each other the letters of steps of one mode are on their sheet."""
     mode = frames[0].scheme
     names = [m.point for m in drawing.schemes[mode].marks if is_main(m.point) and m.label]
@@ -52,7 +52,7 @@ def room_for_letters(drawing: Drawing, frames: StoredFrames) -> Lengths:
     seen = table(frames, _seen(drawing, mode))
     _, halves = bounds(_shown(drawing, seen))
     gaps = abs(points[:, one] - points[:, other]) / abs(halves)[:, None]
-    room: Lengths = np.minimum(gaps, _CLEAR).sum(axis=1) + 1e-3 * gaps.sum(axis=1)
+    room: Reals = np.minimum(gaps, _CLEAR).sum(axis=1) + 1e-3 * gaps.sum(axis=1)
     return room
 
 

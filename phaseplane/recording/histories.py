@@ -98,12 +98,12 @@ def panels_of(content: Content) -> list[Panel]:
         ):
             found.setdefault(quantity, []).append(name)
     shown = {quantity: names for quantity, names in found.items() if names}
+    parts = list(shown.items())
     if drawing is None:
-        parts = (part for of, names in shown.items() for part in _by_part(content, of, names))
-        return [Panel(quantity, tuple(names)) for quantity, names in parts]
+        parts = [part for of, names in parts for part in _by_part(content, of, names)]
     return [
         Panel(quantity, tuple(names), tuple(name for name in names if name in known))
-        for quantity, names in shown.items()
+        for quantity, names in parts
     ]
 
 

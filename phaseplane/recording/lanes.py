@@ -1,4 +1,4 @@
-"""Contact, yielding, dry friction and stops over time, as lanes of coloured bands under the sheet."""
+"""Contact, yielding, dry friction and stops over time, as lanes of coloured bands."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def lanes_of(content: Content) -> dict[str, Lane]:
     drawn: dict[str, Bools] = {}
     if content.constructed is not None and not content.live:
         drawn = switches_of(content.constructed)
-        times = np.asarray(read_over(content.constructed, [])[0], np.float64)
+        times = read_over(content.constructed, [])[0]
         known |= {name: (times, states) for name, states in drawn.items() if name not in known}
     for name, (times, active) in known.items():
         for ending, (what, calm, loud, hue) in _SWITCHES.items():

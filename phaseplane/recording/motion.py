@@ -31,7 +31,7 @@ _MOST = 2000  # vertices of a motion that texts keep clear of
 _AT_REST = 1e-3  # of the largest motion with the same unit
 # of a window of 1366x768, pixels: its width, that of the sheet, and of one of four planes, each below the
 # other; the height of the sheet, of the bar above it, and of its type in the viewer
-WINDOW_WIDTH, SHEET_WIDTH, SHEET_HEIGHT = 1366.0, (910.0, 600.0), 700.0
+WINDOW_WIDTH, SHEET_WIDTH, SHEET_HEIGHT = 1366.0, (860.0, 600.0), 700.0
 _BAR, _TYPE = 30.0, 16.75
 _LARGER = 0.96  # shape of the sheet in larger windows, which are higher, relative to that
 # em of a letter from its point without a leader: in a window twice as large, with type of the same size,

@@ -52,9 +52,8 @@ class Recorder:
         self.pages = pages_of(content)  # those that stay: the whole sheet, and one for each plane
         self.ticks: list[Tick] = []
         if content.detail == "stages" and self.arms_page is not None:
-            stay = self.pages[0], self.arms_page
-            story = story_of(*stay, self.quantities, content.staged, content.heading)
-            self.ticks = list(story)
+            told = self.quantities, content.staged, content.heading
+            self.ticks = list(story_of(self.pages[0], self.arms_page, *told))
         self.clock = Clock.of(content.drawing, [tick.time for tick in self.ticks])
         self._rows = 0
 
@@ -89,19 +88,15 @@ class Recorder:
     def chart(self) -> Chart | None:
         """The displacements, or else other readings, over the time of the construction."""
         content = self.content
+        drawing = content.constructed if content.shows("histories") and not content.live else None
         drawn = [panel for panel in self.panels if panel.drawn]
-        if (
-            content.constructed is None
-            or content.live
-            or not content.shows("histories")
-            or not drawn
-        ):
+        if drawing is None or not drawn:
             return None
-        planes = [plane.name for plane in content.constructed.planes]
+        planes = [plane.name for plane in drawing.planes]
         wanted = (p for p in drawn if p.quantity.si == "m" or planes[0] in p.drawn)
         shown = next(wanted, drawn[0])
         names = tuple(sorted(shown.drawn, key=lambda name: name not in planes))
-        return Chart(content.constructed, content.histories, names, shown.quantity)
+        return Chart(drawing, content.histories, names, shown.quantity)
 
     @property
     def words(self) -> bool:

@@ -17,7 +17,6 @@ from .content import Content
 from .layout import blueprint
 from .recorder import Recorder
 
-APPLICATION = "phaseplane"
 _LONGEST = 180  # characters of a name in the viewer's list
 
 
@@ -51,7 +50,7 @@ def _entry(title: str) -> str:
     """Return the title as the viewer lists it; it refuses some characters and long names."""
     ascii_only = title.translate(str.maketrans("ěšřžýáíéúůö.", "esrzyaieuuo_"))
     plain = re.sub(r"[^A-Za-z0-9 _-]+", " ", ascii_only)
-    return " ".join(plain.split())[:_LONGEST] or APPLICATION
+    return " ".join(plain.split())[:_LONGEST] or "phaseplane"
 
 
 def record(content: Drawing | Content, path: str | os.PathLike[str]) -> None:

@@ -328,7 +328,7 @@ def test_lanes_show_the_whole_time_and_leave_the_sheet_its_whole_height(tmp_path
     assert whole[f"{lanes}/TimeAxis"] == [{"start": None, "end": None}]
     sheet, *_ = blueprint(Recorder(new_recording(shown), shown)).root_container.contents
     assert not isinstance(sheet, rrb.Vertical)
-    wide, high = 910.0, 670.0  # pixels of its pane in a window of 1366x768
+    wide, high = 860.0, 670.0  # pixels of its pane in a window of 1366x768
     for content_ in (shown, content()):
         for page in pages_of(content_):
             scale = min(wide / page.view.half.real, high / page.view.half.imag) / 2.0

@@ -12,7 +12,7 @@ from recorded import drawing, frame
 
 from phaseplane.constructions.primitives import Frame
 from phaseplane.constructions.storage import StoredFrames
-from phaseplane.picture.frames import columns, readings, table
+from phaseplane.picture.frames import columns, table
 
 numbers = st.floats(allow_nan=False)
 names = st.sampled_from(["P", "D", "P'", "A*"])
@@ -51,7 +51,7 @@ def test_columns_are_those_of_the_frames(made: list[Frame], chosen: list[str]) -
     wanted = [[frame.points.get(name, np.nan) for name in chosen] for frame in reversed(made)]
     np.testing.assert_array_equal(columns(stored, chosen), np.array(wanted, complex))
     wanted = [[frame.readings.get(name, np.nan) for name in chosen] for frame in reversed(made)]
-    np.testing.assert_array_equal(readings(stored, chosen), np.array(wanted, float))
+    np.testing.assert_array_equal(columns(stored, chosen, "readings"), np.array(wanted, float))
     for name in chosen:
         own = [frame.points[name] for frame in reversed(made) if name in frame.points]
         assert list(stored.points(name)) == own

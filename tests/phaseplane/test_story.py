@@ -20,7 +20,7 @@ from phaseplane.constructions import (
 )
 from phaseplane.constructions.letters import typeset
 from phaseplane.picture import subject
-from phaseplane.picture.frames import readings
+from phaseplane.picture.frames import columns
 from phaseplane.picture.page import Arrow, Dots, Lines
 from phaseplane.picture.story import arms_page, story_of, told_steps
 from phaseplane.picture.styles import MOVING_POINT
@@ -75,7 +75,7 @@ def test_a_story_tells_at_its_end_whether_the_construction_follows_the_run(
     made = construct_motion(ap57(), delta, step=0.0025, steps=30)
     of_body = ("suspension_deflection", "suspension_deflection_rate")
     names = (*of_body, "wheel_displacement", "wheel_velocity")
-    run = share * readings(made.frames, names).T
+    run = share * columns(made.frames, names, "readings").T
     compared = compare_with_motion(made, list(made.frames.times), *run.tolist())
     _, (*_, last) = sheet_and_story(compared, 12)
     assert "Largest drift from the run: y₁ " in last.text
@@ -87,7 +87,9 @@ def test_a_story_laid_over_a_motion_tells_by_how_much_a_step_misses_it() -> None
     made = construct_motion(ap57(), delta, step=0.0025, steps=30)
     of_body = ("suspension_deflection", "suspension_deflection_rate")
     names = (*of_body, "wheel_displacement", "wheel_velocity")
-    laid = overlay(ap57(), list(made.frames.times), *readings(made.frames, names).T.tolist())
+    laid = overlay(
+        ap57(), list(made.frames.times), *columns(made.frames, names, "readings").T.tolist()
+    )
     _, (*_, last) = sheet_and_story(laid, 12)
     assert "A step misses the motion by at most y₁ 0 cm, y₂ 0 cm." in last.text
     beside = step_text(laid, laid.frames[5], read_off(laid))

@@ -73,12 +73,12 @@ def text_height(text: str) -> float:
         if line.startswith("|"):
             height += 0 if line.startswith("|---") else 23
         elif line.startswith("# "):
-            height += 25 * len(wrap(plain, 40))
+            height += 25 * len(wrap(plain, 44))
         elif line.startswith("- "):
-            height += 15 * len(wrap(plain[2:], 68)) + (0 if listed else 15)
+            height += 15 * len(wrap(plain[2:], 75)) + (0 if listed else 15)
             listed = True
         else:
-            height += 15 * max(1, len(wrap(plain, 75)))
+            height += 15 * max(1, len(wrap(plain, 82)))
     return height + (8 if "|" in text else 0)
 
 
