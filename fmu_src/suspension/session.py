@@ -101,7 +101,8 @@ class Session:
         )
         # end of the step for which the courses of the inputs were found, until one is set
         self._handed = -inf
-        self._kept = False  # whether the state behind, to return to, is of that step
+        # the state before the integrator went ahead, to return to; whether it is of that step
+        self._behind, self._kept = b"", False
         self._events = Events(tyres, self._run, self.messages)
         self.contacts = self._events.contacts
         self._attach(system, integrator)
@@ -140,7 +141,6 @@ class Session:
         q, v = start_state(self._system, self.parameters, self.time, self._signals)
         if any((*q, *v, *integrator.sample_q, *integrator.sample_v)):
             integrator.set_state(q, v)
-            self._behind = integrator.snapshot()
         self._run.contacts.begin(integrator)
         self._run.account.begin(integrator)
         self._energies = None
@@ -180,7 +180,6 @@ class Session:
         """Use a system and its integrator from now on."""
         self._system, self._integrator = system, integrator
         self._is_old = False  # whether it has other laws than the integrator
-        self._behind = integrator.snapshot()
         self._events.attach(system)
         self.state = State(system, integrator)
         # of use while `ok`; they do not hold the session, so that it is freed with its last owner
@@ -239,6 +238,7 @@ class Session:
         """
         run, now = self._run, self._run.time
         refuse_step(self.ok, now, until)
+        until = max(now, until)
         goes_on = until == self._handed  # from a switch to the same end, which changes nothing
         if self._tuned:
             self._take_parameters()

@@ -71,6 +71,20 @@ def test_what_went_before_is_not_touched() -> None:
     )
 
 
+def test_a_step_that_ends_before_its_start_by_rounding_goes_nowhere() -> None:
+    plain, touched = (Session("QuarterCar", {"road.shape": "input"}) for _ in range(2))
+    for session in (plain, touched):
+        for k in range(1, 11):
+            session.set_input("road_elevation", 0.005 * k)
+            session.advance(0.01 * k)
+    touched.advance(0.1 - 5e-13)
+    assert touched.time == plain.time
+    for session in (plain, touched):
+        session.set_parameter("damper.rebound_rate", 900.0)
+        session.advance(0.2)
+    assert [touched.value(n) for n in MOTION] == [plain.value(n) for n in MOTION]
+
+
 def test_back_and_forth_in_one_instant_is_nothing_but_a_new_start() -> None:
     plain, touched = undamped(), undamped()
     for session in (plain, touched):

@@ -161,13 +161,13 @@ def build(model: str, parameters: Mapping[str, object]) -> System:
     ------
     ParameterError : unknown model or name, wrong type, unit or range, unreadable table.
     """
-    return _built(model, tuple(checked_parameters(model, parameters).items()))
+    return _built(model, tuple(checked_parameters(model, parameters).values()))
 
 
 @lru_cache(maxsize=16)
-def _built(model: str, parameters: tuple[tuple[str, Value], ...]) -> System:
+def _built(model: str, values: tuple[Value, ...]) -> System:
     """Return a system, made once for all parts of a run: checks, steps, drawings, measures."""
-    made, check = ALL[model].system(dict(parameters)), ALL[model].check
-    if check is not None:
+    made = ALL[model].system(dict(zip(declared_parameters(model), values, strict=True)))
+    if check := ALL[model].check:
         check(made)
     return made

@@ -355,6 +355,28 @@ def test_a_step_that_is_repeated_or_left_out(
     assert f"the host steps from {time:g} s, but the FMU is at 0.1 s: step from there" in said
 
 
+@pytest.mark.slow
+def test_a_step_that_ends_before_its_start_by_rounding_goes_nowhere(
+    native_fmu: Packer, slave: Any, tmp_path: Path
+) -> None:
+    names = [v.name for v in variables("OneDof")]
+    force, rate, body = map(names.index, ("body_force", "damper.rebound_rate", "body_displacement"))
+    found = []
+    for name, steps in (("plain", ()), ("touched", (-5e-13,))):
+        with slave(native_fmu("OneDof", ("road.shape", "input")), tmp_path / name) as one:
+            one.setupExperiment(startTime=0.0)
+            one.enterInitializationMode()
+            one.exitInitializationMode()
+            one.setReal([force], [300.0])
+            one.doStep(0.0, 0.1)
+            for size in steps:
+                one.doStep(0.1, size)
+            one.setReal([rate], [900.0])
+            one.doStep(0.1, 0.1)
+            found += one.getReal([body])
+    assert found[0] == found[1] != 0.0
+
+
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_no_step_follows_the_end(
     fmi: int, native_fmu: Packer, slave: Any, tmp_path: Path, capfd: Any

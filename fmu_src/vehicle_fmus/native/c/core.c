@@ -461,6 +461,7 @@ static int advance(Instance *one, double until) {
         return fail(one, "cannot step from %.9g s to %.9g s: the end of a step must be finite and not "
                     "before its start", run->time, until);
     }
+    until = fmax(run->time, until);
     if (now->tuned && take_parameters(one)) return 1;
     if (!goes_on && Run_sets_in(run)) {
         if (stop_here(one)) return 1;
