@@ -241,7 +241,7 @@ def _shapes(system: System) -> Iterator[str]:
         if (
             len(element.direction) != n
             or not any(element.direction)
-            or not all(map(isfinite, element.direction))
+            or not all(abs(x) < inf for x in element.direction)
         ):
             yield f"{element.name}: direction must have {n} finite numbers, not all 0"
         if element.road and element.road not in system.signals:
@@ -251,7 +251,7 @@ def _shapes(system: System) -> Iterator[str]:
     for name, signal in system.signals.items():
         for segment in signal.segments:
             numbers = (segment.origin, *segment.coefficients, segment.amplitude, *segment.phase)
-            if not all(map(isfinite, numbers)):
+            if not all(abs(x) < inf for x in numbers):
                 yield f"signal {name}: from {segment.start:g} s on it is not finite, {segment}"
     for load in system.loads:
         if len(load.direction) != n:
@@ -322,7 +322,7 @@ def _tangent_at_rest(system: System) -> Iterator[str]:
     size = 0.0
     for element in system.elements:
         b, k = element.direction, element.spring.tangent(0.0)
-        size = max(size, *(abs(k) * x * x for x in b))
+        size += sum(abs(k) * x * x for x in b)
         for i in range(n):
             for j in range(n):
                 tangent[i][j] += b[i] * b[j] * k

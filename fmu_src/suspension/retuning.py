@@ -14,7 +14,7 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from .engine import laws_of
-from .models import ALL
+from .models import assembled
 from .variable import Value, number
 
 if TYPE_CHECKING:
@@ -92,14 +92,11 @@ def _recorded(
     from .trace import Tape  # noqa: PLC0415  (most runs record nothing)
 
     tape = Tape()
-    check = ALL[model].check
     try:
         if not all(isinstance(parameters[name], float) for name in names):
             return None
         given = {name: tape.given(name, number(parameters, name)) for name in names}
-        system = ALL[model].system({**parameters, **given})  # type: ignore[dict-item]
-        if check is not None:
-            check(system)
+        system = assembled(model, {**parameters, **given})  # type: ignore[dict-item]
         if not fits(system):
             return None
         rows = [tape.node(x) for x in laws_of(system)]

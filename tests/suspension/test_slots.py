@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from phaseplane.suspension.batch import outputs_over_time, run_many, runs
 from phaseplane.suspension.models import ALL
+from phaseplane.suspension.own_systems.file import load
 
 TIMES = [0.01 * k for k in range(31)]
 RUNS = 100  # two parts of a batch, each with enough for columns
-# model, what all runs have in common, what varies (between), outputs
+# model or its file, what all runs have in common, what varies (between), outputs
 BATCHES: dict[str, tuple[str, dict[str, Any], dict[str, tuple[float, float]]]] = {
     "blow-off on a bump": (
         "QuarterCar",
@@ -33,6 +34,19 @@ BATCHES: dict[str, tuple[str, dict[str, Any], dict[str, tuple[float, float]]]] =
         {"front.damper.saturation_force": 700.0},
         {"sprung_mass": (600.0, 900.0), "rear.spring.cubic": (-1e5, 1e6), "speed": (10.0, 30.0)},
     ),
+    "a system of one's own, which refuses some": (
+        """
+        [system]
+        name = "Pulled"
+        parameters = { rate = 3000.0, pull = 1000.0 }
+        coordinates = { x = 10 }
+        elements.spring = { direction = { x = 1 }, spring = { rate = "rate - pull" } }
+        elements.damper = { direction = { x = 1 }, damper = { rate = 30 } }
+        loads.force.direction = { x = 1 }
+        """,
+        {"initial.x_displacement": 0.01},
+        {"pull": (2000.0, 3500.0)},
+    ),
     "directions that vary": ("HalfCar", {}, {"cg_to_front": (1.0, 1.5)}),
     "a spring that yields": ("Elastoplastic", {}, {"yield_force": (3.0, 20.0)}),
     "from a start of its own": (
@@ -45,6 +59,7 @@ BATCHES: dict[str, tuple[str, dict[str, Any], dict[str, tuple[float, float]]]] =
 
 def drawn(which: str) -> tuple[str, list[dict[str, Any]]]:
     model, common, varied = BATCHES[which]
+    model = load(model) if "[system]" in model else model
     known = {v.name for v in ALL[model].variables}
     varied = {name: between for name, between in varied.items() if name in known}
     random = Random(which)
@@ -62,7 +77,7 @@ def test_columns_have_the_bits_of_runs_by_themselves(which: str) -> None:
     for given, one in zip(sets, together, strict=True):
         (alone,) = run_many(model, [given], TIMES, names, workers=1)
         assert one.failure == alone.failure
-        for name in names:
+        for name in alone.columns:
             assert one.columns[name].tobytes() == alone.columns[name].tobytes()
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..equilibrium import start_state
-from ..models import ALL
+from ..models import assembled
 from ..trace import OPERATIONS, Node, Tape
 from ..variable import Value
 
@@ -51,7 +51,7 @@ class Slots:
         self._tape = tape = Tape()
         self._given = {name: tape.given(name, float(parameters[name])) for name in varied}
         noted: dict[str, Any] = {**parameters, **self._given}
-        system = ALL[model].system(noted)
+        system = assembled(model, noted)
         state = start_state(system, noted, start)
         if not integrator.fits(system):
             raise ValueError("the structure of the system depends on how it is built")

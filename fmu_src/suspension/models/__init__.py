@@ -31,6 +31,7 @@ __all__ = [
     "Load",
     "Motion",
     "System",
+    "assembled",
     "axle_masses",
     "build",
     "cached",
@@ -167,7 +168,17 @@ def build(model: str, parameters: Mapping[str, object]) -> System:
 @lru_cache(maxsize=16)
 def _built(model: str, values: tuple[Value, ...]) -> System:
     """Return a system, made once for all parts of a run: checks, steps, drawings, measures."""
-    made = ALL[model].system(dict(zip(declared_parameters(model), values, strict=True)))
+    return assembled(model, dict(zip(declared_parameters(model), values, strict=True)))
+
+
+def assembled(model: str, parameters: Mapping[str, Value]) -> System:
+    """Return the system of a model with all parameters, checked; they may record operations, see `trace`.
+
+    Raises
+    ------
+    ParameterError : an unreadable table, or parameters that are inconsistent.
+    """
+    made = ALL[model].system(parameters)
     if check := ALL[model].check:
         check(made)
     return made
