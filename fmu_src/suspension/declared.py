@@ -6,9 +6,10 @@ Start values are those of the worked example of AP57 section 8.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from .units import KGF
-from .variable import Variable, parameter, tunable
+from .variable import Value, Variable, parameter, tunable
 
 ROAD_SHAPES = (
     "input", "flat", "bump", "obstacle", "sine", "sweep", "step", "ramp", "plank", "pothole",
@@ -133,6 +134,14 @@ SOLVER_PARAMETERS = (
     parameter("solver.theta", 1.4, "theta of the Wilson method: equilibrium holds theta steps ahead",
               "1", minimum=1.37, maximum=10.0),
 )  # fmt: skip
+
+
+def solver_settings(parameters: Mapping[str, Value]) -> dict[str, Any]:
+    """Return the integrator's arguments from the parameters of a model; a source of signals has none."""
+    return {
+        v.name.removeprefix("solver."): parameters.get(v.name, v.start) for v in SOLVER_PARAMETERS
+    }
+
 
 GRAVITY = parameter("gravity", KGF, "gravitational acceleration; 0: no weight, no lift-off", "m/s2",
                       minimum=0.0)  # fmt: skip

@@ -17,6 +17,8 @@ from math import inf, isfinite, nan
 from typing import Any
 from weakref import proxy
 
+from .declared import solver_settings
+from .driving import driving
 from .engine import Integrator, Lines, Run, laws_of
 from .equilibrium import start_state
 from .events import Event, Events
@@ -54,8 +56,8 @@ class Session:
     model : a key of `models.ALL`, such as `QuarterCar`
     parameters : public parameters by name, in SI or as strings with units; the others at their defaults
     start_time : s
-    tolerance : the host's tolerance; used if `solver.tolerance` is left at its default. A
-        tolerance outside the range of `solver.tolerance` is ignored, with a message
+    tolerance : the host's tolerance, 0 or None if it has none; used if `solver.tolerance` is left at its
+        default. One outside the range of `solver.tolerance` is ignored, with a message
 
     Raises
     ------
@@ -72,11 +74,11 @@ class Session:
         self.model = model
         self.ok = True
         self.messages: list[tuple[str, str]] = []
-        self._tolerance = self._allowed(tolerance)
         given = checked_parameters(model, parameters)
         self._parameters: Checked | None = given
-        # a source of signals has none of them
-        self._solver = {v.name: given.get(v.name, v.start) for v in SOLVER_PARAMETERS}
+        self._solver = solver_settings(given)
+        if tolerance and self._solver["tolerance"] == _TOLERANCE.start:
+            self._use_tolerance(tolerance)
         self._now: dict[str, Value] = {**given}  # as they are now
         self._tuned: dict[str, Value] = {}  # as they are from the next step on
         self._retuning = Retuning(model)
@@ -85,20 +87,11 @@ class Session:
         system = build(model, self.parameters)
         self._signals = dict(system.signals)
         integrator = self._new_integrator(system, start_time)
-        self._notices = Notices(float(self._solver["solver.step"]))
+        self._notices = Notices(self._solver["step"])
         tyres = [axle for axle in system.axles if axle.tyre]
-        sampled = self.parameters.get("road.shape") == "input"
-        lines = driven(system, self._inputs, sampled)
-        acting = {i for _, *of_signal in lines for i in of_signal}
-        self._idle = {name for i, name in enumerate(self._inputs) if i not in acting}
-        self._run = Run(
-            integrator,
-            start_time,
-            len(self._inputs),
-            lines,
-            [e for axle in tyres if (e := system.element(axle.tyre)) is not None],
-            sampled,
-        )
+        sampled, lines, self._idle = driving(system, self._inputs, given)
+        of_tyres = [e for axle in tyres if (e := system.element(axle.tyre)) is not None]
+        self._run = Run(integrator, start_time, len(self._inputs), lines, of_tyres, sampled)
         # end of the step for which the courses of the inputs were found, until one is set
         self._handed = -inf
         # the state before the integrator went ahead, to return to; whether it is of that step
@@ -148,31 +141,17 @@ class Session:
     def _report(self, category: str, text: str) -> None:
         self.messages.append((category, text))
 
-    def _allowed(self, tolerance: float | None) -> float | None:
-        """Return the host's tolerance if it can be used; hosts that have none may give 0."""
+    def _use_tolerance(self, tolerance: float) -> None:
+        """Use the host's tolerance if it is allowed."""
         try:
-            return float(_TOLERANCE.checked(tolerance)) if tolerance else None
+            self._solver["tolerance"] = _TOLERANCE.checked(tolerance)
         except ParameterError as error:
             self._report("info", f"the host's tolerance of {tolerance:g} is not used: {error}")
-            return None
 
     def _new_integrator(self, system: System, time: float) -> Integrator:
         """Return an integrator that starts at a time, s, with the solver's parameters."""
-        p = self._solver
-        wanted = p["solver.tolerance"]
-        if self._tolerance is not None and wanted == _TOLERANCE.start:
-            wanted = self._tolerance
-        method = str(p["solver.method"])
         try:
-            return Integrator(
-                system,
-                method,
-                float(p["solver.step"]),
-                float(wanted),
-                time,
-                theta=float(p["solver.theta"]),
-                beyond_stable=str(p["solver.beyond_stable"]),
-            )
+            return Integrator(system, start=time, **self._solver)
         except ValueError as error:
             raise ParameterError(str(error)) from None
 
@@ -201,7 +180,7 @@ class Session:
         if not isfinite(value):
             raise ParameterError(f"input {name} = {value}: must be finite")
         if name in self._idle and value != 0.0:
-            self._report("info", f"{name} = {value:g} has no effect, {why_idle(self.parameters)}")
+            self._report("info", f"{name} = {value:g} has no effect, {self._idle[name]}")
             self._idle.clear()  # said once
         self._run.set_input(self._inputs.index(name), value)
         self._handed = -inf
@@ -268,7 +247,7 @@ class Session:
         reason = ""
         if status not in (0, HALTED):
             where = f"at {integrator.time:.6g} s, in step {integrator.step_count}"
-            fixed = bool(self._solver["solver.step"])
+            fixed = self._solver["step"] > 0.0
             # it names the last switches in the log, which is then taken
             reason = why_stopped(status, where, integrator, self.system, fixed=fixed)
         self._events.note(integrator.take_log(), until if until > self.time else -inf)
@@ -491,35 +470,6 @@ def refuse_step(ok: bool, now: float, until: float) -> None:
             f"cannot step from {now:.9g} s to {until:.9g} s: the end of a step must be finite and "
             "not before its start"
         )
-
-
-def driven(system: System, inputs: Sequence[str], road: bool) -> list[tuple[int, int, int]]:
-    """Return the signals that inputs drive: number, input of the value, input of its rate or -1.
-
-    Parameters
-    ----------
-    system : the system
-    inputs : their names
-    road : whether inputs drive the roads, too
-    """
-    lines = []
-    roads = {axle.road for axle in system.axles} if road else set()
-    for signal, name in enumerate(system.signals):
-        if name in roads:
-            lines.append(
-                (signal, inputs.index(f"{name}_elevation"), inputs.index(f"{name}_velocity"))
-            )
-        elif name in inputs:
-            lines.append((signal, inputs.index(name), -1))
-    return lines
-
-
-def why_idle(parameters: Mapping[str, Value]) -> str:
-    """Return why an input drives no signal, as the end of a sentence."""
-    shape = parameters.get("road.shape", "input")
-    if shape == "input":
-        return "as no signal of the system follows it"
-    return f"as road.shape is '{shape}' and not 'input'"
 
 
 def _on_level_road(parameters: Checked) -> Checked:

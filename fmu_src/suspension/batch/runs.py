@@ -12,12 +12,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from math import ceil, nan
-from operator import itemgetter
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from ..declared import solver_settings
 from ..engine import Integrator
 from ..equilibrium import start_state
 from ..models import MODELS, SOURCES, build, cached
@@ -25,14 +25,13 @@ from ..outputs import reading_of
 from ..reasons import why_stopped
 from ..systems import System
 from ..variable import Variable
-from ..variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
+from ..variables import ParameterError, checked_parameters, refuse_unknown, variables
 from ..variables import outputs as outputs_of
 from .series import RESIDUAL, Series, is_at_end, is_over_time, joints
 
 if TYPE_CHECKING:
     from .slots import Slots
 
-_Solver = tuple[str, float, float, float, str]  # method, step, tolerance, theta, beyond
 _CHUNK = 1024  # runs per task of a thread
 _MANY = 32  # runs from which on their systems are built by columns
 _MOST_KINDS = 8  # of systems, with an integrator for each
@@ -217,13 +216,13 @@ class _Kind:
 
     Parameters
     ----------
-    solver : method, step and the like
+    solver : from `solver_settings`
     runs : those yet to be made
     systems : of these runs, if they are needed beside their numbers
     numbers : the rows of their systems, one after the other
     """
 
-    solver: _Solver
+    solver: Mapping[str, Any]
     integrator: Integrator
     series: Series
     runs: list[int] = field(default_factory=list)
@@ -302,7 +301,7 @@ class _Bench:
             if known is None or any(kind is known[1] for kind in self._kinds):
                 return known
         try:
-            kind = self._kind(_solver(parameters), build(model, parameters))
+            kind = self._kind(solver_settings(parameters), build(model, parameters))
             from .slots import Slots  # noqa: PLC0415  (a single run needs none)
 
             slots = Slots(model, parameters, varied, kind.integrator, self._task.times[0])
@@ -322,14 +321,14 @@ class _Bench:
         parameters = checked_parameters(model, given)
         system = build(model, parameters)
         state = start_state(system, parameters, self._task.times[0])
-        kind = self._kind(_solver(parameters), system)
+        kind = self._kind(solver_settings(parameters), system)
         kind.integrator.add_row(kind.numbers, system, *state)
         kind.runs.append(run)
         if kind.series.needs_systems:
             kind.systems.append(system)
         return kind
 
-    def _kind(self, solver: _Solver, system: System) -> _Kind:
+    def _kind(self, solver: Mapping[str, Any], system: System) -> _Kind:
         """Return the kind of a system, the latest first."""
         for k, kind in enumerate(self._kinds):
             if kind.solver == solver and kind.integrator.fits(system):
@@ -337,12 +336,12 @@ class _Bench:
                     self._kinds.insert(0, self._kinds.pop(k))
                 return kind
         task = self._task
-        method, step, tolerance, theta, beyond = solver
         integrator = Integrator(
-            system, method, step, tolerance, task.times[0],
+            system,
+            start=task.times[0],
             energy=any(reading_of(v, system) == RESIDUAL for v in task.outputs.values()),
-            theta=theta, beyond_stable=beyond,
-        )  # fmt: skip
+            **solver,
+        )
         integrator.going_on = task.going_on
         series = Series(
             integrator, system, task.times, task.outputs, task.at_end, task.corners,
@@ -363,7 +362,7 @@ class _Bench:
 
     def _outcomes(self, kind: _Kind, runs: int, systems: Sequence[System]) -> Iterator[Outcome]:
         """Make all runs that the series of a kind has taken, and yield their outcomes."""
-        series, (_, step, *_) = kind.series, kind.solver
+        series, step = kind.series, kind.solver["step"]
         _, times, names, _, corners, closer, _ = self._task
         columns = np.empty((len(names), runs, len(times)))
         of_runs = list(zip(*columns, strict=True)) or [()] * runs
@@ -412,8 +411,3 @@ def _checked(variable: Variable, value: object) -> float:
         return float(variable.checked(value))
     except ParameterError:
         return nan
-
-
-_solver: Callable[[Mapping[str, Value]], _Solver] = itemgetter(
-    "solver.method", "solver.step", "solver.tolerance", "solver.theta", "solver.beyond_stable"
-)

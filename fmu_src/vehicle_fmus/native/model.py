@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from phaseplane.suspension.declared import solver_settings
+from phaseplane.suspension.driving import driving
 from phaseplane.suspension.equilibrium import initial_names
 from phaseplane.suspension.models import ALL
-from phaseplane.suspension.session import driven
 from phaseplane.suspension.systems import System
 from phaseplane.suspension.trace import Guard, Number, Tape
 from phaseplane.suspension.variable import number as number_in
 from phaseplane.suspension.variables import (
-    SOLVER_PARAMETERS,
     Value,
     checked_parameters,
     variables,
@@ -90,25 +90,16 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
         if v.causality == "parameter"
     }
     system, packed = ALL[model].system(noted), ALL[model].system(parameters)
-    solver = {v.name: v.start for v in SOLVER_PARAMETERS} | noted
-    plain = plain_module("integrator").Integrator(
-        packed,
-        solver["solver.method"],
-        solver["solver.step"],
-        solver["solver.tolerance"],
-        0.0,
-        theta=solver["solver.theta"],
-        beyond_stable=solver["solver.beyond_stable"],
-    )
+    plain = plain_module("integrator").Integrator(packed, **solver_settings(noted))
     directions = _directions(plain, system)
     if not plain.fits(_directed(system, packed)):
         raise ValueError("the structure of the system depends on how it is built")
     inputs = [v.name for v in declared if v.causality == "input"]
-    sampled = parameters.get("road.shape") == "input"
+    driven = driving(system, inputs, parameters)
     tyres = [axle for axle in system.axles if axle.tyre]
     run = plain_module("runs.run").Run(
-        plain, 0.0, len(inputs), driven(system, inputs, sampled),
-        [system.element(axle.tyre) for axle in tyres], sampled,
+        plain, 0.0, len(inputs), driven.lines,
+        [system.element(axle.tyre) for axle in tyres], driven.sampled,
     )  # fmt: skip
     net = plain.net
     free = [net.elements.row_direction] if any(isinstance(b, Number) for b in directions) else []
@@ -139,7 +130,7 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
         translated(kernel, needed(kernel, _ROOTS), _HOST),
         machine.text,
         conduct.text,
-        tables(declared, references, parameters, inputs, system),
+        tables(declared, references, parameters, inputs, driven.idle, system),
         set_up(tape, row, laws, derived, fields, tunable),
         finders(read, rates, derived, references),
         "/* Which outputs change between switches, too. */",

@@ -9,7 +9,6 @@ from math import inf
 
 from phaseplane.suspension.engine import FAILURES
 from phaseplane.suspension.reasons import remedy_of
-from phaseplane.suspension.session import driven, why_idle
 from phaseplane.suspension.systems import System
 from phaseplane.suspension.trace import number
 from phaseplane.suspension.variables import Value, Variable
@@ -29,6 +28,7 @@ def tables(
     references: Sequence[str],
     parameters: Mapping[str, Value],
     inputs: Sequence[str],
+    idle: Mapping[str, str],
     system: System,
 ) -> str:
     """Return the tables of a model.
@@ -39,6 +39,7 @@ def tables(
     references : what their value references are called in C
     parameters : the values with which it is packed
     inputs : names of its inputs, in their order
+    idle : by name why one has no effect
     system : its system
     """
     lines = [
@@ -61,13 +62,9 @@ def tables(
         "static const Variable variables[VARIABLES] = {",
     ]
     values = {v.name: parameters.get(v.name, v.start) for v in declared}
-    driving = driven(system, inputs, values.get("road.shape") == "input")
-    acting = {inputs[i] for _, *of_signal in driving for i in of_signal if i >= 0}
     for v in declared:
         start = values[v.name]
-        text = quoted(start) if isinstance(start, str) else '""'
-        if v.causality == "input" and v.name not in acting:
-            text = quoted(why_idle(values))
+        text = quoted(start if isinstance(start, str) else idle.get(v.name, ""))
         value = 0.0 if isinstance(start, str) else float(start)
         low, high = (float("-inf") if v.minimum is None else v.minimum,
                      float("inf") if v.maximum is None else v.maximum)  # fmt: skip

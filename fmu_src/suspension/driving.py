@@ -1,0 +1,44 @@
+"""What the inputs of a model drive: the roads and forces of its system."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from .systems import System
+from .variable import Value
+
+
+class Driving(NamedTuple):
+    """What inputs drive in a system.
+
+    Parameters
+    ----------
+    sampled : whether they drive the roads, too
+    lines : of each signal that they drive: its number, the input of its value, that of its rate or -1
+    idle : by name why an input has no effect, as the end of a sentence
+    """
+
+    sampled: bool
+    lines: list[tuple[int, int, int]]
+    idle: dict[str, str]
+
+
+def driving(system: System, inputs: Sequence[str], parameters: Mapping[str, Value]) -> Driving:
+    """Return what the named inputs of a model drive in its system with these parameters."""
+    shape = parameters.get("road.shape")
+    sampled = shape == "input"
+    roads = {axle.road for axle in system.axles} if sampled else set()
+    lines = []
+    for signal, name in enumerate(system.signals):
+        if name in roads:
+            value, rate = f"{name}_elevation", f"{name}_velocity"
+            lines.append((signal, inputs.index(value), inputs.index(rate)))
+        elif name in inputs:
+            lines.append((signal, inputs.index(name), -1))
+    acting = {number for _, *numbers in lines for number in numbers}
+    why = "as no signal of the system follows it"
+    if shape is not None and not sampled:
+        why = f"as road.shape is '{shape}' and not 'input'"
+    idle = {name: why for number, name in enumerate(inputs) if number not in acting}
+    return Driving(sampled, lines, idle)
