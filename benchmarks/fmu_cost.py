@@ -10,24 +10,23 @@ steps are compared. A host in C steps the native one by itself.
 from __future__ import annotations
 
 import json
-import platform
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
 from functools import partial
-from importlib.metadata import version
 from pathlib import Path
 from time import process_time
 from typing import Any
 
-from fmpy import extract, read_model_description, simulate_fmu
+from fmpy import extract, read_model_description
+from fmpy.model_description import ModelVariable
 from fmpy.simulation import instantiate_fmu
-from measuring import medians
+from measuring import arguments, medians, stored
 from native_fmu import OUTPUTS, native_fmu
-from phaseplane.suspension.session import simulate
 from phaseplane.vehicle_fmus.build import build
 from phaseplane.vehicle_fmus.native import compilers, pack
+from phaseplane.vehicle_fmus.wrapper import mend_unpacked
 
 import phaseplane
 
@@ -67,34 +66,40 @@ def empty_fmu(folder: Path) -> Path:
     return folder / "Empty.fmu"
 
 
-class Stepped:
-    """An FMU in FMPy's slave interface; measures the time of one step and eight values."""
+def instance(fmu: Path) -> tuple[Any, dict[str, ModelVariable]]:
+    """Return an instance of an FMU in FMPy's slave interface, and its variables by name."""
+    folder = extract(str(fmu))
+    mend_unpacked(Path(folder))  # an FMU that only pythonfmu has packed
+    description = read_model_description(folder, validate=False)
+    made = instantiate_fmu(folder, description, "CoSimulation")
+    return made, {v.name: v for v in description.modelVariables}
 
-    def __init__(self, fmu: Path, names: tuple[str, ...]) -> None:
-        folder = extract(str(fmu))
-        description = read_model_description(folder, validate=False)
-        references = {v.name: v.valueReference for v in description.modelVariables}
-        self._read = [references[name] for name in names]
-        self._fmu: Any = instantiate_fmu(folder, description, "CoSimulation")
-        self._begin()
 
-    def _begin(self) -> None:
-        self._fmu.setupExperiment(startTime=0.0)
-        self._fmu.enterInitializationMode()
-        self._fmu.exitInitializationMode()
+def begin_anew(slave: Any) -> None:
+    """Let an instance begin at its start."""
+    slave.reset()
+    slave.setupExperiment(startTime=0.0)
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
 
-    def time(self) -> float:
-        """Return the least time per step over several series of steps of one run, s."""
-        self._fmu.reset()
-        self._begin()
+
+def stepped(fmu: Path, names: tuple[str, ...]) -> Callable[[], float]:
+    """Return what measures one step and eight values: the least time over series of steps of a run, s."""
+    slave, known = instance(fmu)
+    read = [known[name].valueReference for name in names]
+
+    def least() -> float:
+        begin_anew(slave)
         best = float("inf")
         for k in range(ROUNDS):
             started = process_time()
             for step in range(k * STRETCH, (k + 1) * STRETCH):
-                self._fmu.doStep(step * STEP, STEP)
-                self._fmu.getReal(self._read)
+                slave.doStep(step * STEP, STEP)
+                slave.getReal(read)
             best = min(best, (process_time() - started) / STRETCH)
         return best
+
+    return least
 
 
 def native_car(folder: Path, **settings: object) -> Path:
@@ -116,13 +121,13 @@ def best_of(functions: dict[str, Callable[[], float]], rounds: int) -> dict[str,
 def step_costs(folder: Path, rounds: int = 15) -> dict[str, float]:
     """Return the time of one doStep and eight getReal for each of the four FMUs, s."""
     blank = tuple(f"y{k}" for k in range(OUTPUTS))
-    stepped = {
-        "empty": Stepped(native_fmu(folder), blank),
-        "wrapper": Stepped(empty_fmu(folder), blank),
-        "QuarterCar": Stepped(build(["QuarterCar"], folder)[0], READ),
-        "native QuarterCar": Stepped(native_car(folder), READ),
+    functions = {
+        "empty": stepped(native_fmu(folder), blank),
+        "wrapper": stepped(empty_fmu(folder), blank),
+        "QuarterCar": stepped(build(["QuarterCar"], folder)[0], READ),
+        "native QuarterCar": stepped(native_car(folder), READ),
     }
-    return best_of({name: one.time for name, one in stepped.items()}, rounds)
+    return best_of(functions, rounds)
 
 
 def in_host(folder: Path, fmu: Path, what: str, *words: object) -> list[float]:
@@ -170,12 +175,8 @@ def tuned_in_python(folder: Path, rounds: int = 5) -> dict[str, float]:
     functions: dict[str, Callable[[], float]] = {}
     for shape in ("input", "bump"):
         (fmu,) = build(["QuarterCar"], folder, parameters={"QuarterCar": {"road.shape": shape}})
-        unpacked = extract(str(fmu))
-        description = read_model_description(unpacked, validate=False)
-        rate = next(
-            v.valueReference for v in description.modelVariables if v.name == "damper.rebound_rate"
-        )
-        slave: Any = instantiate_fmu(unpacked, description, "CoSimulation")
+        slave, known = instance(fmu)
+        rate = known["damper.rebound_rate"].valueReference
         for tuned in (False, True):
             what = f"{'setReal + ' if tuned else ''}doStep on {shape}"
             functions[what] = partial(_time_tuned, slave, rate, tuned=tuned)
@@ -183,10 +184,7 @@ def tuned_in_python(folder: Path, rounds: int = 5) -> dict[str, float]:
 
 
 def _time_tuned(slave: Any, rate: int, *, tuned: bool) -> float:
-    slave.reset()
-    slave.setupExperiment(startTime=0.0)
-    slave.enterInitializationMode()
-    slave.exitInitializationMode()
+    begin_anew(slave)
     steps = ROUNDS * STRETCH
     started = 0.0
     for step in range(-STRETCH, steps):
@@ -222,19 +220,14 @@ def run_costs(folder: Path, rounds: int = 9) -> dict[str, float]:
     """
     seconds = 4.0
     through_fmu = phaseplane.run("ap57", through="fmu", duration=seconds)
-    unpacked = extract(str(build(["QuarterCar"], folder)[0]))
-    description = read_model_description(unpacked, validate=False)
+    slave, known = instance(build(["QuarterCar"], folder)[0])
     wanted: dict[str, list[int]] = {"Real": [], "Integer": [], "Boolean": []}
-    for variable in description.modelVariables:
+    for variable in known.values():
         if variable.causality == "output" and variable.name in through_fmu:
             wanted[variable.type].append(variable.valueReference)
-    slave: Any = instantiate_fmu(unpacked, description, "CoSimulation")
 
     def by_fmpy() -> None:
-        slave.reset()
-        slave.setupExperiment(startTime=0.0)
-        slave.enterInitializationMode()
-        slave.exitInitializationMode()
+        begin_anew(slave)
         for step in range(round(seconds / STEP)):
             slave.doStep(step * STEP, STEP)
             for kind, references in wanted.items():
@@ -250,83 +243,27 @@ def run_costs(folder: Path, rounds: int = 9) -> dict[str, float]:
     )
 
 
-def scene_costs(folder: Path, rounds: int = 15) -> dict[str, float]:
-    """Return the time of the AP57 scene, 1 s at 1 ms, in-process and by `fmpy.simulate_fmu`, s."""
-    blank = tuple(f"y{k}" for k in range(OUTPUTS))
-    times = [k * STEP for k in range(1001)]
-
-    def by_fmpy(fmu: Path, names: tuple[str, ...]) -> Callable[[], float]:
-        folder = extract(str(fmu))
-        description = read_model_description(folder, validate=False)
-
-        def run() -> float:
-            instance = instantiate_fmu(folder, description, "CoSimulation")
-            started = process_time()
-            simulate_fmu(
-                folder, model_description=description, fmu_instance=instance, output=names,
-                stop_time=1.0, output_interval=STEP, validate=False, terminate=False,
-            )  # fmt: skip
-            taken = process_time() - started
-            instance.freeInstance()
-            return taken
-
-        return run
-
-    def in_process() -> float:
-        started = process_time()
-        simulate("QuarterCar", {}, times, READ)
-        return process_time() - started
-
-    return best_of(
-        {
-            "in-process": in_process,
-            "FMPy, empty FMU in C": by_fmpy(native_fmu(folder), blank),
-            "FMPy, empty pythonfmu slave": by_fmpy(empty_fmu(folder), blank),
-            "FMPy, QuarterCar": by_fmpy(build(["QuarterCar"], folder)[0], READ),
-            "FMPy, native QuarterCar": by_fmpy(native_car(folder), READ),
-        },
-        rounds,
-    )
-
-
-def measured() -> dict[str, Any]:
-    """Return both tables with their ratios, the machine and the versions."""
+def main() -> None:
+    given = arguments(__doc__)
     with tempfile.TemporaryDirectory() as work:
-        step, scene = step_costs(Path(work)), scene_costs(Path(work))
-        host = host_costs(Path(work)) | tuning_costs(Path(work))
-        run = run_costs(Path(work))
-        tuned = tuned_in_python(Path(work))
-    return {
-        "machine": {"processor": _processor(), "python": platform.python_version(),
-                    **{name: version(name) for name in ("fmpy", "pythonfmu")}},
-        "doStep + 8 getReal, us": {name: round(1e6 * t, 2) for name, t in step.items()},
-        "ratio to the empty one": {
-            name: round(step[name] / step["empty"], 2) for name in ("QuarterCar", "native QuarterCar")
-        },
-        "native QuarterCar in a host in C, us": {
-            name: round(1e6 * t, 2) for name, t in host.items()
-        },
-        "QuarterCar whose damper rate changes in every step, us": {
-            name: round(1e6 * t, 2) for name, t in tuned.items()
-        },
-        "AP57 scene of 1 s at 1 ms, ms": {name: round(1e3 * t, 2) for name, t in scene.items()},
-        "phaseplane.run with its measures, 4 s at 1 ms, ms": {
-            name: round(1e3 * t, 1) for name, t in run.items()
-        },
-        "ratio to in-process": round(scene["FMPy, QuarterCar"] / scene["in-process"], 2),
-    }  # fmt: skip
-
-
-def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-        return next(line.split(":")[1].strip() for line in lines if line.startswith("model name"))
-    except (OSError, StopIteration):
-        return platform.processor()
+        folder = Path(work)
+        step = step_costs(folder)
+        tables = {
+            "doStep + 8 getReal": step,
+            "native QuarterCar in a host in C": host_costs(folder) | tuning_costs(folder),
+            "QuarterCar whose damper rate changes in every step": tuned_in_python(folder),
+            "phaseplane.run with its measures, 4 s at 1 ms": run_costs(folder),
+        }
+    results: dict[str, dict[str, float]] = {
+        f"{what}, us": {name: round(1e6 * t, 2) for name, t in table.items()}
+        for what, table in tables.items()
+    }
+    cars = ("QuarterCar", "native QuarterCar")
+    results["ratio to the empty one"] = {car: round(step[car] / step["empty"], 2) for car in cars}
+    print(json.dumps(results, indent=1))
+    if not given.only_print:
+        stored("fmu_cost", results)
 
 
 if __name__ == "__main__":
-    text = json.dumps(measured(), indent=2) + "\n"
-    print(text, end="")
-    if "--print" not in sys.argv[1:]:
-        Path(__file__).with_suffix(".json").write_text(text)
+    main()

@@ -1,6 +1,6 @@
 """Ratios of run times with limits for the integrator; writes `results.json` and `results.md`.
 
-    python benchmarks/ratios.py [--rounds 25] [--only steps,parts,levels,batch]
+    python benchmarks/ratios.py [--rounds 25] [--only steps,parts,levels,batch] [--print]
 
 Both sides of a ratio are interleaved, and the medians of their processor times compared; of batches,
 which have several threads, those of the time of day. A ratio must not exceed its bar;
@@ -9,24 +9,20 @@ those of one worker to two must reach it, and that of C shows whether two cores 
 
 from __future__ import annotations
 
-import argparse
-import json
+import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import cases
-from measuring import medians
+from measuring import HERE, arguments, medians, stored
 from phaseplane.scenarios.studies import project_solvers
-from phaseplane.scenarios.studies.accuracy_report import compared_versions, machine
 from phaseplane.suspension import engine
 from phaseplane.suspension.engine import Integrator
 
-HERE = Path(__file__).parent
 LEVELS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
 _FEWER = 5  # factor by which the longest measurements have fewer rounds
 _RUNS = 10_000  # in a batch
@@ -210,27 +206,17 @@ def table(ratios: list[Ratio]) -> str:
 
 
 def main() -> None:
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("--rounds", type=int, default=25)
-    options.add_argument("--only", default=",".join(PARTS))
-    options.add_argument("--print", action="store_true", dest="only_print", help="write no files")
-    given = options.parse_args()
+    given = arguments(__doc__, rounds=25, only=",".join(PARTS))
     if not engine.compiled:
-        options.error(f"the integrator is not compiled: {engine.why_uncompiled}")
+        sys.exit(f"the integrator is not compiled: {engine.why_uncompiled}")
     ratios = [ratio for part in given.only.split(",") for ratio in PARTS[part](given.rounds)]
-    on = machine()
-    data = {
-        "date": datetime.now(UTC).date().isoformat(),
-        "machine": on,
-        "versions": compared_versions(),
-        "rounds": given.rounds,
-        "ratios": [{**asdict(r), "value": r.value, "holds": r.holds} for r in ratios],
-    }
     print(table(ratios))
     if given.only_print:
         return
-    (HERE / "results.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
-    about = ", ".join(f"{name} {version}" for name, version in data["versions"].items())
+    rows = [{**asdict(r), "value": r.value, "holds": r.holds} for r in ratios]
+    data = stored("results", {"rounds": given.rounds, "ratios": rows})
+    on, versions = data["machine"], data["versions"]
+    about = ", ".join(f"{name} {version}" for name, version in versions.items())
     (HERE / "results.md").write_text(
         f"# Last results\n\n{data['date']}, {on['processor']}, {on['cores']} cores, {on['system']}; "
         f"{about}.\nMedians of {given.rounds} interleaved rounds.\n\n{table(ratios)}\n",

@@ -1,6 +1,6 @@
 """Start-up time: whole commands compared with processes that only import the libraries they need.
 
-    python benchmarks/startup.py [--rounds 15] [--only help,bare,whole]
+    python benchmarks/startup.py [--rounds 15] [--only help,bare,whole] [--print]
 
 Each round starts every process once, one after the other. Ratios are of medians over the rounds,
 without the first, which packs the FMU of the scene. The load of the machine is told: on a busy one,
@@ -9,23 +9,16 @@ processor times compare better than wall times.
 
 from __future__ import annotations
 
-import argparse
-import json
 import os
-import resource
 import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from datetime import UTC, datetime
-from pathlib import Path
-from statistics import median
-from time import perf_counter
+from functools import partial
 
-from phaseplane.scenarios.studies.accuracy_report import compared_versions, machine
+from measuring import Seconds, arguments, median_of, seconds, stored
 
-HERE = Path(__file__).parent
 PHASEPLANE = "from phaseplane.scenarios.cli import main; main()"
 BARE = ("--set", "show.figures=[]", "--set", "show.recording=false")
 # sizes of the figures of `run ap57`, in inches
@@ -65,16 +58,8 @@ PARTS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Seconds:
-    """Times of a process, s: wall time, and processor time including its children."""
-
-    clock: float
-    processor: float
-
-
-def begun(code: str, arguments: Sequence[str], folder: Path) -> Seconds:
-    """Return the times of one process.
+def started(code: str, arguments: Sequence[str], folder: str) -> None:
+    """Run one process to its end.
 
     Raises
     ------
@@ -83,15 +68,7 @@ def begun(code: str, arguments: Sequence[str], folder: Path) -> Seconds:
     # as for users: Python keeps its compiled files
     around = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
     command = [sys.executable, "-P", "-c", code, *arguments]
-    before, started = _processor_time(), perf_counter()
     subprocess.run(command, cwd=folder, env=around, check=True, capture_output=True)
-    return Seconds(perf_counter() - started, _processor_time() - before)
-
-
-def _processor_time() -> float:
-    """Return the processor time of all processes that have been waited for, s."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)  # `os.times` counts in hundredths
-    return used.ru_utime + used.ru_stime
 
 
 def measured(names: Sequence[str], rounds: int) -> dict[str, tuple[Seconds, Seconds]]:
@@ -104,24 +81,15 @@ def measured(names: Sequence[str], rounds: int) -> dict[str, tuple[Seconds, Seco
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(rounds + 1):
             for process, times in taken.items():
-                times.append(begun(*processes[process], Path(folder)))
-    medians = {
-        process: Seconds(median(t.clock for t in times[1:]), median(t.processor for t in times[1:]))
-        for process, times in taken.items()
-    }
+                times.append(seconds(partial(started, *processes[process], folder)))
+    medians = {process: median_of(times[1:]) for process, times in taken.items()}
     return {name: (medians[name, "ours"], medians[name, "against"]) for name in names}
 
 
 def main() -> None:
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("--rounds", type=int, default=15)
-    options.add_argument("--only", default=",".join(PARTS))
-    options.add_argument("--print", action="store_true", dest="only_print", help="write no file")
-    given = options.parse_args()
-    load = os.getloadavg()[0]
-    found = measured(given.only.split(","), given.rounds)
+    given = arguments(__doc__, rounds=15, only=",".join(PARTS))
     ratios = {}
-    for name, (ours, against) in found.items():
+    for name, (ours, against) in measured(given.only.split(","), given.rounds).items():
         part = PARTS[name]
         ratio = ours.clock / against.clock
         ratios[part.name] = {
@@ -137,15 +105,7 @@ def main() -> None:
             f"{ratio:.2f}, processor time {ours.processor / against.processor:.2f}, bar {part.bar}"
         )
     if not given.only_print:
-        data = {
-            "date": datetime.now(UTC).date().isoformat(),
-            "machine": machine(),
-            "versions": compared_versions(),
-            "rounds": given.rounds,
-            "load": {"processors": os.cpu_count(), "before": load, "after": os.getloadavg()[0]},
-            "ratios": ratios,
-        }
-        (HERE / "startup.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+        stored("startup", {"rounds": given.rounds, "ratios": ratios})
 
 
 if __name__ == "__main__":

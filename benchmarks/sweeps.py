@@ -10,22 +10,16 @@ time and processor time; on a busy machine processor time is the better measure.
 
 from __future__ import annotations
 
-import argparse
-import json
-import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from statistics import median
-from time import perf_counter
 
 import cases
-from phaseplane.scenarios.studies.accuracy_report import compared_versions, machine
+from measuring import Seconds, arguments, median_of, seconds, stored
 from phaseplane.scenarios.sweeps.job import run_sweep
 from phaseplane.scenarios.sweeps.plan import Plan, load_plan
 from phaseplane.suspension.batch import run_many
 
-HERE = Path(__file__).parent
 SWEEP = """
 scene = "scene.toml"
 method = "latin_hypercube"
@@ -68,14 +62,6 @@ def batch(plan: Plan) -> Callable[[], object]:
     return lambda: run_many(plan.scene.fmu.model, sets, times, outputs, at_end=ends)
 
 
-def timed(function: Callable[[], object]) -> tuple[float, float]:
-    """Return wall time and processor time including children, s."""
-    before, started = os.times(), perf_counter()
-    function()
-    elapsed, after = perf_counter() - started, os.times()
-    return elapsed, sum(after[:4]) - sum(before[:4])
-
-
 def measured(runs: int, rounds: int) -> dict[str, dict[str, float]]:
     """Return the times of each way, s, and its runs per second."""
     lsoda, few = cases.lsoda_run(), max(1, runs // FEWER)
@@ -89,27 +75,24 @@ def measured(runs: int, rounds: int) -> dict[str, dict[str, float]]:
             "sweep through the FMU": (through_fmu, few),
             "scipy LSODA": (lambda: [lsoda() for _ in range(few)], few),
         }
-        taken: dict[str, list[tuple[float, float]]] = {way: [] for way in ways}
+        taken: dict[str, list[Seconds]] = {way: [] for way in ways}
         for _ in range(rounds):
             for way, (function, _) in ways.items():
-                taken[way].append(timed(function))
-    return {
-        way: {
+                taken[way].append(seconds(function))
+    found = {}
+    for way, (_, count) in ways.items():
+        took = median_of(taken[way])
+        found[way] = {
             "runs": count,
-            "seconds": median(clock for clock, _ in taken[way]),
-            "processor_seconds": median(cpu for _, cpu in taken[way]),
-            "runs_per_second": count / median(clock for clock, _ in taken[way]),
+            "seconds": took.clock,
+            "processor_seconds": took.processor,
+            "runs_per_second": count / took.clock,
         }
-        for way, (_, count) in ways.items()
-    }
+    return found
 
 
 def main() -> None:
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("--runs", type=int, default=10_000)
-    options.add_argument("--rounds", type=int, default=3)
-    options.add_argument("--print", action="store_true", dest="only_print", help="write no file")
-    given = options.parse_args()
+    given = arguments(__doc__, runs=10_000, rounds=3)
     found = measured(given.runs, given.rounds)
     for way, row in found.items():
         print(
@@ -124,13 +107,7 @@ def main() -> None:
         f"sweep / batch: {ratios['seconds']:.2f}, processor time {ratios['processor_seconds']:.2f}"
     )
     if not given.only_print:
-        data = {
-            "machine": machine(),
-            "versions": compared_versions(),
-            "ways": found,
-            "sweep_over_batch": ratios,
-        }
-        (HERE / "sweeps.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+        stored("sweeps", {"ways": found, "sweep_over_batch": ratios})
 
 
 if __name__ == "__main__":
