@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import csv
 from codecs import BOM_UTF16_BE, BOM_UTF16_LE, getincrementaldecoder
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from math import inf, isfinite
 from os import SEEK_END, PathLike
 from pathlib import Path
 from typing import NamedTuple
 
-from .units import UNITS, UnitError, counted, nearest, spelled, to_si
+from .units import UNITS, UnitError, counted, kinds_of, nearest, spelled, to_si
 
 _COMMENT = "#"
 _PART = 1 << 20  # bytes read at once
@@ -178,11 +178,9 @@ def read_table_of_units(
 
 
 def _kind(unit: str) -> str:
-    """Return the SI unit of a unit; that of accelerations for g."""
-    if not unit or unit in UNITS:
-        return unit
-    fits = [name for name, one in UNITS.items() if unit in one.display]
-    return "m/s2" if "m/s2" in fits else fits[0]
+    """Return the SI unit of a unit, "" of none; that of accelerations for g."""
+    kinds = kinds_of(unit) or [""]
+    return "m/s2" if "m/s2" in kinds else kinds[0]
 
 
 def encoding_of(path: str | PathLike[str]) -> str:
@@ -250,11 +248,8 @@ def _in_heading(column: Wanted) -> str:
     return column.kinds[0]
 
 
-_DISPLAYED: Mapping[str, float] = {name: 1.0 for unit in UNITS.values() for name in unit.display}
-
-
 def _is_unit(text: str) -> bool:
-    return (text in UNITS and text != "1") or text in _DISPLAYED or text == "-"
+    return text == "-" or (text != "1" and bool(kinds_of(text)))
 
 
 def _size(unit: str, kinds: tuple[str, ...]) -> float:

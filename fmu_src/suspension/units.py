@@ -104,9 +104,13 @@ def to_si(quantity: str, unit: str) -> float:
 def unit_of(quantity: str) -> str:
     """Return the SI unit of a string such as `5 cm`, the first that fits; "" without a known unit."""
     match = _QUANTITY.match(quantity)
-    name = spelled(match[2]) if match and match[2] else ""
-    fits = (unit for unit, kind in UNITS.items() if name == unit or name in kind.display)
-    return next(fits, "")
+    kinds = kinds_of(spelled(match[2])) if match and match[2] else []
+    return kinds[0] if kinds else ""
+
+
+def kinds_of(unit: str) -> list[str]:
+    """Return the SI units of which a unit, spelled as here, is one, or a display unit."""
+    return [name for name, one in UNITS.items() if unit == name or unit in one.display]
 
 
 def counted(count: int, what: str) -> str:
