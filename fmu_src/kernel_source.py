@@ -5,16 +5,15 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from graphlib import TopologicalSorter
 from pathlib import Path
 
 from suspension.kernel_types import (
     Declared,
+    Module,
     Record,
     Routine,
     assigned,
-    declared,
     has_c_types,
     is_condition,
     modules_in,
@@ -33,22 +32,6 @@ from libc.string cimport memcpy"""
 MARKS = ("inline", "of_python", "open_to_python", "takes_gil", "uses_python")
 
 
-@dataclass(frozen=True)
-class Module:
-    """A module of the kernel.
-
-    Parameters
-    ----------
-    path : its file
-    tree : its source
-    types : the classes and functions in it that have C types
-    """
-
-    path: Path
-    tree: ast.Module
-    types: Declared
-
-
 def joined(folder: Path) -> tuple[str, str]:
     """The source and the declarations of all modules in a folder, as those of one module.
 
@@ -65,9 +48,7 @@ def joined(folder: Path) -> tuple[str, str]:
 
 def modules(folder: Path) -> list[Module]:
     """The modules in a folder, each after those whose classes are among its types."""
-    paths = modules_in(folder)
-    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in paths]
-    found = list(map(Module, paths, trees, declared(trees)))
+    found = modules_in(folder)
     owner = {name: k for k, module in enumerate(found) for name in module.types.records}
     needed = {
         k: {owner[kind] for kind in kinds(module.types) if kind in owner} - {k}

@@ -89,6 +89,15 @@ class Declared:
     records: dict[str, Record] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, slots=True)
+class Module:
+    """A module of a kernel: its file, its source, and the classes and functions in it with C types."""
+
+    path: Path
+    tree: ast.Module
+    types: Declared
+
+
 def declared(modules: Iterable[ast.Module]) -> list[Declared]:
     """Return what each of a kernel's modules declares.
 
@@ -100,9 +109,11 @@ def declared(modules: Iterable[ast.Module]) -> list[Declared]:
     return [kernel.declared_in(tree) for tree in kernel.modules]
 
 
-def modules_in(folder: Path) -> list[Path]:
-    """Return the files of a kernel's modules, without that of the words that they use."""
-    return [path for path in sorted(folder.rglob("[a-z]*.py")) if path.stem != "language"]
+def modules_in(folder: Path) -> list[Module]:
+    """Return the modules of a kernel, without that of the words that they use."""
+    paths = [path for path in sorted(folder.rglob("[a-z]*.py")) if path.stem != "language"]
+    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in paths]
+    return list(map(Module, paths, trees, declared(trees)))
 
 
 def numbers_of(trees: Iterable[ast.Module]) -> dict[str, int | float]:

@@ -126,8 +126,7 @@ def test_a_type_that_the_kernel_does_not_have_is_refused_with_its_line() -> None
 
 @pytest.mark.slow
 def test_no_class_has_more_attributes_than_a_reader_can_hold() -> None:
-    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in modules_in(KERNEL)]
-    records = {name: r for module in declared(trees) for name, r in module.records.items()}
+    records = {name: r for one in modules_in(KERNEL) for name, r in one.types.records.items()}
 
     def fields(name: str) -> set[str]:
         """Those of a class, and of the class it is derived from."""
@@ -142,8 +141,8 @@ def test_no_class_has_more_attributes_than_a_reader_can_hold() -> None:
 
 def test_an_array_stays_where_it_was_made() -> None:
     """A state of a native FMU is a copy of all numbers; the addresses are then those of the start."""
-    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in modules_in(KERNEL)]
-    records = {name: record for each in declared(trees) for name, record in each.records.items()}
+    modules = modules_in(KERNEL)
+    records = {name: r for one in modules for name, r in one.types.records.items()}
 
     def kind(node: ast.expr, owner: str) -> str:
         """The type of an attribute, of `self` in a method of the owner."""
@@ -156,8 +155,8 @@ def test_an_array_stays_where_it_was_made() -> None:
 
     moved = {
         f"{owner.name}: {ast.unparse(target)}"
-        for tree in trees
-        for owner in tree.body
+        for one in modules
+        for owner in one.tree.body
         if isinstance(owner, ast.ClassDef)
         for method in owner.body
         if isinstance(method, ast.FunctionDef) and method.name != "__init__"

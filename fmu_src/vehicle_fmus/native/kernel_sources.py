@@ -16,10 +16,9 @@ from typing import Any
 from phaseplane.suspension import engine
 from phaseplane.suspension.kernel_name import KERNEL
 from phaseplane.suspension.kernel_types import (
-    Declared,
+    Module,
     Record,
     Routine,
-    declared,
     modules_in,
     numbers_of,
 )
@@ -36,15 +35,6 @@ class Definition:
     path: Path
     owner: str  # the class it belongs to in C, or empty
     generation: int = 0  # how many classes the one that defines it derives from
-
-
-@dataclass(frozen=True, slots=True)
-class Module:
-    """One module: its source, its declarations, its syntax tree."""
-
-    path: Path
-    declared: Declared
-    tree: ast.Module
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +60,7 @@ class Sources:
 
     @cached_property
     def _declared(self) -> dict[str, Record]:
-        return {r.name: r for m in self.modules for r in m.declared.records.values()}
+        return {r.name: r for m in self.modules for r in m.types.records.values()}
 
     def bases(self, name: str) -> list[str]:
         """Return a class and its bases, the last base first."""
@@ -149,10 +139,10 @@ class Sources:
 
     def _defined(self, module: Module) -> Iterator[Definition]:
         for node in module.tree.body:
-            if isinstance(node, ast.FunctionDef) and node.name in module.declared.functions:
-                yield Definition(module.declared.functions[node.name], node, module.path, "")
+            if isinstance(node, ast.FunctionDef) and node.name in module.types.functions:
+                yield Definition(module.types.functions[node.name], node, module.path, "")
             if isinstance(node, ast.ClassDef) and node.name in self.records:
-                methods = module.declared.records[node.name].methods
+                methods = module.types.records[node.name].methods
                 for child in node.body:
                     if isinstance(child, ast.FunctionDef) and child.name in methods:
                         types, owner = methods[child.name], self.in_c(node.name)
@@ -169,9 +159,7 @@ def sources(folder: Path = KERNEL, used: Iterable[str] = ()) -> Sources:
     folder : where the modules are
     used : of classes that stand for each other, such as the methods, the names of those in use
     """
-    paths = modules_in(folder)
-    trees = [ast.parse(path.read_text("utf-8")) for path in paths]
-    return Sources(tuple(map(Module, paths, declared(trees), trees)), frozenset(used))
+    return Sources(tuple(modules_in(folder)), frozenset(used))
 
 
 @cache
