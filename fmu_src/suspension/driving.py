@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from functools import lru_cache
 from typing import NamedTuple
 
 from .systems import System
@@ -20,18 +21,24 @@ class Driving(NamedTuple):
     """
 
     sampled: bool
-    lines: list[tuple[int, int, int]]
-    idle: dict[str, str]
+    lines: tuple[tuple[int, int, int], ...]
+    idle: Mapping[str, str]
 
 
-def driving(system: System, inputs: Sequence[str], parameters: Mapping[str, Value]) -> Driving:
+def driving(system: System, inputs: tuple[str, ...], parameters: Mapping[str, Value]) -> Driving:
     """Return what the named inputs of a model drive in its system with these parameters."""
-    shape = parameters.get("road.shape")
+    roads = tuple([axle.road for axle in system.axles])
+    return _driving(tuple(system.signals), roads, inputs, parameters.get("road.shape"))
+
+
+@lru_cache(maxsize=16)
+def _driving(
+    signals: tuple[str, ...], roads: tuple[str, ...], inputs: tuple[str, ...], shape: object
+) -> Driving:
     sampled = shape == "input"
-    roads = {axle.road for axle in system.axles} if sampled else set()
     lines = []
-    for signal, name in enumerate(system.signals):
-        if name in roads:
+    for signal, name in enumerate(signals):
+        if sampled and name in roads:
             value, rate = f"{name}_elevation", f"{name}_velocity"
             lines.append((signal, inputs.index(value), inputs.index(rate)))
         elif name in inputs:
@@ -41,4 +48,4 @@ def driving(system: System, inputs: Sequence[str], parameters: Mapping[str, Valu
     if shape is not None and not sampled:
         why = f"as road.shape is '{shape}' and not 'input'"
     idle = {name: why for number, name in enumerate(inputs) if number not in acting}
-    return Driving(sampled, lines, idle)
+    return Driving(sampled, tuple(lines), idle)

@@ -7,7 +7,7 @@ from functools import cache
 
 from .signals import Signal
 from .systems import System
-from .variable import ParameterError, Value, number
+from .variable import ParameterError, Value, numbers
 
 
 def static_equilibrium(
@@ -67,8 +67,7 @@ def start_state(
     signals = system.signals if signals is None else signals
     levels = {axle.road: signals[axle.road].before(time) for axle in system.axles}
     displacements, velocities = (
-        tuple(number(parameters, name) if name in parameters else 0.0 for name in names)
-        for names in initial_names(system.coordinates)
+        numbers(parameters, names) for names in initial_names(system.coordinates)
     )
     if any(levels.values()):
         try:

@@ -181,7 +181,7 @@ class Session:
             raise ParameterError(f"input {name} = {value}: must be finite")
         if name in self._idle and value != 0.0:
             self._report("info", f"{name} = {value:g} has no effect, {self._idle[name]}")
-            self._idle.clear()  # said once
+            self._idle = {}  # said once
         self._run.set_input(self._inputs.index(name), value)
         self._handed = -inf
 

@@ -166,6 +166,11 @@ def number(parameters: Mapping[str, Value], name: str) -> float:
     return parameters[name]  # type: ignore[return-value]  # read most often when a system is built
 
 
+def numbers(parameters: Mapping[str, Value], names: Iterable[str]) -> tuple[float, ...]:
+    """Return the values of numeric parameters, 0 of those that a model does not have."""
+    return tuple([parameters.get(name, 0.0) for name in names])  # type: ignore[misc]
+
+
 def parameter(
     name: str, start: Value, description: str, unit: str = "", **more: object
 ) -> Variable:

@@ -12,6 +12,7 @@ from phaseplane.suspension.declared import solver_settings
 from phaseplane.suspension.driving import driving
 from phaseplane.suspension.equilibrium import initial_names
 from phaseplane.suspension.models import ALL
+from phaseplane.suspension.models import inputs as inputs_of
 from phaseplane.suspension.systems import System
 from phaseplane.suspension.trace import Guard, Number, Tape
 from phaseplane.suspension.variable import number as number_in
@@ -94,7 +95,7 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
     directions = _directions(plain, system)
     if not plain.fits(_directed(system, packed)):
         raise ValueError("the structure of the system depends on how it is built")
-    inputs = [v.name for v in declared if v.causality == "input"]
+    inputs = inputs_of(model)
     driven = driving(system, inputs, parameters)
     tyres = [axle for axle in system.axles if axle.tyre]
     run = plain_module("runs.run").Run(
