@@ -158,7 +158,7 @@ def _contact_force(system: System, output: Variable) -> Line:
 
 
 def _contact(system: System, output: Variable) -> OfContact:
-    axles = [axle.prefix for axle in system.axles if axle.tyre]
+    axles = [axle.prefix for axle in system.axles_on_tyres]
     what = output.name.removeprefix(output.axle)
     return OfContact(axles.index(output.axle), _tyre(system, output), what)
 

@@ -88,7 +88,7 @@ class Session:
         self._signals = dict(system.signals)
         integrator = self._new_integrator(system, start_time)
         self._notices = Notices(self._solver["step"])
-        tyres = [axle for axle in system.axles if axle.tyre]
+        tyres = system.axles_on_tyres
         sampled, lines, self._idle = driving(system, self._inputs, given)
         of_tyres = [e for axle in tyres if (e := system.element(axle.tyre)) is not None]
         self._run = Run(integrator, start_time, len(self._inputs), lines, of_tyres, sampled)

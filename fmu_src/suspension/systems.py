@@ -297,6 +297,11 @@ class System:
         """Return the index of the element of that name, or None."""
         return next((i for i, element in enumerate(self.elements) if element.name == name), None)
 
+    @property
+    def axles_on_tyres(self) -> tuple[Axle, ...]:
+        """The axles whose tyres may leave the road, in the order in which their contacts are numbered."""
+        return tuple([axle for axle in self.axles if axle.tyre])
+
     def with_internal(self) -> System:
         """Return the system with an internal coordinate for each spring in series with a damper.
 

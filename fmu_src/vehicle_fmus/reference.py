@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement, register_namespace
 
-from phaseplane.suspension.models import FILES
+from phaseplane.suspension.models import FILES, inputs, outputs
 from phaseplane.suspension.session import Session
-from phaseplane.suspension.variables import SOLVER_OUTPUTS, Value, refuse_unknown, variables
+from phaseplane.suspension.variables import SOLVER_OUTPUTS, SOURCES, Value, refuse_unknown
 
 from .model_description import written
 
@@ -111,37 +111,35 @@ def reference_files(model: str, start: Mapping[str, Value]) -> dict[str, bytes]:
     model : name of an FMU
     start : parameters whose start values are not the defaults
     """
-    declared = variables(model)
-    names = {v.name for v in declared}
-    strict = {"solver.tolerance": TOLERANCE} if "solver.tolerance" in names else {}
+    strict = {"solver.tolerance": TOLERANCE} if model not in SOURCES else {}
     session = Session(model, {**start, **strict})
     of_solver = {v.name for v in SOLVER_OUTPUTS}
-    outputs = [
-        v.name
-        for v in declared
-        if v.causality == "output" and isinstance(v.start, float) and v.name not in of_solver
+    shown = [
+        name
+        for name, v in outputs(model).items()
+        if isinstance(v.start, float) and name not in of_solver
     ]
-    inputs = [v.name for v in declared if v.causality == "input"]
-    steps = {name: _STEPS[name] for name in inputs if name in _STEPS}
+    driven = inputs(model)
+    steps = {name: _STEPS[name] for name in driven if name in _STEPS}
     rows = []
     for k in range(round(STOP_TIME / STEP) + 1):
         time = k * STEP
         session.advance(time)
-        rows.append([time, *(session.value(name) for name in outputs)])
+        rows.append([time, *(session.value(name) for name in shown)])
         if time >= _CHANGE:
             for name, value in steps.items():
                 session.set_input(name, value)
-    changes = [[t, *(steps.get(name, 0.0) * (t >= _CHANGE) for name in inputs)]
+    changes = [[t, *(steps.get(name, 0.0) * (t >= _CHANGE) for name in driven)]
                for t in (0.0, _CHANGE - STEP, _CHANGE, STOP_TIME)]  # fmt: skip
     options = {"StartTime": 0.0, "StopTime": STOP_TIME, "StepSize": STEP,
                "RelTol": RELATIVE_TOLERANCE}  # fmt: skip
     files = {
-        f"{model}_ref.csv": _csv(["time", *outputs], rows),
+        f"{model}_ref.csv": _csv(["time", *shown], rows),
         f"{model}_ref.opt": "".join(f"{key}, {value!r}\n" for key, value in options.items()),
         f"{model}_readme.txt": _README.format(model=model, step=STEP, tolerance=TOLERANCE),
     }
-    if inputs:
-        files[f"{model}_in.csv"] = _csv(["time", *inputs], changes)
+    if driven:
+        files[f"{model}_in.csv"] = _csv(["time", *driven], changes)
     return {name: text.encode() for name, text in files.items()}
 
 

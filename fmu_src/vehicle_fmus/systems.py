@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
+from phaseplane.suspension.models import declared_parameters, inputs
 from phaseplane.suspension.units import UNITS
-from phaseplane.suspension.variables import MODELS, SOURCES, Value, Variable, variables
+from phaseplane.suspension.variables import MODELS, Value, Variable, variables
 
 from .model_description import written
 
@@ -32,8 +33,8 @@ _CONNECTIONS = (
 
 def connections(model: str) -> dict[str, str]:
     """Return the vehicle's input for each output of the road; empty for a model without a road."""
-    inputs = {v.name for v in MODELS.get(model, ()) if v.causality == "input"}
-    return next((pairs for pairs in _CONNECTIONS if inputs.issuperset(pairs.values())), {})
+    known = set(inputs(model)) if model in MODELS else set()
+    return next((pairs for pairs in _CONNECTIONS if known.issuperset(pairs.values())), {})
 
 
 def shared_out(
@@ -46,14 +47,14 @@ def shared_out(
     model : a vehicle
     parameters : all its parameters, checked
     """
-    known = {v.name for v in SOURCES[ROAD] if v.causality == "parameter"}
+    known = declared_parameters(ROAD)
     road = {name: value for name, value in parameters.items() if name in known}
     if road["road.shape"] == "input":
         del road["road.shape"]
     if "cg_to_front" in parameters:
         road["wheelbase"] = float(parameters["cg_to_front"]) + float(parameters["cg_to_rear"])
-    defaults = {v.name: v.start for v in variables(model)}
-    changed = {n: v for n, v in parameters.items() if v != defaults[n] and n not in known}
+    declared = declared_parameters(model)
+    changed = {n: v for n, v in parameters.items() if v != declared[n].start and n not in known}
     return road, {**changed, "road.shape": "input"}
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement
 
+from phaseplane.suspension.models import inputs, outputs
 from phaseplane.suspension.variables import Value, Variable, variables
 
 from ..model_description import append_categories, begun, role, unit_definitions, values, written
@@ -56,12 +57,11 @@ def description(
             held, "Clock", name=name, valueReference=str(k), causality="output",
             intervalVariability="triggered", description=text,
         )  # fmt: skip
-    outputs = [k for k, v in enumerate(declared) if v.causality == "output"] + [
-        k for k, _ in clocks
-    ]
-    for k in outputs:  # as in FMI 2.0, see `model_description`
+    places = [k for k, v in enumerate(declared) if v.causality == "output"]
+    places += [k for k, _ in clocks]
+    for k in places:  # as in FMI 2.0, see `model_description`
         SubElement(structure, "Output", valueReference=str(k), dependencies="")
-    for k in outputs:
+    for k in places:
         SubElement(structure, "InitialUnknown", valueReference=str(k))
     return root
 
@@ -95,13 +95,13 @@ def build_description(model: str, flags: str) -> bytes:
 
 def terminals(model: str) -> bytes:
     """Return terminalsAndIcons.xml: the road under each axle, and each force with what it moves."""
-    names = [v.name for v in variables(model) if v.causality in ("input", "output")]
+    names = (*inputs(model), *outputs(model))
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     picture = SubElement(root, "GraphicalRepresentation")
     corners = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
     SubElement(picture, "CoordinateSystem", {**corners, "suggestedScalingFactorTo_mm": "0.1"})
     SubElement(picture, "Icon", corners)
-    found = dict(_terminals([v.name for v in variables(model) if v.causality == "input"]))
+    found = dict(_terminals(inputs(model)))
     held = SubElement(root, "Terminals") if found else None
     for terminal, members in found.items():
         element = SubElement(held, "Terminal", name=terminal, matchingRule="plug")  # type: ignore[arg-type]

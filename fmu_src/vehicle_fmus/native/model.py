@@ -97,7 +97,7 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
         raise ValueError("the structure of the system depends on how it is built")
     inputs = inputs_of(model)
     driven = driving(system, inputs, parameters)
-    tyres = [axle for axle in system.axles if axle.tyre]
+    tyres = system.axles_on_tyres
     run = plain_module("runs.run").Run(
         plain, 0.0, len(inputs), driven.lines,
         [system.element(axle.tyre) for axle in tyres], driven.sampled,

@@ -50,7 +50,7 @@ def outputs_in_c(model: str, system: System, tape: Tape) -> Expressions:
         ),
         yielding=lambda e: _Flag(f"Integrator_yielding(of, {e})"),
     )
-    tyres = range(sum(1 for axle in system.axles if axle.tyre))
+    tyres = range(len(system.axles_on_tyres))
 
     def of_tyres(what: str, make: Callable[[str], Any] = number_of) -> list[Any]:
         return [make(f"run->contacts->{what}[{c}]") for c in tyres]

@@ -52,7 +52,7 @@ def tables(
         f"#define ELEMENTS {len(system.elements)}",
         f"#define COORDINATES {len(system.coordinates)}",
         f"#define SIGNALS {len(system.signals)}",
-        f"#define TYRES {sum(1 for axle in system.axles if axle.tyre)}",
+        f"#define TYRES {len(system.axles_on_tyres)}",
         *(
             f"#define DEFAULT_TOLERANCE {number(float(v.start))}"
             for v in declared
@@ -75,7 +75,7 @@ def tables(
             f"{int(v.positive)}, {number(value)}, {number(low)}, {number(high)}, "
             f"{number(nominal)},\n        {quoted(v.format_range())}, {text}, {index}}},"
         )
-    tyres = {axle.tyre for axle in system.axles if axle.tyre}
+    tyres = {axle.tyre for axle in system.axles_on_tyres}
     lines += ["};", "", "static const struct {", "    const char *name;",
               "    int is_tyre, stop, yields; /* stop: 1: a bump stop, 2: a rebound stop */",
               "} elements[ELEMENTS] = {"]  # fmt: skip
@@ -85,7 +85,7 @@ def tables(
         )
         kind = f"{int(element.name in tyres)}, {stop}, {int(element.yield_force < inf)}"
         lines.append(f"    {{{quoted(element.name)}, {kind}}},")
-    wheels = [axle.prefix.replace("_", " ") for axle in system.axles if axle.tyre] or [""]
+    wheels = [axle.prefix.replace("_", " ") for axle in system.axles_on_tyres] or [""]
     lines += ["};", "", f"static const char *const wheels[] = {{{', '.join(map(quoted, wheels))}}};", "",
               "static const struct {", "    const char *cause, *remedy, *of_fixed_steps;",
               "} failures[] = {"]  # fmt: skip

@@ -19,6 +19,7 @@ from typing import Any, ClassVar
 
 from phaseplane.suspension import trace as _trace  # noqa: F401  (needed when parameters are tuned)
 from phaseplane.suspension.engine import why_uncompiled
+from phaseplane.suspension.models import inputs
 from phaseplane.suspension.roads.extent import remarks
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.variables import (
@@ -74,7 +75,7 @@ class VehicleSlave(Fmi2Slave):
         # parameters and inputs as set by the host, checked when a session is made from them
         starts = _start_values(self.resources)
         self._parameters = dict(checked_parameters(self.model, starts))
-        self._input_names = {v.name for v in declared if v.causality == "input"}
+        self._input_names = inputs(self.model)
         self._inputs: dict[str, float] = {}  # only those that the host has set
         self._bound: Mapping[str, Callable[[], Any]] = {}
         self._read: Callable[[list[int]], list[Any]]  # by value reference, of what is bound
