@@ -15,8 +15,9 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from phaseplane.suspension.models import axle_masses, build
+from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
+from phaseplane.suspension.two_axles import axle_masses
 from phaseplane.suspension.variables import MODELS, Value
 
 from ..errors import InputError, RunError, one_line

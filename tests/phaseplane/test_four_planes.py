@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import cubic, damper, linear
-from phaseplane.suspension.models import axle_masses
+from phaseplane.suspension.two_axles import axle_masses
 from recorded import check_schemes
 
 from phaseplane.constructions import RULES, AxleData, HalfCarPlanes, Strut, Window, construct_motion

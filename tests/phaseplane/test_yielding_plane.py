@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import linear
-from phaseplane.suspension.models import Element
+from phaseplane.suspension.systems import Element
 from stepped import displaced, mass_on, started
 from worked_example import column
 

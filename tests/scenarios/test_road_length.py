@@ -13,7 +13,7 @@ from phaseplane.scenarios.simulate.runner import run
 from phaseplane.scenarios.sweeps.plan import load_plan
 from phaseplane.scenarios.sweeps.report import format_sweep, summary_of
 from phaseplane.scenarios.sweeps.running import sweep
-from phaseplane.suspension.models import road_from
+from phaseplane.suspension.parts import road_from
 from phaseplane.suspension.roads.extent import LENGTH
 from small_sweep import sweep_file
 

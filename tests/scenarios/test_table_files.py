@@ -10,7 +10,7 @@ from command_line import printed, reported, written
 from fmpy.util import read_csv
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.scene.loading import load_scene
-from phaseplane.suspension.models import road_from
+from phaseplane.suspension.parts import road_from
 from phaseplane.suspension.variables import checked_parameters
 
 SCENE = """

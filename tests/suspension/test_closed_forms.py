@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 from phaseplane.suspension import characteristics, roads
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.engine import METHODS, Integrator
-from phaseplane.suspension.models import Element, System, build
+from phaseplane.suspension.models import build
 from phaseplane.suspension.session import Session
+from phaseplane.suspension.systems import Element, System
 from scipy.optimize import brentq
 from scipy.special import ellipj, ellipk
 from stepped import displaced, mass_on, read_at, started

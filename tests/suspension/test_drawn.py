@@ -14,8 +14,9 @@ import make_drawn
 import numpy as np
 import pytest
 from phaseplane.suspension.engine import Integrator
-from phaseplane.suspension.models import System, build
+from phaseplane.suspension.models import build
 from phaseplane.suspension.session import Session
+from phaseplane.suspension.systems import System
 from stepped import displaced
 from switched import Switch
 from vehicle_reference import BRANCHES

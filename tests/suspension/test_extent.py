@@ -6,7 +6,7 @@ from random import Random
 
 import numpy as np
 import pytest
-from phaseplane.suspension.models import road_from
+from phaseplane.suspension.parts import road_from
 from phaseplane.suspension.roads import extent
 from phaseplane.suspension.roads.profiles import _harmonics, share_of_variance
 from phaseplane.suspension.variables import checked_parameters, variables

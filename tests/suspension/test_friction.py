@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from phaseplane.suspension import characteristics, roads
 from phaseplane.suspension.engine import KINDS, Integrator
-from phaseplane.suspension.models import Element, Load, System
 from phaseplane.suspension.session import Session
+from phaseplane.suspension.systems import Element, Load, System
 from stepped import at, mass_on, read_at
 
 MASS, RATE, FRICTION = 2.0, 800.0, 1.0

@@ -10,7 +10,8 @@ import pytest
 import vehicle_reference as reference
 from phaseplane.suspension import characteristics
 from phaseplane.suspension.engine import KINDS, Integrator
-from phaseplane.suspension.models import Element, System, build
+from phaseplane.suspension.models import build
+from phaseplane.suspension.systems import Element, System
 from stepped import STOPS, displaced, mass_on, read_at
 
 

@@ -13,7 +13,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from phaseplane.suspension.engine import Integrator
-from phaseplane.suspension.models import System, build
+from phaseplane.suspension.models import build
+from phaseplane.suspension.systems import System
 from phaseplane.suspension.variables import variables
 from stepped import displaced
 

@@ -10,7 +10,8 @@ import pytest
 from make_drawn import SYSTEMS, instants, public, stored
 from phaseplane.suspension import roads
 from phaseplane.suspension.engine import KINDS, Integrator
-from phaseplane.suspension.models import System, build
+from phaseplane.suspension.models import build
+from phaseplane.suspension.systems import System
 from stepped import read_at
 
 AXLES = {"OneDof": [""], "QuarterCar": [""]}

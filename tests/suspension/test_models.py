@@ -13,8 +13,10 @@ from hypothesis import strategies as st
 from phaseplane.suspension import roads, systems
 from phaseplane.suspension.batch import outputs_over_time, run_many
 from phaseplane.suspension.engine import Integrator
-from phaseplane.suspension.models import Element, System, axle_masses, build
+from phaseplane.suspension.models import build
 from phaseplane.suspension.session import Session, simulate
+from phaseplane.suspension.systems import Element, System
+from phaseplane.suspension.two_axles import axle_masses
 from phaseplane.suspension.variables import ParameterError
 from stepped import read_at
 

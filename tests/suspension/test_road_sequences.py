@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 from phaseplane.suspension import roads
-from phaseplane.suspension.models import build, road_from
+from phaseplane.suspension.models import build
+from phaseplane.suspension.parts import road_from
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.variables import ParameterError, checked_parameters
 

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from phaseplane.suspension import characteristics, roads
 from phaseplane.suspension.engine import Integrator
-from phaseplane.suspension.models import Element, System
 from phaseplane.suspension.session import simulate
+from phaseplane.suspension.systems import Element, System
 from phaseplane.suspension.variables import ParameterError
 from stepped import at, mass_on, read_at
 

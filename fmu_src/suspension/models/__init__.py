@@ -1,8 +1,7 @@
 """The models, one module each: equations, variables, elements, the text of its page; its picture beside it.
 
 A module in this folder is a model: `quarter_car` is `QuarterCar`. It has a `MODEL`, see `model.Model`.
-Parts shared by models are in `declared`, `outputs`, `parts` and `two_axles`. The parts of systems, which
-are defined in `systems`, can be imported from here too.
+Parts shared by models are in `declared`, `outputs`, `parts` and `two_axles`.
 """
 
 from __future__ import annotations
@@ -14,37 +13,9 @@ from pkgutil import iter_modules
 from typing import TypeVar
 
 from ..model import Model
-from ..parts import road_from, suspension_elements, tyre_element
-from ..systems import Axle, Element, Load, Motion, System
-from ..two_axles import axle_masses
+from ..systems import System
 from ..units import nearest
 from ..variable import Checked, ParameterError, Value, Variable, refuse_unknown
-
-__all__ = [
-    "ALL",
-    "FILES",
-    "MODELS",
-    "SOURCES",
-    "SYSTEMS",
-    "Axle",
-    "Element",
-    "Load",
-    "Motion",
-    "System",
-    "assembled",
-    "axle_masses",
-    "build",
-    "cached",
-    "checked_parameters",
-    "declared_parameters",
-    "inputs",
-    "outputs",
-    "register",
-    "road_from",
-    "suspension_elements",
-    "tyre_element",
-    "variables",
-]
 
 _IN_FILES: dict[str, Model] = {
     found.name: import_module(f"{__name__}.{found.name}").MODEL for found in iter_modules(__path__)
