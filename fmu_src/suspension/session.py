@@ -61,7 +61,8 @@ class Session:
 
     Raises
     ------
-    ParameterError : unknown model or parameter, wrong type, unit or range, unreadable table.
+    ParameterError : unknown model or parameter, wrong type, unit or range, unreadable table; a start time
+        that is not finite.
     """
 
     def __init__(
@@ -71,6 +72,8 @@ class Session:
         start_time: float = 0.0,
         tolerance: float | None = None,
     ) -> None:
+        if not isfinite(start_time):
+            raise ParameterError(f"start time = {start_time:g}: must be finite")
         self.model = model
         self.ok = True
         self.messages: list[tuple[str, str]] = []

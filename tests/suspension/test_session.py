@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from math import isnan, sin
+from math import inf, isnan, nan, sin
 from weakref import ref
 
 import numpy as np
@@ -237,3 +237,10 @@ def test_a_session_goes_with_its_last_owner() -> None:
         assert known() is None
     finally:
         gc.enable()
+
+
+@pytest.mark.parametrize("model", ["QuarterCar", "Elastoplastic", "Road"])
+@pytest.mark.parametrize("start", [nan, inf])
+def test_a_start_time_that_is_not_finite_is_refused(model: str, start: float) -> None:
+    with pytest.raises(ParameterError, match=f"start time = {start:g}: must be finite"):
+        Session(model, {}, start)
