@@ -75,7 +75,7 @@ class VehicleSlave(Fmi2Slave):
         # parameters and inputs as set by the host, checked when a session is made from them
         starts = _start_values(self.resources)
         self._parameters = dict(checked_parameters(self.model, starts))
-        self._input_names = inputs(self.model)
+        self._input_names = frozenset(inputs(self.model))
         self._inputs: dict[str, float] = {}  # only those that the host has set
         self._bound: Mapping[str, Callable[[], Any]] = {}
         self._read: Callable[[list[int]], list[Any]]  # by value reference, of what is bound
