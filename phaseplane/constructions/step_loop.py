@@ -65,7 +65,8 @@ def frames(
     ------
     StepError : if the step is not positive, or turns a normal by more than a right angle.
     ValueError : if the duration is not positive, or both or neither of duration and steps are given.
-    ArithmeticError : if the construction diverges, e.g. with too long a step for a stiff stop.
+    ArithmeticError : if the construction diverges, e.g. with too long a step for a stiff stop, or if
+        the step is too long for the damping.
     """
     _check_step(construction, step)
     length = _length(step, duration, steps)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cmath import exp, isfinite
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 
@@ -13,6 +13,10 @@ from phaseplane.constructions.rules import REPEATED, Rule
 from phaseplane.constructions.steps import Points, States, along_tangent
 
 _FARTHEST = 100.0  # m of paper from an origin along the y axis, far beyond any sheet
+_FOLLOWED = (
+    2.0  # times y-bar: damping that changes it by more in a step leads beyond the mirror image of P
+)
+_SEEN = 1e-3  # m of paper: how far beyond
 
 
 def signed_frequency(plane: Plane) -> float:
@@ -83,16 +87,22 @@ class Stepper:
         Raises
         ------
         OverflowError : if a successor is far off the sheet or not finite.
+        ArithmeticError : if the step is too long for the damping.
         """
-        make, numbers, count = self.points, self.numbers, len(self.planes)
+        numbers, count = self.numbers, len(self.planes)
         moving, memory = states[:count], states[count:]
+        turns = [rate * window.duration for rate in self.rates]
 
-        def construct(at: States) -> tuple[States, Points]:
-            points = make(mode, at + memory, window)
+        def made(at: States) -> tuple[States, Points]:
+            points = self.points(mode, at + memory, window)
             return tuple([points[foot] for foot in self.feet]), points
 
+        def construct(at: States) -> tuple[States, Points]:
+            feet, points = made(at)
+            self._check_damping(lambda level: made(level)[0], at, feet, turns, window)
+            return feet, points
+
         feet, points = construct(moving)
-        turns = [rate * window.duration for rate in self.rates]
         move = self.rule.move(moving, feet, turns, construct)
         for name, point in move.repeated.items():
             points[name + REPEATED] = point
@@ -111,6 +121,29 @@ class Stepper:
                     f"the state point leaves the paper in the step from {window.start:.4g} s; shorten it"
                 )
         return points, move.successors + memory
+
+    def _check_damping(
+        self,
+        feet_at: Callable[[States], States],
+        states: States,
+        feet: States,
+        turns: Sequence[float],
+        window: Window,
+    ) -> None:
+        """Refuse a step in which the damping alone would lead beyond the mirror image of a state."""
+        for k, (plane, p, foot) in enumerate(zip(self.planes, states, feet, strict=True)):
+            height = (p - plane.displacement.origin).imag
+            if not height or abs(turns[k] * (p - foot).real) <= _FOLLOWED * abs(height) + _SEEN:
+                continue  # whatever the part of the damping
+            level = feet_at((*states[:k], complex(p.real, p.imag - height), *states[k + 1 :]))
+            times = turns[k] * (foot - level[k]).real / height
+            if (times - _FOLLOWED) * abs(height) > _SEEN:
+                raise ArithmeticError(
+                    f"a step of {window.duration:.4g} s from {window.start:.6g} s on is too long for the "
+                    f"damping in the plane {plane.name}: it would change the velocity by {times:.3g} "
+                    f"times the velocity, and at most {_FOLLOWED:g} times can be followed; try a step of "
+                    f"{window.duration / times:.2g} s"
+                )
 
     def way(self, states: States, points: Points, duration: float) -> States:
         """Return the displacements along the tangents in a time, s, and zeros for the memory."""

@@ -172,7 +172,7 @@ def _ended(stepper: Stepper, step: _Step, nominal: float) -> _Step:
     try:
         points, successors = stepper.step(step.mode, step.states, longer)
         end = first_end(stepper, step.mode, step.states, longer, points, successors, fresh=True)
-    except (OverflowError, ZeroDivisionError):
+    except ArithmeticError:
         return step
     return step if end is None else step._replace(window=Window(longer.start, end.part))
 
@@ -237,7 +237,7 @@ def _carried(stepper: Stepper, step: _Step, tolerance: float) -> tuple[float, fl
                 moved = made((*states[:k], states[k] + way, *states[k + 1 :]))
                 for i in (0, 1):
                     found[i] += max(0.0, _apart(moved[i], right[i]) - abs(way) * i)
-    except (OverflowError, ValueError, ZeroDivisionError):
+    except (ArithmeticError, ValueError):
         return 0.0, 0.0
     most = _DOUBTFUL * tolerance
     return min(found[0], most), min(found[1], most)
@@ -422,7 +422,7 @@ def _tried(make: Callable[[], Tried]) -> Tried | None:
     """Return what is made, or None if it cannot be."""
     try:
         return make()
-    except (OverflowError, ValueError, ZeroDivisionError, KeyError):
+    except (ArithmeticError, ValueError, KeyError):
         return None
 
 

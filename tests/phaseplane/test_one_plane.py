@@ -14,7 +14,7 @@ from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import cubic, damper, linear
 from worked_example import column
 
-from phaseplane.constructions import OneDofPlane, Start, Window, construct_motion
+from phaseplane.constructions import RULES, OneDofPlane, Start, Window, construct_motion
 
 MASS, RATE = 300.0, 15000.0
 
@@ -163,6 +163,28 @@ def test_a_construction_that_leaves_the_sheet_says_when():
     stiff = car(spring=cubic(RATE, 1e12), initial_deflection=0.1)
     with pytest.raises(ArithmeticError, match=r"diverges after .* s; try a step shorter"):
         construct_motion(stiff, step=0.02, duration=2.0)
+
+
+@pytest.mark.parametrize("rule", RULES.values(), ids=lambda rule: rule.name)
+def test_a_damper_too_steep_for_the_step_is_refused(rule):
+    """The points would leap from one side of the axis to the other."""
+    step, slope = 1e-3, 2.4e7
+    one = car(damper=damper(slope, 378.0), road=roads.constant(), initial_deflection=-0.03)
+    why = rf"0\.001 s from 0(\.001)? s on .* by {step * slope / MASS:.0f} times .* step of 1\.[23]e-05 s$"
+    with pytest.raises(ArithmeticError, match=why):
+        construct_motion(one, rule, step=step, duration=0.1)
+    short = construct_motion(one, rule, step=1.2e-5, duration=0.03)
+    creeping = column(short, "suspension_deflection")
+    assert np.abs(creeping + 0.03).max() < 1e-4
+
+
+def test_damping_is_followed_up_to_twice_the_velocity_in_a_step():
+    moving = car(road=roads.constant(), initial_rate=0.5)
+    near, beyond = (replace(moving, damper=linear(k * MASS / 1e-3)) for k in (1.97, 2.13))
+    rates = column(construct_motion(near, step=1e-3, duration=0.5), "suspension_deflection_rate")
+    assert abs(rates[-1]) < 1e-2
+    with pytest.raises(ArithmeticError, match=r"would change the velocity by 2\.13 times"):
+        construct_motion(beyond, step=1e-3, duration=0.5)
 
 
 def test_a_kerb_pushes_through_the_damper_like_a_ramp_that_is_ever_steeper():

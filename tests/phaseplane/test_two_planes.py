@@ -481,3 +481,13 @@ def test_a_step_too_long_for_a_stiff_stop_says_when_it_leaves_the_sheet():
     car = ap57(spring=linear(C1) + bump_stop(0.02, 1e9))
     with pytest.raises(ArithmeticError, match=r"diverges after 0\.0\d+ s; try a step shorter"):
         construct_motion(car, step=STEP, duration=0.5)
+
+
+@pytest.mark.parametrize(
+    ("changes", "plane"),
+    [({"tyre_damping": 4e4}, "wheel_displacement"),
+     ({"damper": linear(4e4)}, "suspension_deflection")],
+)  # fmt: skip
+def test_damping_too_strong_for_the_step_is_refused_in_either_plane(changes, plane):
+    with pytest.raises(ArithmeticError, match=f"too long for the damping in the plane {plane}"):
+        construct_motion(ap57(**changes), step=STEP, duration=0.5)
