@@ -22,6 +22,8 @@ _LONGEST = 30.0  # windows over which a separatrix is followed
 _NO_SLOPE = 1e-6  # of the mean slope of f over the window: smaller slopes count as 0
 _TOUCH = 1e-10  # of the largest f: a minimum of |f| below it is a root
 _ROUNDING = 1e-13  # of the largest f, and of the window's width
+_RINGS = 0.7 ** np.arange(13.0, -1.0, -1.0)  # about an equilibrium, of the room that it has
+_GRADUAL = 1e-6  # of the force: damping that begins with more than this begins at some distance
 _STRETCH = 3  # least number of grid points at rest that make a stretch
 
 STRETCH = "interval of rest"
@@ -218,24 +220,31 @@ def _bent_kind(restores: bool, damping: float) -> str:
 
 
 def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float) -> str:
-    """Return the kind of a centre of the linear part, by the dissipation around it, then by a turn."""
+    """Return the kind of a centre of the linear part, by the dissipation around it, then by a turn.
+
+    It stays a centre if small motions meet no damping: if that begins at some distance, all at once.
+    """
     angle = np.linspace(0.0, 2.0 * np.pi, 65)[:-1]
-    size = np.array([0.1, 0.3, 1.0])[:, None] * room
+    size = _RINGS[:, None] * room
     force = _largest(system.forces(x + np.array([room, -room]), np.zeros(2)))
     height = sqrt(force / room) if force > 0.0 else window.height / window.width
-    lost = power(system, x + size * np.cos(angle), height * size * np.sin(angle))
-    for ring in lost:
-        gains, losses = bool((ring < 0.0).any()), bool((ring > 0.0).any())
-        if losses != gains:
-            return "stable focus" if losses else "unstable focus"
-        if losses:
-            start = x + room
-            (back,) = turns(system, window, np.array([start]), tolerance=1e-11).back
-            change = (back - start) / room
-            if abs(change) < 1e-6 or not isfinite(change):
-                return "centre"
-            return "stable focus" if change < 0.0 else "unstable focus"
-    return "centre"
+    v = height * size * np.sin(angle)
+    lost = power(system, x + size * np.cos(angle), v)
+    (damped,) = np.nonzero(lost.any(axis=1))
+    if not len(damped):
+        return "centre"
+    first = damped[0]
+    if first > 0 and np.abs(lost[first]).max() > _GRADUAL * force * np.abs(v[first]).max():
+        return "centre"
+    gains, losses = bool((lost[first] < 0.0).any()), bool((lost[first] > 0.0).any())
+    if losses != gains:
+        return "stable focus" if losses else "unstable focus"
+    start = x + room
+    (back,) = turns(system, window, np.array([start]), tolerance=1e-11).back
+    change = (back - start) / room
+    if abs(change) < 1e-6 or not isfinite(change):
+        return "centre"
+    return "stable focus" if change < 0.0 else "unstable focus"
 
 
 def kind_of(first: complex, second: complex) -> str:

@@ -95,6 +95,16 @@ KINDS: list[tuple[str, Callable[[Any, Any], Any], dict[float, str]]] = [
         "dead band", lambda v, x: x + np.sign(v) * np.maximum(np.abs(v) - 0.5, 0.0),
         {0.0: "centre"},
     ),
+    # small motions meet nothing: the point is a centre, however close it begins
+    (
+        "narrow dead band", lambda v, x: x + np.sign(v) * np.maximum(np.abs(v) - 0.03, 0.0),
+        {0.0: "centre"},
+    ),
+    (
+        "driven beyond a dead band", lambda v, x: x - np.sign(v) * np.maximum(np.abs(v) - 0.004, 0.0),
+        {0.0: "centre"},
+    ),
+    ("friction on a stop", lambda v, x: x + 0.01 * np.sign(v) * (np.abs(x) > 0.02), {0.0: "centre"}),
     ("edge of the reals", lambda v, x: np.sqrt(x), {0.0: "degenerate"}),
 ]  # fmt: skip
 
