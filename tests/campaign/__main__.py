@@ -13,6 +13,7 @@ import functools
 import json
 import os
 import sys
+from collections.abc import Callable
 from multiprocessing import Pool
 from pathlib import Path
 from typing import Any
@@ -23,10 +24,10 @@ sys.path.append(str(Path(__file__).parents[1] / "reference"))  # what solutions 
 import judging
 import reducing
 import report
-from draws import draw
+from draws import Drawn, draw, draw_own
 
 
-def examined(seed: int) -> dict[str, Any]:
+def examined(draw: Callable[[int], Drawn], seed: int) -> dict[str, Any]:
     """All about the system of that number."""
     drawn = draw(seed)
     try:
@@ -54,7 +55,12 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=300, help="number of systems")
     parser.add_argument("--seed", type=int, default=0, help="number of the first")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
-    parser.add_argument("--to", type=Path, default=Path("campaign.jsonl"), help="file of results")
+    parser.add_argument(
+        "--own", action="store_true", help="with elements that only systems of one's own can have"
+    )
+    parser.add_argument(
+        "--to", type=Path, help="file of results, by default campaign.jsonl or, of --own, own.jsonl"
+    )
     parser.add_argument("--show", action="store_true", help="only print the system --seed")
     parser.add_argument(
         "--reduce",
@@ -63,8 +69,10 @@ def main() -> int:
         "such as 1e-06 or 'mean, 0.0005 s'",
     )
     args = parser.parse_args()
+    drawing = draw_own if args.own else draw
+    path = args.to or Path("own.jsonl" if args.own else "campaign.jsonl")
     if args.show or args.reduce:
-        drawn = draw(args.seed)
+        drawn = drawing(args.seed)
         if args.reduce:
             say = functools.partial(print, file=sys.stderr, flush=True)
             drawn = reducing.reduced(drawn, args.reduce, say)
@@ -75,11 +83,13 @@ def main() -> int:
             f"the kernel runs uncompiled, many times slower: {engine.why_uncompiled}",
             file=sys.stderr,
         )
-    results = known(args.to)
+    results = known(path)
     wanted = range(args.seed, args.seed + args.count)
     missing = [seed for seed in wanted if seed not in results]
-    with args.to.open("a", encoding="ascii") as file, Pool(args.jobs) as pool:
-        for done, result in enumerate(pool.imap_unordered(examined, missing), 1):
+    with path.open("a", encoding="ascii") as file, Pool(args.jobs) as pool:
+        for done, result in enumerate(
+            pool.imap_unordered(functools.partial(examined, drawing), missing), 1
+        ):
             file.write(json.dumps(result) + "\n")
             file.flush()
             results[result["seed"]] = result

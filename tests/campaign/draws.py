@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import count
 from math import exp, log, sqrt
 from random import Random
 from typing import Any
+
+import own
 
 Parameters = dict[str, Any]
 
@@ -44,8 +47,8 @@ def _short(x: float) -> float:
 class _Dice:
     """Numbers even on a logarithmic scale, chances, and tables."""
 
-    def __init__(self, seed: int) -> None:
-        self.random = Random(f"campaign {seed}")
+    def __init__(self, seed: int, of: str = "campaign") -> None:
+        self.random = Random(f"{of} {seed}")
 
     def between(self, low: float, high: float) -> float:
         return _short(exp(self.random.uniform(log(low), log(high))))
@@ -79,6 +82,53 @@ def draw(seed: int) -> Drawn:
     parameters = make(dice, model)
     method = dice.random.choice(FIXED)
     return Drawn(seed, model, parameters, dice.evenly(0.3, 1.0), method)
+
+
+def draw_own(seed: int) -> Drawn:
+    """The vehicle of that number or a later one, with elements of one's own beside its suspensions."""
+    plain = next(d for d in map(draw, count(seed)) if d.model != "Elastoplastic")
+    dice, found = _Dice(seed, "own"), dict(plain.parameters)
+    two, wheels = plain.model.startswith("Half"), plain.model in ("QuarterCar", "HalfCar")
+    for of in ("front.", "rear.") if two else ("",):
+        found |= {of + name: x for name, x in _own(dice, found[f"{of}spring.rate"], wheels).items()}
+        if f"{of}friction" in found or dice.chance(0.3):
+            found.setdefault(f"{of}friction", dice.between(5.0, 300.0))
+            found[f"{of}breakaway"] = dice.between(1.01, 2.0)
+    return Drawn(seed, own.name_of(plain.model), found, plain.duration, plain.method)
+
+
+def _own(dice: _Dice, rate: float, wheels: bool) -> Parameters:
+    """Laws of one's own beside a spring of that rate; not all at once."""
+    found: Parameters = {}
+    if dice.chance(0.5):
+        exponent = dice.random.choice([0.5, 0.7, 1.5, 1.75, 2.0, dice.evenly(0.4, 3.0)])
+        found |= {
+            "orifice.coefficient": dice.between(0.02, 0.3) * rate,
+            "orifice.exponent": exponent,
+        }
+        if exponent < 1.0 or dice.chance(0.3):
+            found["orifice.linear_below"] = dice.between(1e-3, 0.1)
+    if dice.chance(0.4):
+        exponent = dice.random.choice([1.5, 2.0, 2.5, 3.0, dice.evenly(1.1, 4.0)])
+        # as much as the spring at 5 cm, more or less
+        force = dice.between(0.1, 3.0) * 0.05 * rate
+        found |= {"bushing.coefficient": force / 0.05**exponent, "bushing.exponent": exponent}
+    if dice.chance(0.3):
+        found |= {
+            "valve.rate": dice.between(0.01, 0.3) * rate,
+            "valve.knee": dice.between(0.05, 2.0),
+        }
+    if dice.chance(0.3):
+        found |= {
+            "rubber.rate": dice.between(0.1, 2.0) * rate,
+            "rubber.reach": dice.between(0.02, 0.2),
+        }
+    if wheels and dice.chance(0.5):
+        found |= {
+            "mount.rate": dice.between(1.0, 30.0) * rate,
+            "mount.damping": dice.between(0.01, 0.5) * rate,
+        }
+    return {name: _short(x) for name, x in found.items()}
 
 
 def _frame(dice: _Dice, model: str) -> Parameters:

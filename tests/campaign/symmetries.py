@@ -12,11 +12,13 @@ from math import inf, sqrt
 from random import Random
 
 import numpy as np
+import own
 from draws import Drawn, Parameters
 from numpy.typing import NDArray
 from phaseplane.suspension.characteristics import Characteristic, Piece
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import build
+from phaseplane.suspension.pieces import Own
 from phaseplane.suspension.reasons import why_stopped
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.signals import Signal
@@ -95,9 +97,21 @@ def _law(law: Characteristic, x: float, f: float) -> Characteristic:
                 tuple(c * f / x**k for k, c in enumerate(piece.coefficients)),  # type: ignore[arg-type]
                 piece.saturation * f,
                 piece.scale * x,
+                piece.power * f / x**piece.exponent,
+                piece.exponent,
+                piece.own and _own(piece.own, x, f),
             )
             for piece in law.pieces
         )
+    )
+
+
+def _own(law: Own, x: float, f: float) -> Own:
+    """f F(argument / x) of a function."""
+    return Own(
+        lambda u: f * law.force(u / x),
+        lambda u: f / x * law.tangent(u / x),
+        lambda u: f * x * law.integral(u / x),
     )
 
 
@@ -123,6 +137,7 @@ def in_units(system: System, length: float, mass: float) -> System:
             modulation=_law(e.modulation, length, 1.0) if e.is_modulated else e.modulation,
             limit=e.limit * force, yield_force=e.yield_force * force, friction=e.friction * force,
             hardening=e.hardening * mass, permanent_set=e.permanent_set * length,
+            breakaway=e.breakaway * force, series=e.series * mass,
         )  # fmt: skip
 
     return replace(
@@ -136,7 +151,15 @@ def in_units(system: System, length: float, mass: float) -> System:
 
 
 def units(c: Case) -> float | None:
-    """Units of length and mass that are powers of two: loads a millionth, masses a hundred times."""
+    """Units of length and mass that are powers of two: loads a millionth, masses a hundred times.
+
+    Powers with a broken exponent are rounded.
+    """
+    pieces = (
+        piece for e in c.system.elements for law in (e.spring, e.damper) for piece in law.pieces
+    )
+    if any(not float(piece.exponent).is_integer() for piece in pieces):
+        return None
     length, mass = 2.0**-20, 2.0**7
     other = motion(in_units(c.system, length, mass), c.start * length, c.times)
     return apart(motion(c.system, c.start, c.times), other / length)
@@ -161,7 +184,7 @@ def _upside_down(law: Characteristic) -> Characteristic:
     ends = [*(piece.start for piece in law.pieces[1:]), inf]
     pieces = (
         Piece(-end, -p.origin, tuple(c * (-1.0) ** (k + 1) for k, c in enumerate(p.coefficients)),  # type: ignore[arg-type]
-              p.saturation, p.scale)
+              p.saturation, p.scale, p.power, p.exponent, p.own and _own(p.own, -1.0, -1.0))
         for p, end in zip(law.pieces, ends, strict=True)
     )  # fmt: skip
     return Characteristic(tuple(pieces)[::-1])
@@ -260,9 +283,11 @@ def short_ramps(c: Case) -> float | None:
 def two_quarter_cars(c: Case) -> float | None:
     """A half car whose pitch inertia decouples its axles, and each axle by itself."""
     p = c.drawn.parameters
-    if c.drawn.model not in ("HalfCar", "HalfCarRigidTyres"):
+    cars = {"HalfCar": "QuarterCar", "HalfCarRigidTyres": "OneDof"}
+    cars |= {own.name_of(two): own.name_of(one) for two, one in cars.items()}
+    alone = cars.get(c.drawn.model)
+    if alone is None:
         return None
-    alone = {"HalfCar": "QuarterCar", "HalfCarRigidTyres": "OneDof"}[c.drawn.model]
     a, b = p["cg_to_front"], p["cg_to_rear"]
     decoupled = p | {"pitch_radius_of_gyration": sqrt(a * b)}
     whole = public(c.drawn.model, decoupled, c.times, _coordinates(c.system))
@@ -273,19 +298,19 @@ def two_quarter_cars(c: Case) -> float | None:
     scale = float(np.abs(whole - whole[0]).max())
     for k, (side, arm) in enumerate((("front", b), ("rear", a))):
         share = arm / (a + b)
-        own = shared | {"sprung_mass": share * p["sprung_mass"]}
-        own |= {
+        part = shared | {"sprung_mass": share * p["sprung_mass"]}
+        part |= {
             name.removeprefix(f"{side}."): x for name, x in p.items() if name.startswith(f"{side}.")
         }
-        own |= {name.replace(f"{side}_", ""): x for name, x in p.items()
+        part |= {name.replace(f"{side}_", ""): x for name, x in p.items()
                 if name.startswith(f"initial.{side}_")}  # fmt: skip
         if "body_force.table" in p:
             pairs = (pair.split(":") for pair in p["body_force.table"].split(","))
-            own["body_force.table"] = ", ".join(f"{t}:{float(f) * share!r}" for t, f in pairs)
+            part["body_force.table"] = ", ".join(f"{t}:{float(f) * share!r}" for t, f in pairs)
         if side == "rear":
-            own["road.start"] = p.get("road.start", 0.0) + (a + b) / p["speed"]
-        names = ["body_displacement", "wheel_displacement"][: 1 + (alone == "QuarterCar")]
-        found = public(alone, own, c.times, names)
+            part["road.start"] = p.get("road.start", 0.0) + (a + b) / p["speed"]
+        names = ["body_displacement", "wheel_displacement"][: len(c.system.mass) // 2]
+        found = public(alone, part, c.times, names)
         worst = max(worst, float(np.abs(found - whole[:, k::2]).max()))
     return worst / scale if worst else 0.0
 

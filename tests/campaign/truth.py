@@ -8,15 +8,19 @@ quarter of a millisecond and, between two such instants, where it has a minimum.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import ceil
+from math import ceil, inf
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from phaseplane.scenarios.studies.branches import Branches
 from phaseplane.scenarios.studies.equations import Equations
+from phaseplane.scenarios.studies.expressions import Law
+from phaseplane.suspension.characteristics import Characteristic
+from phaseplane.suspension.pieces import Piece
 from phaseplane.suspension.systems import System
 from scipy.linalg import expm
 from scipy.optimize import brentq
@@ -69,19 +73,20 @@ def solve(
     ------
     NoTruthError : too stiff for an explicit method, or switches without end.
     """
-    equations = Equations(system)
+    equations = _Equations(system)
     n = equations.n
-    y, t, k = np.array(state, float), float(times[0]), 1
+    relaxed = np.zeros(len(equations.series))
+    y, t, k = np.concatenate([state, relaxed]), float(times[0]), 1
     branches = Branches(equations, t, y)
     straight, curved = _Straight(equations), _Curved(equations)
     functions = equations.functions()
     rows = np.empty((len(times), 3 * n + len(system.elements)))
 
     def read(k: int, t: float, row: Array) -> None:
-        rate, force = [0.0] * (2 * n), [0.0] * len(system.elements)
+        rate, force = [0.0] * equations.order, [0.0] * len(system.elements)
         functions["rhs"](t, row.tolist(), rate, branches.p)
         functions["forces"](t, row.tolist(), force, branches.p)
-        rows[k] = [*row, *rate[n:], *force]
+        rows[k] = [*row[: 2 * n], *rate[n : 2 * n], *force]
 
     read(0, t, y)
     jumps: list[float] = []
@@ -99,7 +104,7 @@ def solve(
         leg = method.advance(t, end, y, branches, wanted)
         for row in leg.rows:
             if kick and k == kick[0]:
-                leg = leg._replace(state=leg.state + kick[1])
+                leg = leg._replace(state=leg.state + np.concatenate([kick[1], relaxed]))
             read(k, float(times[k]), leg.state if kick and k == kick[0] else row)
             k += 1
         t, y = leg.end, leg.state.copy()
@@ -116,13 +121,78 @@ def solve(
     return Truth(times, *parts, branches.events, jumps)
 
 
+@dataclass(frozen=True, slots=True)
+class _AnyLaw(Law):
+    """A law with a power of |s|, and with a function of that name."""
+
+    own: str = ""
+
+    def numbers(self, piece: Piece) -> list[float]:
+        *polynomial, height, steepness = super(_AnyLaw, self).numbers(piece)
+        more = [piece.power, piece.exponent, float(piece.own is not None)]
+        return [*polynomial, *more, height, steepness]
+
+    def text(self, x: str) -> str:
+        count = len(self.numbers(self.pieces[0]))
+        origin, *_, power, exponent, own, _, _ = (f"p[{self.at + k}]" for k in range(count))
+        s = f"({x} - {origin})"
+        text = f"{super(_AnyLaw, self).text(x)} + {power} * copysign(abs({s}) ** {exponent}, {s})"
+        return f"{text} + {own} * {self.own}({s})" if self.own else text
+
+
+@dataclass(frozen=True, slots=True)
+class _InSeries(Law):
+    """A damper with a spring in series, whose extension is a state of its own."""
+
+    force: str = ""
+
+    def text(self, x: str) -> str:
+        return self.force
+
+
+class _Equations(Equations):
+    """The equations with all elements: power laws, functions, springs in series with dampers."""
+
+    def __init__(self, system: System) -> None:
+        self.own: dict[str, Callable[[Any], Any]] = {}
+        self.series = [i for i, e in enumerate(system.elements) if e.series < inf]
+        plain = tuple(replace(e, series=inf) for e in system.elements)
+        super().__init__(replace(system, elements=plain))
+        self.order = 2 * self.n + len(self.series)  # of the state
+        self._mounted = [system.elements[i] for i in self.series]
+        for j, (i, e) in enumerate(zip(self.series, self._mounted, strict=True)):
+            force = f"{e.series!r} * y[{2 * self.n + j}]"
+            self.laws["damper"][i] = _InSeries(e.damper.pieces, (), False, force=force)
+
+    def _law(self, law: Characteristic, *, yields: bool = False) -> Law:
+        if not any(piece.power or piece.own for piece in law.pieces):
+            return super()._law(law, yields=yields)
+        own = next((piece.own for piece in law.pieces if piece.own), None)
+        name = f"own{len(self.own)}" if own else ""
+        if own:
+            self.own[name] = np.vectorize(own.force, otypes=[float])
+        made = _AnyLaw(law.pieces, (0, 1, 2, 3), True, own=name)
+        return replace(made, at=self._take(len(made.numbers(law.pieces[0]))))
+
+    def _written(self, *, choosing: bool, sampled: bool) -> str:
+        rhs, *others = super()._written(choosing=choosing, sampled=sampled).split("\n\n")
+        for j, (i, e) in enumerate(zip(self.series, self._mounted, strict=True)):
+            at, row = 2 * self.n + j, self._row(self.system.elements[i])
+            slip = e.series / e.damper.tangent(0.0)
+            rhs += f"\n    dy[{at}] = w{row} - {slip!r} * y[{at}]"
+        return "\n\n".join([rhs, *others])
+
+    def functions(self, **given: Any) -> dict[str, Callable[[Any, Any, Any, Any], None]]:
+        return super().functions(copysign=np.copysign, **self.own, **given)
+
+
 class _Straight:
     """Motion by matrix exponentials: z' = G z, with z the state, 1, and each signal with its derivatives.
 
     A signal is the sum of a cubic p, carried as p, p', p'', p''', and of a cosine c, as c and c'.
     """
 
-    def __init__(self, equations: Equations) -> None:
+    def __init__(self, equations: _Equations) -> None:
         self.equations = equations
         functions = equations.functions(sampled=True)
         self._rhs, self._guards = functions["rhs"], functions["guards"]
@@ -138,6 +208,8 @@ class _Straight:
 
     def enters(self, branches: Branches, t: float) -> bool:
         """Whether all is straight in the present branches, on the present segments of the signals."""
+        if self.equations.series:
+            return False
         segments = self._segments(branches)
         if any(s.amplitude and s.phase[2] for s in segments):
             return False
@@ -335,10 +407,10 @@ class _Flow:
 class _Curved:
     """Motion by DOP853."""
 
-    def __init__(self, equations: Equations) -> None:
+    def __init__(self, equations: _Equations) -> None:
         self._rhs = equations.functions()["rhs"]
         self._guards = equations.functions(cos=np.cos, sin=np.sin, tanh=np.tanh)["guards"]
-        self._size, self._count = 2 * equations.n, len(equations.guards)
+        self._size, self._count = equations.order, len(equations.guards)
 
     def advance(self, t: float, end: float, y: Array, branches: Branches, wanted: Array) -> Leg:
         self._p = branches.p.tolist()

@@ -28,7 +28,7 @@ DELTA = rule_named("delta")
 STEP = 0.15
 
 
-def student(drawing: Drawing, construction: EquationPlane, steps: int) -> list[complex]:
+def student(drawing: Drawing, steps: int) -> list[complex]:
     """The points of a student who makes no mistake."""
     return [frame.points["P"] for frame in drawing.instants[: steps + 1]]
 
@@ -64,7 +64,7 @@ def test_careful_readings_are_all_right(task):
     construction, drawing = task
     draw = random.Random(1)
     points = [
-        z + 2e-4 * complex(draw.gauss(0, 1), draw.gauss(0, 1)) for z in student(*task[::-1], 10)
+        z + 2e-4 * complex(draw.gauss(0, 1), draw.gauss(0, 1)) for z in student(task[1], 10)
     ]
     marks = judged(construction, drawing, points)
     assert marks.right == len(marks.marks) == 10
@@ -73,7 +73,7 @@ def test_careful_readings_are_all_right(task):
 def test_an_error_counts_once_where_it_was_made(task):
     """What follows from a wrong point is right again, though far from the faultless construction."""
     construction, drawing = task
-    points = student(drawing, construction, 3)
+    points = student(drawing, 3)
     points[3] += 0.02 + 0.01j
     follow(construction, drawing, points, 10)
     marks = judged(construction, drawing, points)
@@ -84,7 +84,7 @@ def test_an_error_counts_once_where_it_was_made(task):
 
 def test_a_little_beside_the_point_is_an_error_of_reading(task):
     construction, drawing = task
-    points = student(drawing, construction, 3)
+    points = student(drawing, 3)
     points[3] += 2e-3 * 1j
     marks = judged(construction, drawing, points)
     assert marks.marks[2].verdict == READING
@@ -100,7 +100,7 @@ def test_a_little_beside_the_point_is_an_error_of_reading(task):
 )
 def test_a_misread_point_does_not_spoil_the_step_after_it(task, change, words):
     construction, drawing = task
-    points = student(drawing, construction, 8)
+    points = student(drawing, 8)
     points[4] = change(points[4])
     marks = judged(construction, drawing, points)
     assert [m.number for m in marks.marks if m.verdict != RIGHT] == [4]
@@ -123,7 +123,7 @@ def test_a_misread_point_does_not_spoil_the_step_after_it(task, change, words):
 )
 def test_the_rule_that_was_broken_is_named(task, mistake, words):
     construction, drawing = task
-    points = student(drawing, construction, 4)
+    points = student(drawing, 4)
     frame = drawing.frames[4]
     state, window = (points[-1],), Window(frame.time, frame.duration)
     stepper = Stepper(construction, DELTA)
@@ -176,7 +176,7 @@ def step_from(construction, drawing, points, feet, n: int) -> complex:
 )
 def test_a_wrong_foot_is_named_and_the_step_judged_from_it(task, change, beside, verdict, words):
     construction, drawing = task
-    points = student(drawing, construction, 3)
+    points = student(drawing, 3)
     feet = [frame.points["D"] for frame in drawing.instants[:4]]
     feet[2] = change(feet[2])
     from_it = step_from(construction, drawing, points, feet, 2)
@@ -191,7 +191,7 @@ def test_a_wrong_foot_is_named_and_the_step_judged_from_it(task, change, beside,
 
 def test_a_step_with_the_right_foot_is_right_though_another_was_read(task):
     construction, drawing = task
-    points = student(drawing, construction, 5)
+    points = student(drawing, 5)
     feet = [frame.points["D"] for frame in drawing.instants[:6]]
     feet[2] += 8e-3
     marks = judged(construction, drawing, points, feet=feet).marks
@@ -204,7 +204,7 @@ def test_a_step_with_the_right_foot_is_right_though_another_was_read(task):
 @pytest.mark.parametrize("turn", [-1.0, 2.0])
 def test_a_mistake_is_named_when_it_follows_a_misread_foot(task, turn):
     construction, drawing = task
-    points = student(drawing, construction, 2)
+    points = student(drawing, 2)
     feet = [frame.points["D"] for frame in drawing.instants[:4]]
     feet[2] += 6e-3
     frame = drawing.frames[2]
@@ -221,7 +221,7 @@ def test_a_mistake_is_named_when_it_follows_a_misread_foot(task, turn):
 def test_a_misread_point_does_not_spoil_the_step_after_it_though_that_is_beside(task):
     """Point 4 is written down wrongly, point 5 is 2 mm from what follows from the drawn point 4."""
     construction, drawing = task
-    points = student(drawing, construction, 5)
+    points = student(drawing, 5)
     points[4] += 8e-3
     points[5] += 2e-3j
     follow(construction, drawing, points, 8)
@@ -230,7 +230,7 @@ def test_a_misread_point_does_not_spoil_the_step_after_it_though_that_is_beside(
     assert "slightly off" in marks[4].said
     feet = [frame.points["D"] for frame in drawing.instants[:6]]
     feet[4] += 6e-3
-    points = student(drawing, construction, 4)
+    points = student(drawing, 4)
     points.append(step_from(construction, drawing, points, feet, 4))
     points[4] += 8e-3
     marks = judged(construction, drawing, points, feet=feet).marks
@@ -393,7 +393,7 @@ def test_d_of_one_plane_alone_is_refused_and_not_ignored():
 
 def test_readings_of_another_exercise_are_refused(task):
     construction, drawing = task
-    points = [z + 0.05 for z in student(drawing, construction, 3)]
+    points = [z + 0.05 for z in student(drawing, 3)]
     with pytest.raises(ValueError, match="mm from the start point of the sheet; is this another"):
         judged(construction, drawing, points)
     with pytest.raises(ValueError, match="12 points were read, but the construction has 11"):
