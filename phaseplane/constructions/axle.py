@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import isfinite, sqrt
 
-from phaseplane.constructions.construction import Construction, Window
+from phaseplane.constructions.construction import LIFT_OFF, TOUCHDOWN, Construction, Window
 from phaseplane.constructions.control import Before, added, controlled, deflected, moved
 from phaseplane.constructions.coupling import Lines, lines_across
 from phaseplane.constructions.laws import (
@@ -454,6 +454,18 @@ class AxlePlanes(Construction):
     def axles(self) -> tuple[Axle, ...]:
         """The axles with the forces in them."""
 
+    @abstractmethod
+    def flying(self, mode: str) -> tuple[bool, ...]:
+        """Return whether each wheel is off the road in a mode."""
+
+    @abstractmethod
+    def mode_of(self, flying: tuple[bool, ...]) -> str:
+        """Return the mode in which these wheels are off the road."""
+
+    @abstractmethod
+    def accelerations(self, *forces: float) -> tuple[float, ...]:
+        """Return those of the body over each axle under the forces of the struts, m/s^2."""
+
     @cached_property
     def planes(self) -> tuple[Plane, ...]:
         """The planes of strut and wheel of each axle in turn."""
@@ -473,6 +485,66 @@ class AxlePlanes(Construction):
         """Return the state points after a kerb under any wheel."""
         pairs = zip(self.axles, states[::2], states[1::2], strict=True)
         return tuple(p for axle, *pair in pairs for p in axle.jolted(pair, time))
+
+    def curves(self, frames: StoredFrames) -> tuple[Curve, ...]:
+        """Return the auxiliary curves of all planes, and lines I and II of each axle."""
+        return tuple(curve for axle in self.axles for curve in axle.curves(frames))
+
+    # Lift-off U and touchdown V of each wheel.
+
+    def mode_at(self, states: States, time: float, airborne: Sequence[bool] | None = None) -> str:
+        """Return the mode: a wheel is in flight if the contact rule says so and it may leave the road."""
+        return self.mode_of(
+            tuple(
+                axle.lift_off
+                and (axle.clearance(p, time) > 0.0 if airborne is None else airborne[i])
+                for i, (axle, p) in enumerate(zip(self.axles, states[1::2], strict=True))
+            )
+        )
+
+    def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
+        """Return the clearance of each axle, m, with its sign chosen positive while the mode lasts."""
+        if not any(axle.lift_off for axle in self.axles):
+            return ()
+        return tuple(
+            [
+                axle.clearance(p, time) * (1.0 if flies else -1.0) if axle.lift_off else 1.0
+                for axle, p, flies in zip(self.axles, states[1::2], self.flying(mode), strict=True)
+            ]
+        )
+
+    def mode_after(self, mode: str, limits: Sequence[int], states: States, time: float) -> str:
+        """Return the mode after wheels have lifted off or touched down."""
+        return self.mode_of(
+            tuple(flies != (i in limits) for i, flies in enumerate(self.flying(mode)))
+        )
+
+    def event(self, mode: str, successor: str) -> str:
+        """Return the event of each wheel that has lifted off (U) or touched down (V)."""
+        return ", ".join(
+            axle.prefix + (LIFT_OFF if flies else TOUCHDOWN)
+            for axle, flew, flies in zip(
+                self.axles, self.flying(mode), self.flying(successor), strict=True
+            )
+            if flew != flies
+        )
+
+    # Readings.
+
+    def readings(
+        self, mode: str, states: States, time: float, before: Before | None
+    ) -> dict[str, float]:
+        """Return all motions read off the sheet, SI (AP57 eqs. 21 to 24 for each axle).
+
+        The control is the body's acceleration above each axle, from the strut forces, integrated
+        twice (as in AP57 eq. 25).
+        """
+        points = self.points(mode, states, Window(time))
+        read: dict[str, float] = {}
+        by_forces = self.accelerations(*(axle.strut_force(points) for axle in self.axles))
+        for axle, flies, by_force in zip(self.axles, self.flying(mode), by_forces, strict=True):
+            read |= axle.readings(flies, points, time, by_force, before)
+        return read
 
 
 def _scaled_velocity(y_bar: float, _y: float) -> float:

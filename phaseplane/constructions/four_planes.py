@@ -11,22 +11,21 @@ front. Its distance from A11* is laid off from D11 to give the foot H11 of the n
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
 from phaseplane.constructions.axle import Axle, AxleData, AxlePlanes, Place
 from phaseplane.constructions.body import AXLES, BodyMasses
-from phaseplane.constructions.construction import CONTACT, FLIGHT, LIFT_OFF, TOUCHDOWN, Window
-from phaseplane.constructions.control import Before
+from phaseplane.constructions.construction import CONTACT, FLIGHT, Window
 from phaseplane.constructions.coupling import Lines, lines_across
 from phaseplane.constructions.four_planes_schemes import half_car_scheme
 from phaseplane.constructions.primitives import Curve, Scheme
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import StoredFrames
 
-MODES = {
+MODES: Mapping[str, tuple[bool, ...]] = {
     CONTACT: (False, False),
     "front_flight": (True, False),
     "rear_flight": (False, True),
@@ -88,6 +87,18 @@ class HalfCarPlanes(AxlePlanes):
         )
         return one, two
 
+    def flying(self, mode: str) -> tuple[bool, ...]:
+        """Return whether the front and the rear wheel are off the road in a mode."""
+        return MODES[mode]
+
+    def mode_of(self, flying: tuple[bool, ...]) -> str:
+        """Return the mode in which these wheels are off the road."""
+        return _MODE_OF[flying]
+
+    def accelerations(self, *forces: float) -> tuple[float, ...]:
+        """Return those of the body over both axles under the forces of the struts, m/s^2."""
+        return self.masses.accelerations(*forces)
+
     @cached_property
     def couplings(self) -> tuple[float, float]:
         """kappa_i = (M3 / Delta) c_j / Omega_i^2, the weight of the other strut, with sign."""
@@ -138,55 +149,4 @@ class HalfCarPlanes(AxlePlanes):
         front, rear = self.axles
         pair = (front.suspension.plane, rear.suspension.plane)
         across = lines_across(self.lines, ("III", "IV"), pair, frames, ("K11", "K21"))
-        return (*front.curves(frames), *rear.curves(frames), *across)
-
-    # Lift-off and touchdown of either wheel.
-
-    def mode_at(self, states: States, time: float, airborne: Sequence[bool] | None = None) -> str:
-        """Return the mode: a wheel is in flight if the contact rule says so and it may leave the road."""
-        front, rear = (
-            axle.lift_off and (axle.clearance(p, time) > 0.0 if airborne is None else airborne[i])
-            for i, (axle, p) in enumerate(zip(self.axles, states[1::2], strict=True))
-        )
-        return _MODE_OF[front, rear]
-
-    def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
-        """Return the clearance of each axle, m, with its sign chosen positive while the mode lasts."""
-        if not self.lift_off:
-            return ()
-        return tuple(
-            [
-                axle.clearance(p, time) * (1.0 if flies else -1.0) if axle.lift_off else 1.0
-                for axle, p, flies in zip(self.axles, states[1::2], MODES[mode], strict=True)
-            ]
-        )
-
-    def mode_after(self, mode: str, limits: Sequence[int], states: States, time: float) -> str:
-        """Return the mode after one wheel, or both, have lifted off or touched down."""
-        front, rear = MODES[mode]
-        return _MODE_OF[front != (0 in limits), rear != (1 in limits)]
-
-    def event(self, mode: str, successor: str) -> str:
-        """Return the event of each wheel that has lifted off or touched down."""
-        return ", ".join(
-            f"{axle}_{LIFT_OFF if flies else TOUCHDOWN}"
-            for axle, flew, flies in zip(AXLES, MODES[mode], MODES[successor], strict=True)
-            if flew != flies
-        )
-
-    # Readings.
-
-    def readings(
-        self, mode: str, states: States, time: float, before: Before | None
-    ) -> dict[str, float]:
-        """Return all motions read off the sheet, SI (AP57 eqs. 21 to 24 for each axle).
-
-        The control is the body's acceleration above each axle, from the strut forces, integrated
-        twice (as in AP57 eq. 25).
-        """
-        points = self.points(mode, states, Window(time))
-        read: dict[str, float] = {}
-        by_forces = self.masses.accelerations(*(axle.strut_force(points) for axle in self.axles))
-        for axle, flies, by_force in zip(self.axles, MODES[mode], by_forces, strict=True):
-            read |= axle.readings(flies, points, time, by_force, before)
-        return read
+        return (*super().curves(frames), *across)

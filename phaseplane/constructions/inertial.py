@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from phaseplane.constructions.body import AXLES, BodyMasses
 from phaseplane.constructions.construction import CONTACT, Construction, Window
@@ -58,6 +58,23 @@ _SCHEME = scheme(
     turns("1", "2"),
 )
 """AP57 figure 12 in the order of drawing."""
+
+
+class _Axle(NamedTuple):
+    """One axle: its strut, its road, and its phase plane; `prefix` is that of its readings."""
+
+    prefix: str
+    strut: Strut
+    road: Signal
+    jumps: Jumps
+    lienard: Lienard
+
+    def shift(self, window: Window) -> complex:
+        """Return the way from H to D, for the mean acceleration of the road over a window."""
+        plane = self.lienard.plane
+        mean = self.jumps.mean_acceleration(window.start, window.duration)
+        axis = plane.displacement
+        return axis.direction * axis.scale * mean / plane.angular_frequency**2
 
 
 @dataclass(frozen=True)
@@ -104,7 +121,7 @@ class HalfCarRigidTyresPlanes(Construction):
         """Check the parameters."""
         check_positive(self, ("plane_distance", "plane_scales"))
         check_finite(self, ("initial_deflections", "initial_rates"))
-        _ = self.masses, self.struts
+        _ = self.axles
 
     # Derived quantities.
 
@@ -114,26 +131,29 @@ class HalfCarRigidTyresPlanes(Construction):
         return BodyMasses(self.front_mass, self.rear_mass, self.coupling_mass)
 
     @cached_property
-    def struts(self) -> tuple[Strut, Strut]:
-        """Springs and dampers."""
+    def axles(self) -> tuple[_Axle, _Axle]:
+        """The front axle in plane 1 at the origin of the sheet, and the rear axle in plane 2 below it."""
+        front, rear = self.masses.compliances
+        sense = -1.0 if self.coupling_mass >= 0.0 else 1.0
         return (
-            Strut(self.front_spring, self.front_damper),
-            Strut(self.rear_spring, self.rear_damper),
+            self._axle(0, Strut(self.front_spring, self.front_damper), self.front_road, front, 1.0),
+            self._axle(1, Strut(self.rear_spring, self.rear_damper), self.rear_road, rear, sense),
         )
 
-    @cached_property
-    def angular_frequencies(self) -> tuple[float, float]:
-        """Omega_i^2 = (c_i / M_i) M1 M2 / (M1 M2 - M3^2), rad/s (AP57 eq. 35)."""
-        one, two = (
-            sqrt(strut.rate * own)
-            for strut, own in zip(self.struts, self.masses.compliances, strict=True)
-        )
-        return one, two
+    def _axle(self, i: int, strut: Strut, road: Signal, own: float, sense: float) -> _Axle:
+        omega = sqrt(strut.rate * own)  # AP57 eq. 35
+        origin = complex(0.0, -i * self.plane_distance)
+        plane = plane_at(
+            f"{AXLES[i]}_suspension_deflection", str(i + 1), omega, origin, sense,
+            self.plane_scales[i], "H",
+        )  # fmt: skip
+        lienard = Lienard.of_strut(plane, strut, self.auxiliary_levels)
+        return _Axle(f"{AXLES[i]}_", strut, road, Jumps(road), lienard)
 
     @cached_property
     def couplings(self) -> tuple[float, float]:
         """kappa1 = (M3 / M2) (c2 / c1) and kappa2 = (M3 / M1) (c1 / c2), with sign (AP57 eq. 36)."""
-        one, two = (strut.rate for strut in self.struts)
+        one, two = (axle.strut.rate for axle in self.axles)
         m3 = self.coupling_mass
         return m3 / self.rear_mass * two / one, m3 / self.front_mass * one / two
 
@@ -145,42 +165,15 @@ class HalfCarRigidTyresPlanes(Construction):
         return Lines.between(0.0, -self.plane_distance, b / a, to_1, to_2)
 
     @cached_property
-    def lienards(self) -> tuple[Lienard, Lienard]:
-        """Both planes with their auxiliary curves."""
-        origins = (0j, complex(0.0, -self.plane_distance))
-        senses = (1.0, -1.0 if self.coupling_mass >= 0.0 else 1.0)
-        one, two = (
-            Lienard.of_strut(
-                plane_at(
-                    f"{axle}_suspension_deflection", str(i), omega, origin, sense, scale, "H"
-                ),
-                strut,
-                self.auxiliary_levels,
-            )
-            for i, (axle, omega, strut, origin, sense, scale) in enumerate(
-                zip(
-                    AXLES, self.angular_frequencies, self.struts, origins, senses,
-                    self.plane_scales, strict=True,
-                ),
-                start=1,
-            )
-        )  # fmt: skip
-        return one, two
-
-    @cached_property
     def planes(self) -> tuple[Plane, ...]:
-        """Plane 1 at the origin of the sheet, and plane 2 below it."""
-        return tuple(one.plane for one in self.lienards)
+        """Planes 1 and 2."""
+        return tuple(axle.lienard.plane for axle in self.axles)
 
     @cached_property
     def initial(self) -> States:
         """The state points at time 0."""
-        return tuple(
-            one.state(y, rate)
-            for one, y, rate in zip(
-                self.lienards, self.initial_deflections, self.initial_rates, strict=True
-            )
-        )
+        values = zip(self.axles, self.initial_deflections, self.initial_rates, strict=True)
+        return tuple(axle.lienard.state(y, rate) for axle, y, rate in values)
 
     @cached_property
     def protractor(self) -> complex:
@@ -191,59 +184,42 @@ class HalfCarRigidTyresPlanes(Construction):
 
     def points(self, mode: str, states: States, window: Window) -> Points:
         """Construct P, Q, A, A*, C, D and H of figure 12, with the roads' mean accelerations."""
-        one, two = self.lienards
-        p1, p2 = states
-        q1, a1, foot1 = one.raised(p1)
-        q2, a2, foot2 = two.raised(p2)
+        (p1, p2), (front, rear) = states, self.axles
+        q1, a1, foot1 = front.lienard.raised(p1)
+        q2, a2, foot2 = rear.lienard.raised(p2)
         c1, d2 = self.lines.to_plane_2(foot1, foot2, q1)
         c2, d1 = self.lines.to_plane_1(foot1, foot2, q2)
-        shift1, shift2 = (
-            one.plane.displacement.direction
-            * one.plane.displacement.scale
-            * jumps.mean_acceleration(window.start, window.duration)
-            / omega**2
-            for one, jumps, omega in zip(
-                self.lienards, self.jumps, self.angular_frequencies, strict=True
-            )
-        )
         return {
             "P1": p1, "P2": p2, "Q1": q1, "Q2": q2, "A1": a1, "A2": a2, "A1*": foot1, "A2*": foot2,
-            "C1": c1, "C2": c2, "D1": d1, "D2": d2, "H1": d1 - shift1, "H2": d2 - shift2,
+            "C1": c1, "C2": c2, "D1": d1, "D2": d2,
+            "H1": d1 - front.shift(window), "H2": d2 - rear.shift(window),
         }  # fmt: skip
 
     def curves(self, frames: StoredFrames) -> tuple[Curve, ...]:
         """Return the auxiliary curves of both planes, and lines I and II."""
-        one, two = self.lienards
-        across = lines_across(
-            self.lines, ("I", "II"), (one.plane, two.plane), frames, ("A1", "A2", "D1", "D2")
-        )
-        return (*one.curves(frames), *two.curves(frames), *across)
+        one, two = self.planes
+        across = lines_across(self.lines, ("I", "II"), (one, two), frames, ("A1", "A2", "D1", "D2"))
+        return *(curve for axle in self.axles for curve in axle.lienard.curves(frames)), *across
 
     # Jumps of the roads.
 
     @cached_property
-    def jumps(self) -> tuple[Jumps, Jumps]:
-        """The jumps of both roads."""
-        return Jumps(self.front_road), Jumps(self.rear_road)
-
-    @cached_property
     def jolts(self) -> tuple[float, ...]:
         """Times at which a road or its velocity jumps, s."""
-        return tuple(sorted({t for one in self.jumps for t in one.table}))
+        return tuple(sorted({t for axle in self.axles for t in axle.jumps.table}))
 
     def jolted(self, mode: str, states: States, time: float) -> States:
         """Return the states after a jump: y falls by that of xi, y' by that of xi'; dampers push."""
-        heights, kinks = zip(*(one.at(time) for one in self.jumps), strict=True)
-        before = [one.values(p)[0] for one, p in zip(self.lienards, states, strict=True)]
-        pushes = (
-            strut.impulse(y, y - height)
-            for strut, y, height in zip(self.struts, before, heights, strict=True)
-        )
+        jumps = [axle.jumps.at(time) for axle in self.axles]
+        pushes = []
+        for axle, p, (height, _) in zip(self.axles, states, jumps, strict=True):
+            y, _rate = axle.lienard.values(p)
+            pushes.append(axle.strut.impulse(y, y - height))
         changes = self.masses.accelerations(*pushes)
         return tuple(
-            one.moved(p, -height, change - kink)
-            for p, one, height, kink, change in zip(
-                states, self.lienards, heights, kinks, changes, strict=True
+            axle.lienard.moved(p, -height, change - kink)
+            for axle, p, (height, kink), change in zip(
+                self.axles, states, jumps, changes, strict=True
             )
         )
 
@@ -258,18 +234,16 @@ class HalfCarRigidTyresPlanes(Construction):
         S_i = c_i A_iP_i / a, integrated twice.
         """
         points = self.points(mode, states, Window(time))
-        forces = [
-            strut.rate * one.displacement_between(points[f"A{n}"], points[f"P{n}"])
-            for n, strut, one in zip("12", self.struts, self.lienards, strict=True)
-        ]
+        forces = (
+            axle.strut.rate * axle.lienard.displacement_between(points[f"A{n}"], points[f"P{n}"])
+            for n, axle in zip("12", self.axles, strict=True)
+        )
         read: dict[str, float] = {}
-        by_forces = self.masses.accelerations(*forces)
-        roads = (self.front_road, self.rear_road)
-        for axle, one, road, by_force in zip(AXLES, self.lienards, roads, by_forces, strict=True):
-            prefix, deflection, xi = f"{axle}_", one.motion(points), road.derivatives(time)[:3]
+        for axle, by_force in zip(self.axles, self.masses.accelerations(*forces), strict=True):
+            deflection, xi = axle.lienard.motion(points), axle.road.derivatives(time)[:3]
             read |= {
-                **deflected(prefix, deflection),
-                **controlled(prefix, added(xi, deflection), by_force, before),
-                f"{prefix}road_elevation": xi[0],
+                **deflected(axle.prefix, deflection),
+                **controlled(axle.prefix, added(xi, deflection), by_force, before),
+                f"{axle.prefix}road_elevation": xi[0],
             }
         return read

@@ -16,12 +16,10 @@ from functools import cached_property
 from typing import ClassVar
 
 from phaseplane.constructions.axle import Axle, AxleData, AxlePlanes, Place
-from phaseplane.constructions.construction import CONTACT, FLIGHT, LIFT_OFF, TOUCHDOWN, Window
-from phaseplane.constructions.control import Before
+from phaseplane.constructions.construction import CONTACT, FLIGHT, Window
 from phaseplane.constructions.laws import check_positive
-from phaseplane.constructions.primitives import Curve, Scheme
+from phaseplane.constructions.primitives import Scheme
 from phaseplane.constructions.steps import Points, States
-from phaseplane.constructions.storage import StoredFrames
 from phaseplane.constructions.switched import NUMBERS, SIGNS
 from phaseplane.constructions.two_planes_schemes import axle_scheme
 
@@ -102,24 +100,31 @@ class QuarterCarPlanes(AxlePlanes):
         """
         return self._only.points(_flies(mode), states[0], states[1], window, _sense(mode))
 
-    def curves(self, frames: StoredFrames) -> tuple[Curve, ...]:
-        """Return the auxiliary curves of both planes, and lines I and II."""
-        return self._only.curves(frames)
+    def accelerations(self, *forces: float) -> tuple[float, ...]:
+        """Return that of the body under the force of the strut, m/s^2."""
+        return (-forces[0] / self.sprung_mass,)
 
     # Lift-off U and touchdown V; with dry friction a mode also has the sense of y', 0 while it sticks.
 
+    def flying(self, mode: str) -> tuple[bool, ...]:
+        """Return whether the wheel is off the road in a mode."""
+        return (_flies(mode),)
+
+    def mode_of(self, flying: tuple[bool, ...]) -> str:
+        """Return FLIGHT or CONTACT."""
+        return FLIGHT if flying[0] else CONTACT
+
     def mode_at(self, states: States, time: float, airborne: Sequence[bool] | None = None) -> str:
         """Return FLIGHT if the contact rule says so and the wheel may leave the road, else CONTACT."""
-        flies = False
-        if self._only.lift_off:
-            flies = self._only.clearance(states[1], time) > 0.0 if airborne is None else airborne[0]
-        return self._mode(flies, states, time)
+        return self._with_sense(super().mode_at(states, time, airborne), states, time)
 
-    def _mode(self, flies: bool, states: States, time: float, *, stopped: bool = False) -> str:
-        contact = FLIGHT if flies else CONTACT
+    def _with_sense(
+        self, contact: str, states: States, time: float, *, stopped: bool = False
+    ) -> str:
         if not self._rubs:
             return contact
-        return contact + SIGNS[self._only.sense_of(flies, states, time, stopped=stopped)]
+        sense = self._only.sense_of(contact == FLIGHT, states, time, stopped=stopped)
+        return contact + SIGNS[sense]
 
     def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
         """Return the margins to the limits of the mode, m: of the contact, and of dry friction.
@@ -127,54 +132,35 @@ class QuarterCarPlanes(AxlePlanes):
         The clearance and the velocity count with the sign that is positive while the mode lasts. The
         margins of a strut that sticks are the remaining friction in both directions.
         """
-        one = self._only
-        found: list[float] = []
-        if one.lift_off:
-            clearance = one.clearance(states[1], time)
-            found.append(clearance if _flies(mode) else -clearance)
-        if self._rubs:
-            sense = _sense(mode)
-            if sense:
-                plane = self.planes[0].displacement
-                found.append(sense * (states[0] - plane.origin).imag / plane.scale)
-            else:
-                needed = one.friction_needed(_flies(mode), states, time)
-                found += [one.reach - needed, one.reach + needed]
-        return tuple(found)
+        of_contact = super().margins(mode, states, time)
+        if not self._rubs:
+            return of_contact
+        one, sense, of_contact = self._only, _sense(mode), of_contact or (1.0,)
+        if sense:
+            plane = self.planes[0].displacement
+            return (*of_contact, sense * (states[0] - plane.origin).imag / plane.scale)
+        needed = one.friction_needed(_flies(mode), states, time)
+        return (*of_contact, one.reach - needed, one.reach + needed)
 
     def mode_after(self, mode: str, limits: Sequence[int], states: States, time: float) -> str:
         """Return the mode that follows: flight after contact, contact after flight, and with friction."""
-        flies, sense, limit = _flies(mode), _sense(mode), limits[0]
-        if self._only.lift_off and limit == 0:
-            flies = not flies
-            if sense:
-                return (FLIGHT if flies else CONTACT) + SIGNS[sense] * self._rubs
-            return self._mode(flies, states, time, stopped=True)
-        if sense:
-            return self._mode(flies, states, time, stopped=True)
-        return (FLIGHT if flies else CONTACT) + SIGNS[1 if limit == self._only.lift_off else -1]
+        contact = super().mode_after(mode, limits[:1], states, time)
+        sense, limit = _sense(mode), limits[0]
+        if sense and limit == 0:
+            return contact + SIGNS[sense]
+        if sense or limit == 0:
+            return self._with_sense(contact, states, time, stopped=True)
+        return contact + SIGNS[1 if limit == 1 else -1]
 
     def scheme_of(self, mode: str) -> str:
         """Return the scheme of a mode: figure 7 or 10, or that of a strut that sticks."""
-        contact = FLIGHT if _flies(mode) else CONTACT
+        contact = self.mode_of(self.flying(mode))
         return contact + STUCK * bool(self._rubs and not _sense(mode))
 
     def event(self, mode: str, successor: str) -> str:
         """Return lift-off (U), touchdown (V), or `sticking` where that begins."""
-        if _flies(mode) != _flies(successor):
-            return LIFT_OFF if _flies(successor) else TOUCHDOWN
-        return "sticking" if not _sense(successor) else ""
+        return super().event(mode, successor) or ("" if _sense(successor) else "sticking")
 
     def remembered(self, states: States, before: States | None) -> States:
         """Return the state points, P1 on its axis where y' is zero to rounding."""
         return (self._only.suspension.snapped(states[0]), *states[1:]) if self._rubs else states
-
-    # Readings.
-
-    def readings(
-        self, mode: str, states: States, time: float, before: Before | None
-    ) -> dict[str, float]:
-        """Return all motions read off the sheet (AP57 eqs. 21 to 24), SI, with the check by eq. 25."""
-        points = self.points(mode, states, Window(time))
-        by_force = -self._only.strut_force(points) / self.sprung_mass
-        return self._only.readings(_flies(mode), points, time, by_force, before)

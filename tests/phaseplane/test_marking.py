@@ -63,9 +63,7 @@ def task():
 def test_careful_readings_are_all_right(task):
     construction, drawing = task
     draw = random.Random(1)
-    points = [
-        z + 2e-4 * complex(draw.gauss(0, 1), draw.gauss(0, 1)) for z in student(task[1], 10)
-    ]
+    points = [z + 2e-4 * complex(draw.gauss(0, 1), draw.gauss(0, 1)) for z in student(task[1], 10)]
     marks = judged(construction, drawing, points)
     assert marks.right == len(marks.marks) == 10
 
