@@ -284,10 +284,10 @@ def two_quarter_cars(c: Case) -> float | None:
     """A half car whose pitch inertia decouples its axles, and each axle by itself."""
     p = c.drawn.parameters
     cars = {"HalfCar": "QuarterCar", "HalfCarRigidTyres": "OneDof"}
-    cars |= {own.name_of(two): own.name_of(one) for two, one in cars.items()}
-    alone = cars.get(c.drawn.model)
-    if alone is None:
+    plain = c.drawn.model.removeprefix("Own")
+    if plain not in cars:
         return None
+    alone = cars[plain] if plain == c.drawn.model else own.name_of(cars[plain])
     a, b = p["cg_to_front"], p["cg_to_rear"]
     decoupled = p | {"pitch_radius_of_gyration": sqrt(a * b)}
     whole = public(c.drawn.model, decoupled, c.times, _coordinates(c.system))
