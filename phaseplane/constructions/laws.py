@@ -73,11 +73,23 @@ class Strut:
         """Return the impulse of the damper where the deflection jumps from near to far, N s.
 
         It is the slope of Phi for large rates, with its mean over the way, times the way.
+
+        Raises
+        ------
+        ValueError : if that slope grows with the rate, as of flow through an orifice.
         """
         fast = copysign(1e6, far - near)
-        ways = (near + (far - near) * (i + 0.5) / _WAYS for i in range(_WAYS))
-        slopes = ((self.damping(2.0 * fast, y) - self.damping(fast, y)) / fast for y in ways)
-        return sum(slopes) / _WAYS * (far - near)
+        ways = [near + (far - near) * (i + 0.5) / _WAYS for i in range(_WAYS)]
+        slope, beyond = (
+            sum(self.damping(2.0 * v, y) - self.damping(v, y) for y in ways) / (v * _WAYS)
+            for v in (fast, 2.0 * fast)
+        )
+        if beyond > 1.01 * slope > 0.0:
+            raise ValueError(
+                "a road that jumps would push without limit through a damper whose force grows faster "
+                "than its rate; give the road a ramp, or the damper a straight line for large rates"
+            )
+        return slope * (far - near)
 
 
 def damping_force(damper: Damper) -> Callable[[float, float], float]:

@@ -268,6 +268,9 @@ def short_ramps(c: Case) -> float | None:
         return None
     if not p.get("road.start", 0.0) > 0.0:  # a road that has always been there begins with no kerb
         return None
+    dampers = [e.damper for e in c.system.elements if e.road]
+    if any(piece.power for damper in dampers for piece in damper.pieces):
+        return None  # it would be pushed without limit, or not at all
     names, found = _coordinates(c.system), []
     kerb = public(c.drawn.model, p, c.times, names)
     for passing in _SHORT:

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from phaseplane.suspension import roads
-from phaseplane.suspension.characteristics import cubic, damper, linear
+from phaseplane.suspension.characteristics import cubic, damper, linear, power
 from worked_example import column
 
 from phaseplane.constructions import RULES, OneDofPlane, Start, Window, construct_motion
@@ -201,6 +201,17 @@ def test_a_kerb_pushes_through_the_damper_like_a_ramp_that_is_ever_steeper():
     steep = construct_motion(replace(one, road=ramp), step=0.001, duration=0.25)
     end = [d.frames[-1].readings["body_displacement"] for d in (drawing, steep)]
     assert end[0] == pytest.approx(end[1], abs=3e-7)
+
+
+def test_a_kerb_under_a_damper_whose_force_grows_faster_than_its_rate_is_refused():
+    """The ramp that replaces it would push the harder the steeper it is."""
+    kerb, orifice = roads.step(0.01, 0.0323), power(300.0, 1.5)
+    with pytest.raises(ValueError, match=r"would push without limit .*; give the road a ramp"):
+        construct_motion(car(damper=orifice, road=kerb), step=1e-3, duration=0.05)
+    drag = power(300.0, 0.5, linear_below=0.01)
+    drawing = construct_motion(car(damper=drag, road=kerb), step=1e-3, duration=0.05)
+    at = next(f for f in drawing if f.event == "jolt")
+    assert at.readings["body_velocity"] == pytest.approx(0.0, abs=1e-5)
 
 
 def test_a_step_whose_sum_of_times_is_rounded_past_a_kink_of_the_road_meets_it_once():
