@@ -25,9 +25,8 @@ from phaseplane.constructions.laws import (
     Epsilon,
     Jumps,
     Strut,
+    check,
     check_contact,
-    check_number,
-    check_positive,
 )
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.primitives import Curve, Plane
@@ -92,13 +91,14 @@ class AxleData:
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        check_positive(self, ("unsprung_mass",))
-        if self.tyre is None:
-            check_positive(self, ("tyre_stiffness",))
-        elif self.tyre_stiffness or self.tyre_damping:
+        stiffness = ("tyre_stiffness",) if self.tyre is None else ()
+        check(
+            self,
+            positive=("unsprung_mass", *stiffness),
+            not_negative=("tyre_damping", "static_load", "friction"),
+        )
+        if self.tyre is not None and (self.tyre_stiffness or self.tyre_damping):
             raise ValueError("give either tyre_stiffness and tyre_damping or a tyre, not both")
-        for name in ("tyre_damping", "static_load", "friction"):
-            check_number(name, getattr(self, name), 0.0)
         if not all(map(isfinite, self.initial)) or len(self.initial) != 4:
             raise ValueError(f"initial = {self.initial}: must be four finite numbers")
 
@@ -445,7 +445,7 @@ class AxlePlanes(Construction):
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        check_positive(self, ("plane_distance", "plane_scales"))
+        check(self, positive=("plane_distance", "plane_scales"))
         check_contact(self.contact)
         _ = [(axle.strut, axle.tyre) for axle in self.axles]
 

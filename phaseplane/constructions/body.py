@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from phaseplane.constructions.laws import check_finite, check_positive
+from phaseplane.constructions.laws import check
 
 AXLES = ("front", "rear")
 
@@ -28,8 +28,7 @@ class BodyMasses:
 
     def __post_init__(self) -> None:
         """Check the masses."""
-        check_positive(self, ("front_mass", "rear_mass"))
-        check_finite(self, ("coupling_mass",))
+        check(self, positive=("front_mass", "rear_mass"), finite=("coupling_mass",))
         if not self.determinant > 0.0:
             raise ValueError(
                 f"coupling_mass = {self.coupling_mass:g} kg: its square must be below front_mass times "

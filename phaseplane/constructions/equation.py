@@ -13,7 +13,7 @@ from functools import cached_property
 
 from phaseplane.constructions.construction import CONTACT, Window
 from phaseplane.constructions.control import Before, moved
-from phaseplane.constructions.laws import check_finite, check_positive
+from phaseplane.constructions.laws import check
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.one_plane import one_plane_scheme
 from phaseplane.constructions.primitives import Scheme
@@ -61,8 +61,11 @@ class EquationPlane(SwitchedPlane):
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        check_positive(self, ("angular_frequency", "scale"))
-        check_finite(self, ("initial_displacement", "initial_velocity", "initial_force"))
+        check(
+            self,
+            positive=("angular_frequency", "scale"),
+            finite=("initial_displacement", "initial_velocity", "initial_force"),
+        )
 
     @property
     def title(self) -> str:

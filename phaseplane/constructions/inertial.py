@@ -20,14 +20,7 @@ from phaseplane.constructions.body import AXLES, BodyMasses
 from phaseplane.constructions.construction import CONTACT, Construction, Window
 from phaseplane.constructions.control import Before, added, controlled, deflected
 from phaseplane.constructions.coupling import Lines, lines_across
-from phaseplane.constructions.laws import (
-    LEVEL_ROAD,
-    Damper,
-    Jumps,
-    Strut,
-    check_finite,
-    check_positive,
-)
+from phaseplane.constructions.laws import LEVEL_ROAD, Damper, Jumps, Strut, check
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.primitives import Curve, Plane, Scheme
 from phaseplane.constructions.schemes import marks, on_both_axes, scheme, strokes, turns
@@ -119,8 +112,11 @@ class HalfCarRigidTyresPlanes(Construction):
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        check_positive(self, ("plane_distance", "plane_scales"))
-        check_finite(self, ("initial_deflections", "initial_rates"))
+        check(
+            self,
+            positive=("plane_distance", "plane_scales"),
+            finite=("initial_deflections", "initial_rates"),
+        )
         _ = self.axles
 
     # Derived quantities.

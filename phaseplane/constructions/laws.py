@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import copysign, inf, isfinite
+from math import copysign, isfinite
 
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.roads import Segment, Signal, constant
@@ -100,17 +100,30 @@ def damping_force(damper: Damper) -> Callable[[float, float], float]:
     return damper
 
 
-def check_number(name: str, value: float, least: float = -inf, *, exclusive: bool = False) -> None:
-    """Refuse a number that is not finite or too small.
+def check(
+    owner: object,
+    positive: Sequence[str] = (),
+    not_negative: Sequence[str] = (),
+    finite: Sequence[str] = (),
+) -> None:
+    """Refuse attributes, numbers or pairs of them, that are out of range or not finite.
 
     Raises
     ------
-    ValueError : if the number is out of range; the message has name, value and range.
+    ValueError : at the first of them; the message has name, value and range.
     """
-    if not isfinite(value) or value < least or (exclusive and value == least):
-        relation = "greater than" if exclusive else "at least"
-        bound = f" and {relation} {least:g}" if least > -inf else ""
-        raise ValueError(f"{name} = {value!r}: must be finite{bound}")
+    for names, fits, words in (
+        (positive, lambda x: x > 0.0, " and greater than 0"),
+        (not_negative, lambda x: x >= 0.0, " and at least 0"),
+        (finite, isfinite, ""),
+    ):
+        for name in names:
+            value = getattr(owner, name)
+            pair = value if isinstance(value, tuple | list) else (value,)
+            parts = ("the first of ", "the second of ") if pair is value else ("",)
+            for part, x in zip(parts, pair, strict=True):
+                if not (isfinite(x) and fits(x)):
+                    raise ValueError(f"{part}{name} = {x!r}: must be finite{words}")
 
 
 def check_contact(rule: str) -> None:
@@ -122,27 +135,6 @@ def check_contact(rule: str) -> None:
     """
     if rule not in CONTACTS:
         raise ValueError(f"contact = {rule!r}: must be one of {', '.join(CONTACTS)}")
-
-
-def check_positive(owner: object, names: Sequence[str]) -> None:
-    """Refuse attributes, numbers or pairs of them, that are not positive and finite."""
-    for name, value in _numbers(owner, names):
-        check_number(name, value, 0.0, exclusive=True)
-
-
-def check_finite(owner: object, names: Sequence[str]) -> None:
-    """Refuse attributes, numbers or pairs of them, that are not finite."""
-    for name, value in _numbers(owner, names):
-        check_number(name, value)
-
-
-def _numbers(owner: object, names: Sequence[str]) -> Iterator[tuple[str, float]]:
-    for name in names:
-        value = getattr(owner, name)
-        if isinstance(value, tuple | list):
-            yield from zip((f"the first of {name}", f"the second of {name}"), value, strict=True)
-        else:
-            yield name, value
 
 
 def check_laws(spring: Characteristic, damper: Damper) -> None:

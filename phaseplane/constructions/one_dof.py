@@ -15,15 +15,7 @@ from typing import ClassVar
 
 from phaseplane.constructions.construction import CONTACT, Window
 from phaseplane.constructions.control import Before, added, controlled, deflected
-from phaseplane.constructions.laws import (
-    LEVEL_ROAD,
-    Damper,
-    Jumps,
-    Strut,
-    check_finite,
-    check_number,
-    check_positive,
-)
+from phaseplane.constructions.laws import LEVEL_ROAD, Damper, Jumps, Strut, check
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.one_plane import one_plane_scheme
 from phaseplane.constructions.primitives import Scheme
@@ -73,9 +65,12 @@ class OneDofPlane(SwitchedPlane):
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        check_positive(self, ("mass", "scale"))
-        check_finite(self, ("initial_deflection", "initial_rate"))
-        check_number("friction", self.friction, 0.0)
+        check(
+            self,
+            positive=("mass", "scale"),
+            not_negative=("friction",),
+            finite=("initial_deflection", "initial_rate"),
+        )
         _ = self.strut
 
     @cached_property

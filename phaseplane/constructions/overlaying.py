@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from math import isfinite
+
+import numpy as np
 
 from phaseplane.constructions.construction import Construction, Window
 from phaseplane.constructions.control import Before
@@ -94,23 +95,20 @@ def compare_with_motion(
         raise ValueError(
             f"the motion from {first:g} s to {last:g} s does not span the construction"
         )
-    pairs = list(zip(drawing.planes, columns[::2], columns[1::2], strict=True))
-
-    def drifts(frame: Frame) -> dict[str, float]:
-        after = min(max(bisect_right(times, frame.time), 1), len(times) - 1)
-        span = times[after] - times[after - 1]
-        share = (frame.time - times[after - 1]) / span if span else 1.0
-        found = {}
-        for plane, y, rate in pairs:
-            known = (
-                float(column[after - 1] + share * (column[after] - column[after - 1]))
-                for column in (y, rate)
-            )
-            apart = abs(frame.points[plane.state] - state_point(plane, *known))
-            found[f"{plane.name}_drift"] = apart / plane.displacement.scale
-        return found
-
-    frames = (replace(f, readings={**f.readings, **drifts(f)}) for f in drawing.frames)
+    drifts: dict[str, list[float]] = {}
+    for plane, *motion in zip(drawing.planes, columns[::2], columns[1::2], strict=True):
+        known = zip(
+            *(np.interp(drawing.frames.times, times, column) for column in motion), strict=True
+        )
+        drifts[f"{plane.name}_drift"] = [
+            abs(p - state_point(plane, y, rate)) / plane.displacement.scale
+            for p, (y, rate) in zip(drawing.frames.points(plane.state), known, strict=True)
+        ]
+    apart = (dict(zip(drifts, row, strict=True)) for row in zip(*drifts.values(), strict=True))
+    frames = (
+        replace(frame, readings={**frame.readings, **row})
+        for frame, row in zip(drawing.frames, apart, strict=True)
+    )
     return replace(drawing, frames=StoredFrames(frames))
 
 

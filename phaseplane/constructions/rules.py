@@ -12,14 +12,13 @@ from dataclasses import dataclass, field, replace
 from math import copysign, sin
 from typing import TypeVar
 
-from phaseplane.constructions.geometry import meet, seen, turned
+from phaseplane.constructions.geometry import seen, turned
 from phaseplane.constructions.primitives import Arc, Mark, Plane, Scheme, Stroke
 from phaseplane.constructions.steps import Construct, Move, Points, States, Step, along_tangent
 
 REPEATED = "~"
 """Suffix of the points' names in a construction that a rule repeats within the step."""
 
-_STEEP = 0.05  # sine of the angle between tangent and y-bar axis below which they are near parallel
 _TOO_DIFFERENT = 0.1  # relative change of a normal above which the mean of both is taken
 
 
@@ -150,12 +149,8 @@ tangent = Rule(
 
 def _above_q(step: Step) -> tuple[complex, complex]:
     """P' where the tangent crosses the parallel to the y-bar axis through Q', and Q'."""
-    normal = step.p - step.d
-    q = complex(step.p.real - step.turn * normal.imag, step.d.imag)
-    crossing = None
-    if abs(normal.imag) > _STEEP * abs(normal):
-        crossing = meet(step.p, step.p + 1j * normal, q, q + 1j)
-    return step.p + step.along_tangent if crossing is None else crossing, q
+    end = step.p + step.along_tangent
+    return end, complex(end.real, step.d.imag)
 
 
 velocity = Rule(
@@ -172,7 +167,7 @@ velocity = Rule(
     helpers=("Q{n}'",),
 )
 """P' on the tangent where y has changed by y-bar dtau (AP57 section 3): the point of `tangent`, found
-without measuring a normal, unless the tangent is too steep for a clear intersection."""
+without measuring a normal."""
 
 mean_normal = Rule(
     "mean_normal",

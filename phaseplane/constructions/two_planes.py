@@ -17,7 +17,7 @@ from typing import ClassVar
 
 from phaseplane.constructions.axle import Axle, AxleData, AxlePlanes, Place
 from phaseplane.constructions.construction import CONTACT, FLIGHT, Window
-from phaseplane.constructions.laws import check_positive
+from phaseplane.constructions.laws import check
 from phaseplane.constructions.primitives import Scheme
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.switched import NUMBERS, SIGNS
@@ -53,7 +53,7 @@ class QuarterCarPlanes(AxlePlanes):
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        check_positive(self, ("sprung_mass",))
+        check(self, positive=("sprung_mass",))
         super().__post_init__()
 
     @cached_property

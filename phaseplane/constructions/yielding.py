@@ -17,7 +17,7 @@ from typing import ClassVar
 
 from phaseplane.constructions.construction import Window
 from phaseplane.constructions.control import Before, moved
-from phaseplane.constructions.laws import check_finite, check_number, check_positive
+from phaseplane.constructions.laws import check
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.one_plane import OnePlane, one_plane_scheme
 from phaseplane.constructions.primitives import Curve, Scheme
@@ -77,15 +77,17 @@ class ElastoplasticPlane(OnePlane):
 
     def __post_init__(self) -> None:
         """Check the parameters."""
-        check_positive(self, ("mass", "spring_rate", "yield_force", "scale"))
-        check_number("damping", self.damping, 0.0)
-        check_number("hardening", self.hardening, 0.0)
+        check(
+            self,
+            positive=("mass", "spring_rate", "yield_force", "scale"),
+            not_negative=("damping", "hardening"),
+            finite=("initial_displacement", "initial_velocity", "permanent_set"),
+        )
         if self.hardening >= self.spring_rate:
             raise ValueError(
                 f"hardening = {self.hardening:g} N/m: must be below the spring rate, "
                 f"{self.spring_rate:g} N/m"
             )
-        check_finite(self, ("initial_displacement", "initial_velocity", "permanent_set"))
 
     @cached_property
     def angular_frequency(self) -> float:

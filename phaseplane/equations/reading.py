@@ -123,10 +123,7 @@ def _checked(node: ast.expr, text: str, names: tuple[str, ...], section: str) ->
 
 
 def _check_count(name: str, count: int, text: str) -> None:
-    if name in PIECES:
-        least, most = PIECES[name]
-    else:
-        least = most = 2 if name in ("atan2", "hypot") else 1
+    least, most = PIECES.get(name, (2, 2) if name in ("atan2", "hypot") else (1, 1))
     if not least <= count <= most:
         wanted = counted(least, "value") if least == most else f"{least} or {most} values"
         wanted = "at least 2 values" if most > 2 else wanted

@@ -136,10 +136,7 @@ class Switching:
             if sign:
                 found.append(sign * self.guards[k](v, x, t, mode))
                 continue
-            if mode.count(0) > 1:
-                found.append(self._firmness(mode, v, x, t))
-                continue
-            low, high = self.sides(mode, v, x, t)
+            low, high = self.sides(mode, v, x, t) if mode.count(0) == 1 else (None, None)
             if low is None or high is None:
                 found.append(self._firmness(mode, v, x, t))
             else:
@@ -255,10 +252,8 @@ class Switching:
         if not away and loose and before and before.count(0) == 1 and not before[k]:
             return max(outwards, key=outwards.__getitem__)
         if not away:
-            jump = self.function(v, x, t, _with(mode, k, 1)) - self.function(
-                v, x, t, _with(mode, k, -1)
-            )
-            if abs(jump) > 1e-12 * (1.0 + abs(self.function(v, x, t, _with(mode, k, 1)))):
+            below, above = (self.function(v, x, t, _with(mode, k, side)) for side in (-1, 1))
+            if abs(above - below) > 1e-12 * (1.0 + abs(above)):
                 return 0
         return before[k] if before and before[k] else 1
 

@@ -14,7 +14,6 @@ from pathlib import Path
 from xml.etree import ElementTree
 from zipfile import ZIP_DEFLATED, ZipFile
 
-from phaseplane.constructions.geometry import seen
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.rules import REPEATED, Rule
 from phaseplane.constructions.stepping import signed_frequency
@@ -89,12 +88,10 @@ def _of_step(plane: Plane, rule: Rule, frame: Frame, law: Law | None) -> list[Co
         case "tangent" | "velocity":
             return [*made, *tangent(following, angle)]
         case "mean_normal" | "auto_mean_normal":
-            normal = abs(frame.points["P"] - frame.points["D"])
-            other = abs(frame.points["P" + REPEATED] - frame.points["D" + REPEATED])
-            differ = normal > 0.0 and abs(other / normal - 1.0) > 0.1
             made += [*tangent(again, angle), *repeated()]
-            plain = rule.name == "auto_mean_normal" and not differ
-            factor = angle if plain or normal == 0.0 else _mean(n, angle)
+            factor = (
+                angle if frame.points["P'"] == frame.points["P" + REPEATED] else _mean(n, angle)
+            )
             return [*made, Command(following, "Dilate", (f"T{n}", factor, p))]
         case "delta":
             made.append(Command(again, "Rotate", (p, spelled_number(0.5 * turn), d)))
@@ -116,16 +113,14 @@ def _on_circle(rule: Rule, frame: Frame, n: str, angle: str) -> list[Command]:
     following = f"P_{{{frame.step + 1}}}"
     points, turn = frame.points, float(angle)
     step = Step(points["P"], points["D"], turn, points["P" + REPEATED], points["D" + REPEATED])
-    centre, eye, at = step.centre, d, step.d
+    centre, eye, at, nowhere = points["S"], d, step.d, step.far_centre
     made: list[Command] = []
-    if rule.name == "midpoint_circle":
-        eye, at = f"E{n}", 0.5 * (step.d + step.d_new)
+    if "E" in points:
+        eye, at, nowhere = f"E{n}", points["E"], points["E"]
         made.append(Command(eye, "Midpoint", (d, foot)))
-    if centre is None or (
-        rule.name != "mean_arc_circle" and seen(at, centre, step.p, turn) is None
-    ):
+    if centre == nowhere:
         # parallel normals, or a ray that misses the circle: the rule's own way out
-        if rule.name == "midpoint_circle":
+        if "E" in points:
             return [*made, Command(following, "Rotate", (p, angle, eye))]
         factor = _mean(n, angle) if rule.name == "mean_arc_circle" else angle
         return [*made, Command(following, "Dilate", (f"T{n}", factor, p))]

@@ -12,7 +12,7 @@ from phaseplane.portrait import switched
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
 from phaseplane.portrait.trajectories import Motions, motions
 
-_GONE = 5.0  # windows: motions farther out are abandoned
+_GONE = 4.5  # windows beyond the sides: motions farther out are abandoned
 _MOST = 16_000  # steps of a section
 _MOST_SWITCHED = 60  # periods of motions with switches, which are followed one by one
 _TRANSIENT = 0.5  # of the periods, of a dissipative system
@@ -58,9 +58,9 @@ def section(
     """
     if not system.driven:
         raise ValueError("the system has no period: give that of the excitation")
-    x, v = (0.8 * part.ravel() for part in _centred(window))
-    x0, v0 = 0.5 * (window.left + window.right), 0.5 * (window.bottom + window.top)
-    starts = np.array([[*(x + x0), start[0]], [*(v + v0), start[1]]]).T
+    x0, _ = window.centre
+    lattice = np.stack(window.grid(5, 5), axis=-1).reshape(-1, 2)
+    starts = np.vstack([0.2 * np.array(window.centre) + 0.8 * lattice, start])
     rows = [starts]
     if switched.switches(system):
         periods = min(periods, _MOST_SWITCHED)
@@ -85,18 +85,15 @@ def _by_periods(system: PhaseSystem, window: Window, starts: Grid) -> Iterator[G
     """Yield the states of all motions after every period; NaN for those that are gone."""
     if switched.switches(system):
         gone = (np.nan, np.nan)
-        every = [switched.samples(system, window, (x, v), _GONE - 0.5) for x, v in starts.tolist()]
+        every = [switched.samples(system, window, (x, v), _GONE) for x, v in starts.tolist()]
         while True:
             yield np.array([next(one, gone) for one in every])
     going = motions(system, window, starts[:, 0], starts[:, 1], tolerance=1e-7)
-    x0, v0 = 0.5 * (window.left + window.right), 0.5 * (window.bottom + window.top)
     steps = 0
     for k in count(1):
         going.x[:] = system.wrapped(going.x)  # an angle that goes round and round stays near
         steps += _go_on(system, going, k)
-        far = np.abs(going.x - x0) > _GONE * window.width
-        far |= np.abs(going.v - v0) > _GONE * window.height
-        going.active[far | ~np.isfinite(going.x)] = False
+        going.active[~window.holds(going.x, going.v, _GONE)] = False
         yield np.where(going.active[:, None], np.array([going.x, going.v]).T, np.nan)
         if steps > _MOST:
             return
@@ -107,12 +104,6 @@ def _apart(system: PhaseSystem, one: Grid, other: Grid) -> Grid:
     difference = one - other
     difference[..., 0] = system.wrapped(difference[..., 0])
     return np.abs(difference)
-
-
-def _centred(window: Window) -> tuple[Grid, Grid]:
-    """Return a lattice of states about the centre of a window."""
-    x, v = np.meshgrid(np.linspace(-0.5, 0.5, 5), np.linspace(-0.5, 0.5, 5))
-    return x * window.width, v * window.height
 
 
 def _dissipates(system: PhaseSystem, window: Window) -> bool:

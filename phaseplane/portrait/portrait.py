@@ -146,14 +146,20 @@ def _filling(system: PhaseSystem, window: Window, shown: Sequence[Grid]) -> list
     empty = np.isfinite(system.forces(*window.grid(_CELLS, _CELLS)))
     _cover(empty, shown, window)
     symmetric = _is_symmetric(system, window)
+    x, v = window.grid(_CELLS, _CELLS)
     found: list[Grid] = []
     length = 0.0
-    while length < _FILLING and (place := _emptiest(empty, window)) is not None:
-        curve = _through(system, window, [place], [*shown, *found])[0]
+    while length < _FILLING:
+        apart = _apart(empty)
+        place = np.unravel_index(np.argmax(apart), apart.shape)
+        if apart[place] < _EMPTY:
+            break
+        (curve,) = _through(system, window, [(float(x[place]), float(v[place]))], [*shown, *found])
         length += length_of(curve, window)
         _cover(empty, [curve], window)
         found.append(curve)
-        if symmetric and _room(empty, -place[0], -place[1], window) >= _EMPTY:
+        # the grid turned by 180 degrees is itself, backwards
+        if symmetric and _apart(empty)[::-1, ::-1][place] >= _EMPTY:
             _cover(empty, [-curve], window)
             found.append(-curve)
     return found
@@ -187,7 +193,6 @@ def _is_symmetric(system: PhaseSystem, window: Window) -> bool:
     if window.left != -window.right or window.bottom != -window.top:
         return False
     force = system.forces(*window.grid(_CELLS, _CELLS))
-    # the grid turned by 180 degrees is itself, backwards
     return np.allclose(force[::-1, ::-1], -force, rtol=1e-9, atol=1e-12, equal_nan=True)
 
 
@@ -198,23 +203,6 @@ def _cover(empty: npt.NDArray[np.bool_], curves: Sequence[Grid], window: Window)
         inside = curve[window.holds(*curve.T)]
         columns, rows = np.rint((inside - corner) / sides * (_CELLS - 1)).astype(int).T
         empty[rows, columns] = False
-
-
-def _emptiest(empty: npt.NDArray[np.bool_], window: Window) -> tuple[float, float] | None:
-    """Return the place in a window that is farthest from all curves; None if all are near to one."""
-    x, v = window.grid(_CELLS, _CELLS)
-    apart = _apart(empty)
-    row, column = np.unravel_index(np.argmax(apart), apart.shape)
-    if apart[row, column] < _EMPTY:
-        return None
-    return float(x[row, column]), float(v[row, column])
-
-
-def _room(empty: npt.NDArray[np.bool_], x: float, v: float, window: Window) -> float:
-    """Return how far a place is from any curve, in windows."""
-    column = round((x - window.left) / window.width * (_CELLS - 1))
-    row = round((v - window.bottom) / window.height * (_CELLS - 1))
-    return float(_apart(empty)[row, column])
 
 
 def _apart(empty: npt.NDArray[np.bool_]) -> Grid:

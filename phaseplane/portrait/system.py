@@ -142,6 +142,11 @@ class Window:
         """From bottom to top."""
         return self.top - self.bottom
 
+    @property
+    def centre(self) -> tuple[float, float]:
+        """Its centre, x and x'."""
+        return 0.5 * (self.left + self.right), 0.5 * (self.bottom + self.top)
+
     def size(self, x: Grid, v: Grid) -> Grid:
         """Return the sizes of differences of x and x', in widths and heights of the window."""
         return np.hypot(x / self.width, v / self.height)

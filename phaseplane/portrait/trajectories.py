@@ -159,16 +159,14 @@ class Motions:
 
     def _tangents(self, x: Grid, v: Grid, t: Grid) -> tuple[Grid, Grid, Grid, Grid | None]:
         """Return f and its derivatives with respect to x, x' and, for a driven system, t."""
-        dx, dv = _NEAR * self.window.width, _NEAR * self.window.height
-        if not self.system.driven:
-            of_x, of_v = np.array([[0.0, dx, -dx, 0.0, 0.0], [0.0, 0.0, 0.0, dv, -dv]])[:, :, None]
-            f = self._force(v + of_v, x + of_x, np.broadcast_to(t, (5, len(x))))
-            return f[0], (f[1] - f[2]) / (2.0 * dx), (f[3] - f[4]) / (2.0 * dv), None
-        dt = 1e-6 * self.system.period
-        of_x, of_v, of_t = _DIFFERENCES * np.array([dx, dv, dt])[:, None, None]
+        steps = np.array([_NEAR * self.window.width, _NEAR * self.window.height, 0.0])
+        count = 2
+        if self.system.driven:
+            steps[2], count = 1e-6 * self.system.period, 3
+        of_x, of_v, of_t = _DIFFERENCES[:, : 1 + 2 * count] * steps[:, None, None]
         f = self._force(v + of_v, x + of_x, t + of_t)
-        f_x, f_v, f_t = ((f[i] - f[i + 1]) / (2.0 * d) for i, d in ((1, dx), (3, dv), (5, dt)))
-        return f[0], f_x, f_v, f_t
+        f_x, f_v, *f_t = (f[1::2] - f[2::2]) / (2.0 * steps[:count, None])
+        return f[0], f_x, f_v, f_t[0] if f_t else None
 
 
 def motions(

@@ -139,7 +139,7 @@ def enlarged(window: Window, points: npt.ArrayLike) -> Window:
     x, v = np.reshape(np.asarray(points, float), (-1, 2)).T
     if not len(x):
         return window
-    middle = 0.5 * (window.left + window.right)
+    middle, _ = window.centre
     high = _ROOM * float(np.abs(v).max())
     return Window(
         min(window.left, middle + _ROOM * (float(x.min()) - middle)),
