@@ -43,7 +43,24 @@ class Strut:
 
     def __post_init__(self) -> None:
         """Check the laws."""
-        check_laws(self.spring, self.damper)
+        spring, damper = self.spring, self.damper
+        if not isinstance(spring, Characteristic):
+            raise ValueError(f"spring = {spring!r}: must be a Characteristic")
+        if not callable(damper) and not isinstance(damper, Characteristic):
+            raise ValueError(
+                f"damper = {damper!r}: must be a Characteristic or a function (rate, y)"
+            )
+        for name, force in (("spring", spring.force(0.0)), ("damper", self.damping(0.0, 0.0))):
+            if not abs(force) < 1e-9:
+                raise ValueError(
+                    f"the {name} has the force {force:g} N at rest; "
+                    "forces are measured from static equilibrium and must vanish there"
+                )
+        if not (isfinite(self.rate) and self.rate > 0.0):
+            raise ValueError(
+                f"the spring's rate at zero deflection is {self.rate:g} N/m; it sets the scale of the "
+                "phase plane and must be positive"
+            )
 
     @cached_property
     def rate(self) -> float:
@@ -52,8 +69,11 @@ class Strut:
 
     @cached_property
     def damping(self) -> Callable[[float, float], float]:
-        """Phi(y', y), N."""
-        return damping_force(self.damper)
+        """Phi(y', y), N, whether the damper is a law of the rate alone or any function."""
+        if isinstance(self.damper, Characteristic):
+            force = self.damper.force
+            return lambda rate, deflection: force(rate)
+        return self.damper
 
     @property
     def corners(self) -> tuple[float, ...]:
@@ -92,14 +112,6 @@ class Strut:
         return slope * (far - near)
 
 
-def damping_force(damper: Damper) -> Callable[[float, float], float]:
-    """Return the damper as a function of rate (m/s) and deflection (m)."""
-    if isinstance(damper, Characteristic):
-        force = damper.force
-        return lambda rate, deflection: force(rate)
-    return damper
-
-
 def check(
     owner: object,
     positive: Sequence[str] = (),
@@ -135,31 +147,6 @@ def check_contact(rule: str) -> None:
     """
     if rule not in CONTACTS:
         raise ValueError(f"contact = {rule!r}: must be one of {', '.join(CONTACTS)}")
-
-
-def check_laws(spring: Characteristic, damper: Damper) -> None:
-    """Refuse characteristics for which a phase plane cannot be drawn.
-
-    Raises
-    ------
-    ValueError : if forces do not vanish at rest, or the rate of the spring at zero is not positive.
-    """
-    if not isinstance(spring, Characteristic):
-        raise ValueError(f"spring = {spring!r}: must be a Characteristic")
-    if not callable(damper) and not isinstance(damper, Characteristic):
-        raise ValueError(f"damper = {damper!r}: must be a Characteristic or a function (rate, y)")
-    for name, force in (("spring", spring.force(0.0)), ("damper", damping_force(damper)(0.0, 0.0))):
-        if not abs(force) < 1e-9:
-            raise ValueError(
-                f"the {name} has the force {force:g} N at rest; "
-                "forces are measured from static equilibrium and must vanish there"
-            )
-    rate = spring.tangent(0.0)
-    if not (isfinite(rate) and rate > 0.0):
-        raise ValueError(
-            f"the spring's rate at zero deflection is {rate:g} N/m; it sets the scale of the phase "
-            "plane and must be positive"
-        )
 
 
 def _rate_terms(segment: Segment, t: float) -> float:

@@ -10,12 +10,11 @@ from functools import cache, cached_property
 from phaseplane.constructions.construction import Construction, Window
 from phaseplane.constructions.primitives import Plane
 from phaseplane.constructions.rules import REPEATED, Rule
-from phaseplane.constructions.steps import Points, States, along_tangent
+from phaseplane.constructions.steps import Construct, Points, States, along_tangent
 
 _FARTHEST = 100.0  # m of paper from an origin along the y axis, far beyond any sheet
-_FOLLOWED = (
-    2.0  # times y-bar: damping that changes it by more in a step leads beyond the mirror image of P
-)
+# times y-bar: damping that changes it by more in a step leads beyond the mirror image of P
+_FOLLOWED = 2.0
 _SEEN = 1e-3  # m of paper: how far beyond
 
 
@@ -99,7 +98,7 @@ class Stepper:
 
         def construct(at: States) -> tuple[States, Points]:
             feet, points = made(at)
-            self._check_damping(lambda level: made(level)[0], at, feet, turns, window)
+            self._check_damping(made, at, feet, turns, window)
             return feet, points
 
         feet, points = construct(moving)
@@ -124,7 +123,7 @@ class Stepper:
 
     def _check_damping(
         self,
-        feet_at: Callable[[States], States],
+        made: Construct,
         states: States,
         feet: States,
         turns: Sequence[float],
@@ -135,7 +134,7 @@ class Stepper:
             height = (p - plane.displacement.origin).imag
             if not height or abs(turns[k] * (p - foot).real) <= _FOLLOWED * abs(height) + _SEEN:
                 continue  # whatever the part of the damping
-            level = feet_at((*states[:k], complex(p.real, p.imag - height), *states[k + 1 :]))
+            level, _ = made((*states[:k], complex(p.real, p.imag - height), *states[k + 1 :]))
             times = turns[k] * (foot - level[k]).real / height
             if (times - _FOLLOWED) * abs(height) > _SEEN:
                 raise ArithmeticError(

@@ -189,7 +189,8 @@ def steps(
             step = _ended(system, mode, t, (x, v, a), made, h)
             met = _first_end(system, step, rounding, left) if mode else None
             if met is not None:
-                step = _cut(system, step, met[1])
+                made = _step(system, mode, t, x, v, a, met[1])
+                step = _ended(system, mode, t, (x, v, a), made, met[1])
             elif end - t <= h * (1.0 + 1e-12):
                 step = step._replace(end=end)
             if not system.is_defined(mode, step.last[1], step.last[0], step.end):
@@ -223,13 +224,6 @@ def steps(
         a = _acceleration(system, mode, t, x, v)
         h = min(h, _first(t, x, v, a, end)) if h > 0.0 else _first(t, x, v, a, end)
     raise MotionError(t)
-
-
-def _cut(system: Switching, step: Step, length: float) -> Step:
-    """Return a step made again, of a shorter length."""
-    start, first, mode = step.start, step.first, step.mode
-    made = _step(system, mode, start, *first, length)
-    return _ended(system, mode, start, first, made, length)
 
 
 def _gathered(

@@ -47,42 +47,33 @@ def curves(
     ----------
     sense, margin, length, part : as of `followed`
     """
+
+    def curve(start: tuple[float, float], sense: float) -> Grid:
+        points = [start]
+        went, mark, still = 0.0, 0.0, 0
+        for count, step in enumerate(_steps(system, start, sense, _TOLERANCE), 1):
+            way, (x1, v1, _) = _way(step, window), step.last
+            parts = int(way / part) + 1
+            pause = (step.end - step.start) / parts
+            points += [*(step.at(step.start + pause * i) for i in range(1, parts)), (x1, v1)]
+            went += way
+            still = still + 1 if way < _STILL else 0
+            over = not window.holds(x1, v1, margin) or went > length or still >= _REST
+            if over or _rests(step) or (sense < 0.0 and 0 in step.mode):
+                break
+            if count % _SLOW == 0:  # beside a pole of f, or to and fro between switches
+                if went - mark < _SLOWEST:
+                    break
+                mark = went
+        found = np.array(points)
+        found[1:, 1] *= 1.0 if sense > 0.0 else -1.0
+        return found
+
     starts = np.broadcast_arrays(*(np.asarray(each, float) for each in (x, v, sense)))
     return [
-        _curve(system, window, (a, b), s, margin, length, part)
+        curve((a, b), s)
         for a, b, s in zip(*(each.ravel().tolist() for each in starts), strict=True)
     ]
-
-
-def _curve(
-    system: PhaseSystem,
-    window: Window,
-    start: tuple[float, float],
-    sense: float,
-    margin: float,
-    length: float,
-    part: float,
-) -> Grid:
-    points = [start]
-    went, mark, still = 0.0, 0.0, 0
-    for count, step in enumerate(_steps(system, start, sense, _TOLERANCE), 1):
-        way, (x1, v1, _) = _way(step, window), step.last
-        parts = int(way / part) + 1
-        inner = (step.at(step.start + (step.end - step.start) * i / parts) for i in range(1, parts))
-        points += [*inner, (x1, v1)]
-        went += way
-        still = still + 1 if way < _STILL else 0
-        over = not window.holds(x1, v1, margin) or went > length or still >= _REST
-        if over or _rests(step) or (sense < 0.0 and 0 in step.mode):
-            break
-        if count % _SLOW == 0:  # beside a pole of f, or to and fro between switches
-            if went - mark < _SLOWEST:
-                break
-            mark = went
-    found = np.array(points)
-    found[:, 1] *= 1.0 if sense > 0.0 else -1.0
-    found[0] = start
-    return found
 
 
 def turn(
@@ -112,13 +103,13 @@ def turn(
         if (mirrored * v1) * beyond < 0.0 and (mirrored * v0) * beyond >= 0.0 and step.start > 0.0:
             at = root(step.velocity, step.start, step.end)
             x = step.at(at)[0]
-            if not isnan(far):
-                return far, x, at
-            far, beyond = x, -beyond
         elif v1 == 0.0 and v0 != 0.0:
-            if not isnan(far):
-                return far, x1, step.end
-            far, beyond = x1, -beyond
+            at, x = step.end, x1
+        else:
+            continue
+        if not isnan(far):
+            return far, x, at
+        far, beyond = x, -beyond
     return far, nan, nan
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import copysign, inf
 from typing import Any
@@ -214,17 +214,19 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
         if e.direction[coordinate] != 0.0
     ]
 
-    def function(v: float, x: float, _t: float) -> float:
-        total = 0.0
+    def total(v: float, x: float, sense: float) -> float:
+        """Return f with dry friction against the rates that belong to a sense of x'."""
+        found = 0.0
         for e, b, share in acting:
-            d, w = b * x, b * v
-            force = e.spring.force(d) + e.damper.force(w) * e.modulation.force(d)
-            if e.friction and w:
-                force += copysign(e.friction, w)
-            total += share * (e.limit if d > e.opening else min(force, e.limit))
-        return total
+            d = b * x
+            force = e.spring.force(d) + e.damper.force(b * v) * e.modulation.force(d)
+            force += copysign(e.friction, b) * sense
+            found += share * (e.limit if d > e.opening else min(force, e.limit))
+        return found
 
-    dry = [(share * e.friction, b) for e, b, share in acting if e.friction]
+    rubs = any(e.friction for e, _, _ in acting)
+    guards = ((lambda v, _x, _t, _signs: v),)
+    switching = Switching(lambda v, x, _t, signs: total(v, x, signs[0]), guards, autonomous=True)
     laws = [(_over(e.spring), _over(e.damper), _over(e.modulation)) for e, _, _ in acting]
 
     def on_arrays(v: Grid, x: Grid, _t: Grid) -> Grid:
@@ -244,32 +246,12 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
         return total
 
     return PhaseSystem(
-        function,
+        lambda v, x, _t: total(v, x, copysign(1.0, v) if v else 0.0),
         tuple(sorted({c / b for e, b, _ in acting for c in e.spring.corners})),
         tuple(sorted({c / b for e, b, _ in acting for c in e.damper.corners})),
         on_arrays=on_arrays,
-        switching=_with_friction(function, dry),
+        switching=switching if rubs else None,
     )
-
-
-def _with_friction(function: Function, dry: Sequence[tuple[float, float]]) -> Switching | None:
-    """Return the equation with dry friction as a switch at rest; None without it.
-
-    Parameters
-    ----------
-    function : f with the friction by the sign of its rate
-    dry : friction over mass, and the rate of the element for a unit of x'
-    """
-    if not dry:
-        return None
-
-    def switched(v: float, x: float, t: float, signs: Sequence[float]) -> float:
-        own = sum(copysign(force, b * v) for force, b in dry) if v else 0.0
-        return float(
-            function(v, x, t) - own + sum(copysign(force, b) for force, b in dry) * signs[0]
-        )
-
-    return Switching(switched, (lambda v, _x, _t, _signs: v,), autonomous=True)
 
 
 def _over(law: Characteristic) -> Callable[[Grid], Grid] | None:
