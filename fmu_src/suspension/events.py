@@ -36,6 +36,21 @@ class Event(NamedTuple):
     after: int
 
 
+def free_of_stops(system: System) -> dict[int, int]:
+    """Return the end stops of the axles by their numbers, each with its piece out of contact.
+
+    An end stop given by a table has further pieces, from one of which to the next it is still met.
+    """
+    free = {}
+    for axle in system.axles:
+        for name in ("bump_stop", "rebound_stop"):
+            number = system.element(f"{axle.prefix}{name}")
+            if number is not None:
+                last = len(system.elements[number].spring.pieces) - 1
+                free[number] = last if name == "bump_stop" else 0
+    return free
+
+
 class Events:
     """The switches so far; those of contact are counted and reported when their time has come.
 
@@ -57,7 +72,7 @@ class Events:
         """Take the names of a system's elements from now on."""
         self._names = [element.name for element in system.elements]
         self._of_tyres = {system.element(axle.tyre) for axle in self._tyres}
-        self._stops = {e for e, name in enumerate(self._names) if name.endswith("stop")}
+        self._free = free_of_stops(system)
 
     def all(self) -> list[Event]:
         """Return the switches so far; at most the last 100 000 of them."""
@@ -72,9 +87,8 @@ class Events:
                 self._run.contacts.note(time, element, after != 0)
                 if time <= until:
                     self.count_contacts(time)
-            elif element in self._stops:
-                met = (after < before) == name.endswith("bump_stop")
-                self._report(f"{name} {'met' if met else 'left'} at {time:.9g} s")
+            elif element in self._free and (free := self._free[element]) in (before, after):
+                self._report(f"{name} {'met' if before == free else 'left'} at {time:.9g} s")
 
     def count_contacts(self, until: float) -> None:
         """Count the contact switches up to a time, and report them."""

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from phaseplane.suspension.own_systems.file import load
 from phaseplane.suspension.session import Session, SimulationError, simulate
 from phaseplane.suspension.variables import MODELS, ParameterError, outputs, variables
 
@@ -106,6 +107,31 @@ def test_contact_is_counted_by_located_instants() -> None:
     assert session.value("last_lift_off") == pytest.approx(0.0306624689, abs=1e-9)
     assert session.value("last_touchdown") == pytest.approx(0.0719525917, abs=1e-9)
     assert [text.split(" at ")[0] for _, text in session.messages] == ["lift-off", "touchdown"]
+
+
+def test_an_end_stop_of_a_table_is_met_once_and_left_once() -> None:
+    session = Session("QuarterCar", {
+        "bump_stop.gap": 0.02, "bump_stop.table": "0:0, 0.002:100, 0.004:600",
+        "rebound_stop.gap": 0.01, "rebound_stop.table": "0:0, 0.001:50, 0.002:300",
+    })  # fmt: skip
+    session.advance(0.5)
+    corners = [e for e in session.events if e.element.endswith("stop")]
+    said = [text.split(" at ")[0] for _, text in session.messages if "stop" in text]
+    assert said == ["bump_stop met", "bump_stop left", "rebound_stop met", "rebound_stop left"]
+    assert len(corners) > len(said)
+
+
+def test_an_element_that_is_only_called_a_stop_is_not_reported_as_an_end_stop() -> None:
+    text = """
+        [system]
+        name = "Wagon"
+        coordinates = { wagon = 100.0 }
+        elements.buffer_stop = { direction = { wagon = 1 }, spring = { table = "-1:-2e3, 0:0, 1:1e3" } }
+    """
+    session = Session(load(text), {"initial.wagon_velocity": 1.0})
+    session.advance(5.0)
+    assert session.events
+    assert session.messages == []
 
 
 @pytest.mark.parametrize("instant", [0.0, 0.045, 0.4])

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from math import inf
 
 from phaseplane.suspension.engine import FAILURES
+from phaseplane.suspension.events import free_of_stops
 from phaseplane.suspension.reasons import remedy_of
 from phaseplane.suspension.systems import System
 from phaseplane.suspension.trace import number
@@ -77,13 +78,12 @@ def tables(
         )
     tyres = {axle.tyre for axle in system.axles_on_tyres}
     lines += ["};", "", "static const struct {", "    const char *name;",
-              "    int is_tyre, stop, yields; /* stop: 1: a bump stop, 2: a rebound stop */",
+              "    int is_tyre, free, yields; /* free: piece of an end stop out of contact, or -1 */",
               "} elements[ELEMENTS] = {"]  # fmt: skip
-    for element in system.elements:
-        stop = (
-            1 if element.name.endswith("bump_stop") else 2 if element.name.endswith("stop") else 0
-        )
-        kind = f"{int(element.name in tyres)}, {stop}, {int(element.yield_force < inf)}"
+    free = free_of_stops(system)
+    for e, element in enumerate(system.elements):
+        yields = int(element.yield_force < inf)
+        kind = f"{int(element.name in tyres)}, {free.get(e, -1)}, {yields}"
         lines.append(f"    {{{quoted(element.name)}, {kind}}},")
     wheels = [axle.prefix.replace("_", " ") for axle in system.axles_on_tyres] or [""]
     lines += ["};", "", f"static const char *const wheels[] = {{{', '.join(map(quoted, wheels))}}};", "",

@@ -417,6 +417,19 @@ def test_errors_that_add_up_are_told_once_in_the_words_of_a_session(
     assert wanted in said
 
 
+@pytest.mark.slow
+def test_end_stops_are_reported_in_the_words_of_a_session(native_fmu: Packer, capfd: Any) -> None:
+    stop = {"bump_stop.gap": 0.02, "bump_stop.table": "0:0, 0.002:100, 0.004:600"}
+    session = Session("QuarterCar", stop)
+    session.advance(0.5)
+    wanted = [text for _, text in session.messages if "stop" in text]
+    fmu = native_fmu("QuarterCar", *stop.items())
+    simulate_fmu(str(fmu), stop_time=0.5, output_interval=0.5, debug_logging=True)
+    said = [line for line in capfd.readouterr().out.splitlines() if "bump_stop" in line]
+    assert len(said) == len(wanted) == 2
+    assert all(text in line for text, line in zip(wanted, said, strict=True))
+
+
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-4, 0.1, 0.5, 2.0, -1.0, float("nan")])
 def test_a_host_may_give_any_tolerance(

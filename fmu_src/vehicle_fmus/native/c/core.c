@@ -251,8 +251,9 @@ static void note_switches(Instance *one, double until) {
             Contacts_note(run->contacts, time, e, after);
             enter_due(one, time);
             if (time <= until && !one->event_mode) count_contacts(one, time);
-        } else if (elements[e].stop) {
-            const int met = (after < before) == (elements[e].stop == 1);
+        } else if (elements[e].free >= 0) {
+            const int met = before == elements[e].free;
+            if (!met && after != elements[e].free) continue;
             enter_due(one, time);
             say(one, FINE, "%s %s at %.9g s", elements[e].name, met ? "met" : "left", time);
         } else if (elements[e].yields && what[1] == SPRING) {
