@@ -120,6 +120,11 @@ def test_commands_take_it():
         ("return System(", "return dict(", "MODEL.system returned"),
         ("    *SOLVER_OUTPUTS,\n", "", r"add \*SOLVER_OUTPUTS of phaseplane"),
         ('*motion("upper"', '*motion("middle"', "does not provide the output middle_displacement"),
+        (
+            '*motion("upper", "the upper mass")',
+            'replace(motion("upper", "")[0], reading=None)',
+            "the output upper_displacement does not say how it is computed; declare it by motion",
+        ),
         ('*motion("upper"', '*motion("lower"', "'lower_displacement' would be the name of two"),
         (
             "    *SOLVER_PARAMETERS,",
@@ -150,6 +155,7 @@ def test_commands_take_it():
 )
 def test_what_is_wrong_is_said_once_with_the_file_and_the_line(before, after, words):
     module = MODULE.replace("import Element", "import Axle, Element")
+    module = module.replace("VARIABLES", "from dataclasses import replace; VARIABLES", 1)
     Path("two_masses.py").write_text(module.replace(before, after))
     with pytest.raises(InputError, match=words) as refused:
         load_scene("two_masses.py")

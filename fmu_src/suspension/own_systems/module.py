@@ -75,6 +75,11 @@ def model_in(source: str) -> Model:
                 f"MODEL.variables: {v.name} is displayed in {v.display!r}, which is not a display unit "
                 f"of {v.unit!r}"
             )
+        if v.causality == "output" and v.reading is None:
+            raise ParameterError(
+                f"MODEL.variables: the output {v.name} does not say how it is computed; declare it by "
+                "motion, force_of or another function or table of phaseplane.suspension.outputs"
+            )
         if v.causality == "parameter":
             v.checked(v.start)
     for words, needed in (
