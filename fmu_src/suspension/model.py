@@ -23,6 +23,7 @@ class Model:
     picture : content of an SVG of 256 by 256, with the symbols of `vehicle_fmus.manual`; the file
         `<module>.png` is the same picture, rendered by a browser and reduced to 32 colours
     is_source : whether it is a source of signals for other models, which is not run by itself
+    unused : names of the parameters of a system's file that no expression contains
     check : raises a ParameterError if the parameters of a system are inconsistent; None for no check
     """
 
@@ -33,4 +34,5 @@ class Model:
     page: str = ""
     picture: str = ""
     is_source: bool = False
+    unused: tuple[str, ...] = ()
     check: Callable[[System], None] | None = None

@@ -47,8 +47,11 @@ def ladder(
     a system of your own. Outputs of the same name are compared; --set applies to all models.
     """
     whole, *named = (load_scene(name, overrides, expect=False) for name in (scene, *smaller))
-    for loaded in (whole, *named):
-        warn(loaded.warnings)
+    scenes = (whole, *named)
+    # --set is for all of them, so that one system may have a parameter for the sake of another
+    used = {name for s in scenes for name in s.fmu.parameters() if name not in s.fmu.unused}
+    idle = (one for s in scenes for one in s.idle if one.causes or one.name not in used)
+    warn(dict.fromkeys(map(str, idle)))
     summary = climb(whole, tolerance, named)
     click.echo(as_json(summary) if as_data else format_ladder(summary))
 

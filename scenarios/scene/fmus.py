@@ -8,6 +8,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from phaseplane.suspension.acting import Idle, idle
+from phaseplane.suspension.models import ALL
 from phaseplane.suspension.roads import extent
 from phaseplane.suspension.units import UNITS, nearest
 from phaseplane.suspension.variable import Checked
@@ -77,6 +79,17 @@ class Fmu:
         ours = MODELS.get(self.model, ())
         names = [v.name for v in ours if v.name in there or v.causality != "output"]
         return bool(ours) and names == [v.name for v in self.variables]
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """The parameters of a user-defined system that no expression in its file contains."""
+        return ALL[self.model].unused if self.system is not None else ()
+
+    def idle(self, name: str, parameters: Mapping[str, Value]) -> Idle | None:
+        """Return why a parameter has no effect with all of these, or None if it may have one."""
+        if name in self.unused:
+            return Idle(name, "no expression of the system contains it", frozenset())
+        return idle(name, parameters) if self.is_ours else None
 
     @property
     def content(self) -> str:

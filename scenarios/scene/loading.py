@@ -7,7 +7,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from phaseplane.suspension.acting import Idle, idle
+from phaseplane.suspension.acting import Idle
 from phaseplane.suspension.variables import MODELS
 
 from ..errors import InputError
@@ -81,14 +81,14 @@ def _layers_of(reference: str | Mapping[str, Any]) -> tuple[Layers, str, Path | 
 
 
 def _idle(scene: Scene, layers: Layers) -> Iterator[Idle]:
-    """Yield the parameters that are given but have no effect because of others.
+    """Yield the parameters that are given but have no effect, because of others or whatever they are.
 
     Zero and an empty text mean "none", which needs no effect. A parameter of the base is not reported
     if the scene itself has made it ineffective.
     """
-    for name, value in scene.parameters.items() if scene.fmu.is_ours else ():
-        found = idle(name, scene.all_parameters)
-        if found is not None and value:
+    for name in dict.fromkeys((*scene.fmu.unused, *scene.parameters)):
+        found = scene.fmu.idle(name, scene.all_parameters)
+        if found is not None and (scene.all_parameters[name] or not found.causes):
             causes = max((layers.rank(f"parameters.{cause}") for cause in found.causes), default=0)
             if layers.rank(f"parameters.{name}") >= causes:
                 yield found

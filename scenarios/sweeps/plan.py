@@ -11,7 +11,7 @@ from math import log2, prod
 from pathlib import Path
 from typing import Any
 
-from phaseplane.suspension.acting import Idle, decided_by, idle
+from phaseplane.suspension.acting import Idle, decided_by
 from phaseplane.suspension.roads import extent
 from phaseplane.suspension.units import UnitError, nearest, to_si
 from phaseplane.suspension.variable import number
@@ -210,14 +210,14 @@ class Plan:
     def idle(self, name: str) -> Idle | None:
         """Return why a parameter has no effect in any run, or None if it may have one."""
         base = self.scene.all_parameters
-        if not self.scene.fmu.is_ours or name not in base:
+        if name not in base:
             return None
         deciding = decided_by(name, base)
         places = [k for k, key in enumerate(self.keys) if key in deciding]
         found = None
         for values in {tuple(point[k] for k in places) for point in self.points}:
             varied = {self.keys[k]: value for k, value in zip(places, values, strict=True)}
-            found = idle(name, {**base, **varied})
+            found = self.scene.fmu.idle(name, {**base, **varied})
             if found is None:
                 return None
         return found

@@ -6,7 +6,7 @@ from math import pi, sqrt
 from typing import Any
 
 import pytest
-from command_line import complaint, reported, written
+from command_line import complaint, phaseplane, reported, written
 
 SMOOTH = 'road.shape="sine"\nroad.height="5 mm"\nroad.length="40 m"\nspeed=10.0\n'
 
@@ -99,6 +99,13 @@ def test_a_file_stands_beside_the_models_of_the_package() -> None:
     told = climbed('extends="ap57"\nduration="0.2 s"', longer)
     assert list(by_name(told)) == ["unchanged", "rigid tyre", "long"]
     assert by_name(told)["long"]["error"] == 0.0
+
+
+def test_only_a_parameter_that_none_of_the_systems_uses_is_reported() -> None:
+    for name, rates in (("Own", (30e3, 30e3)), ("Bounce", (60e3,))):
+        written(system(name, rates).replace("mass =", "spare = 1\nmass =", 1), f"{name}.toml")
+    (said,) = phaseplane("ladder Own.toml Bounce.toml").stderr.splitlines()
+    assert "warning: spare has no effect on the motion" in said
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from phaseplane.scenarios.commands.build import build_models
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.scene.fmus import find_fmu
 from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.sweeps.plan import load_plan
 
 import phaseplane
 
@@ -48,6 +49,18 @@ def test_another_law_in_the_file_gives_another_hash():
     damped = 'damper = { rate = 3 }\nspring = { rate = "stiffness" }'
     written(SYSTEM.replace('spring = { rate = "stiffness" }', damped), "mass.toml")
     assert load_scene("mass.toml").hash != before
+
+
+@pytest.mark.parametrize("value", ["0", '"3 kg"'])
+def test_a_parameter_that_no_expression_contains_is_reported(value):
+    spare = f"[system.parameters]\nspare = {value}"
+    written(SYSTEM.replace("[system.parameters]", spare), "mass.toml")
+    words = "spare has no effect on the motion: no expression of the system contains it"
+    assert (
+        load_scene("mass.toml").warnings == load_scene("mass.toml", ["spare=5"]).warnings == [words]
+    )
+    written('scene="mass.toml"\nmeasures=["step_count"]\n[vary]\nspare=[1, 2]\n', "sweep.toml")
+    assert load_plan("sweep.toml").warnings == [words]
 
 
 @pytest.mark.slow

@@ -45,6 +45,7 @@ from ..parts import (
 from ..signals import Segment, Signal
 from ..systems import Axle, Element, Load, System
 from ..variable import ParameterError, Value, Variable, number, parameter
+from .units import numbered
 from .values import refuse_others, table_at, value_of
 
 # keys of a spring and a damper: rates, instead of which there may be a table, and others
@@ -88,6 +89,15 @@ class Definition:
     def axles(self) -> tuple[str, ...]:
         """The names of the axles whose parameters the wheels have."""
         return tuple(dict.fromkeys(str(wheel["axle"]) for wheel in self.wheels.values()))
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """The names of its own parameters that no expression contains."""
+        masses = (mass for mass, _, _ in self.coordinates.values())
+        tables = (self.couplings, self.wheels, self.elements, self.loads)
+        texts = (text for said in (*masses, *tables) for text in _texts(said))
+        used = {name for text in texts for name in numbered(text)[1]}
+        return tuple(v.name for v in self.own if v.name not in used)
 
     def variables(self) -> tuple[Variable, ...]:
         """Return the public variables of the model."""
@@ -283,6 +293,15 @@ def _element(
         raise
     except ValueError as error:
         raise ParameterError(f"{where}: {error}") from None
+
+
+def _texts(said: object) -> Iterator[str]:
+    """Yield the texts among the values of nested tables."""
+    if isinstance(said, str):
+        yield said
+    elif isinstance(said, Mapping):
+        for value in said.values():
+            yield from _texts(value)
 
 
 def _pairs(said: object, where: str) -> str:

@@ -77,7 +77,10 @@ def _loaded(text: str, file: str, key: str, checked: bool) -> tuple[str, Model]:
     else:
         definition = _definition(text)
         name = definition.name
-        model = Model(definition.about or name, definition.variables(), definition.system)
+        model = Model(
+            definition.about or name, definition.variables(), definition.system,
+            unused=definition.unused,
+        )  # fmt: skip
     _raise_twice(model.variables)
     name = key or name
     model = replace(model, check=lambda system: _raise_first(check_numbers(system)))
