@@ -9,58 +9,26 @@ from typing import Any
 import click
 from phaseplane.suspension.variables import MODELS, SOURCES, Variable
 
-from ..design.files import MEASURED, FitFile, OptimumFile
+from ..design.files import FitFile, OptimumFile
 from ..errors import InputError
 from ..measures import catalogue
 from ..results.plain import as_json
-from ..scene.controller import KEYS as OF_CONTROLLER
 from ..scene.equation import EQUATION
-from ..scene.expectations import During, Reference
 from ..scene.fields import schema_of
+from ..scene.file import SceneFile
 from ..scene.fmus import described, fmu_named
 from ..scene.names import SWEEPS
-from ..scene.sections import Construction, Show
 from ..sweeps.plan import Range, SweepFile
 from .console import json_option
 
-_TOP = {
-    "extends": ("", "the built-in scene or scene file on which this one is based"),
-    "title": ("", "name of the run in reports and pictures"),
-    "source": ("", "source of its numbers"),
-    "fmu": (
-        "",
-        f"{', '.join((*MODELS, EQUATION))}, or the path of an .fmu file, or of a system's .toml or .py "
-        "file",
-    ),
-    "duration": ("s", "time to simulate"),
-}
-_SECTIONS: dict[str, tuple[str, type]] = {
-    "show": ("what to compute, read and write; nothing else is", Show),
-    "construction": ("settings of the graphical construction", Construction),
-    "[expect.during]": ("bounds on an output within an interval of time; repeatable", During),
-    "expect.reference": ("a table of results that the run must agree with", Reference),
-}
-_CONTROLLER = "what sets inputs of the model during the run"
-_FORMULA = "formula of outputs, t and constants, for any input of the model: actuator_force, ..."
-_SYSTEM = "a system of your own, in the same file instead of fmu"
-_TEXTS = ("name", "about", "source")
-_OF_SYSTEM = {
-    "name": "name of the model",
-    "about": "what it is, for its page",
-    "source": "source of its numbers",
-    "parameters": "name = value with a unit, or { value = ..., about = ..., min = ..., max = ... }",
-    "coordinates": "name = mass or moment of inertia, or { mass = ..., about = ..., angle = true }",
-    "couplings": "off-diagonal entries of the mass matrix: first.second = ...",
-    "wheels": "wheels with suspension and tyre: axle, body, load, and delay or level",
-    "elements": "springs, dampers and friction along a direction: direction, spring, damper, ...",
-    "loads": "forces along a direction, inputs of the model: direction, table, sine",
-}
 FILES: dict[str, tuple[str, type]] = {
+    "": ("A scene runs a model and says what is shown of the run", SceneFile),
     "sweep": ("A sweep runs a scene many times", SweepFile),
     "optimise": ("An optimisation finds the best parameters of a scene", OptimumFile),
     "fit": ("A fit finds the parameters with which a scene gives measured signals", FitFile),
 }
-"""What files other than scenes are, and their tables."""
+"""What files are, by the option that explains them, and their tables."""
+_VALUES = "Values are numbers in SI, or strings with a unit: 0.05 or '5 cm'."
 _EXAMPLE = "speed_bump"  # a sweep that comes with the package
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _TYPES = {float: "number", bool: "boolean", int: "integer", str: "string"}
@@ -84,34 +52,26 @@ def schema(model: str | None, as_data: bool, **files: bool) -> None:
     if as_data:
         click.echo(as_json(file_schema(kind) if kind else json_schema(model)))
     else:
-        click.echo(file_guide(kind) if kind else guide(model))
-
-
-def guide(model: str | None) -> str:
-    """Return the keys of a scene, or the parameters, outputs and measures of a model, as text.
-
-    Raises
-    ------
-    InputError : if there is no such model.
-    """
-    return "\n".join(_of_scenes() if model is None else _of_model(model))
+        click.echo(file_guide(kind) if model is None else guide(model))
 
 
 def file_guide(kind: str) -> str:
     """Return the keys of a file of one of the kinds in `FILES`, as text."""
     about, table = FILES[kind]
-    said = schema_of(table)["properties"]
-    parts = [(f"[{key}]  {one['description']}", one) for key, one in said.items()]
-    inner = [(head, one["properties"]) for head, one in parts if "properties" in one]
-    if kind == "sweep":
-        inner.append(("A range in [vary]", schema_of(Range)["properties"]))
-    lines = [f"{about}. It is a TOML file.", ""]
-    lines += _keys({key: one for key, one in said.items() if "properties" not in one})
-    for head, keys in inner:
-        lines += ["", head, *_keys(keys)]
+    lines = [fill(f"{about}. It is a TOML file. {_VALUES}", 100), "", *_explained(schema_of(table))]
     if kind == "sweep":
         example = (SWEEPS / f"{_EXAMPLE}.toml").read_text(encoding="utf-8")
+        lines += ["", "A range in [vary]", *_keys(schema_of(Range)["properties"])]
         lines += ["", "For example:", "", *example.splitlines()]
+    elif not kind:
+        models = ", ".join((*MODELS, EQUATION, *SOURCES))
+        lines += [
+            "",
+            fill(f"phaseplane schema MODEL lists the variables and measures of {models};", 100),
+        ]
+        lines.append(
+            "phaseplane schema --sweep, --optimise and --fit explain the keys of other files."
+        )
     return "\n".join(lines)
 
 
@@ -133,84 +93,34 @@ def json_schema(model: str | None) -> dict[str, Any]:
     InputError : if there is no such model.
     """
     fmu = fmu_named(model or "QuarterCar")
-    known = catalogue(fmu.outputs())
-    sections = {name: _section(name) for name in _SECTIONS}
+    schema = {**file_schema(""), "title": f"A scene that runs {fmu.model}"}
+    del schema["required"]  # a scene that extends another, or contains its system, needs neither
+    keys = schema["properties"]
+    keys["parameters"]["properties"] = {v.name: _schema_of(v) for v in fmu.parameters().values()}
     bounds = {"type": ["integer", "object", "array"], "properties": {"min": {}, "max": {}}}
-    properties: dict[str, Any] = {
-        key: {"description": about, "type": ["number", "string"] if unit == "s" else "string"}
-        for key, (unit, about) in _TOP.items()
+    keys["expect"]["properties"] = keys["expect"]["properties"] | {
+        name: {**bounds, "description": measure.about, "unit": measure.unit}
+        for name, measure in catalogue(fmu.outputs()).items()
     }
-    properties["parameters"] = {
-        "type": "object",
-        "properties": {v.name: _schema_of(v) for v in fmu.parameters().values()},
-    }
-    properties["expect"] = {
-        "type": "object",
-        "properties": {
-            "during": {"type": "array", "items": sections.pop("[expect.during]")},
-            "reference": sections.pop("expect.reference"),
-            **{n: {**bounds, "description": m.about, "unit": m.unit} for n, m in known.items()},
-        },
-    }
-    properties["controller"] = {
-        "type": "object",
-        "description": _CONTROLLER,
-        "properties": OF_CONTROLLER,
-        "additionalProperties": {"type": "string", "description": _FORMULA},
-    }
-    properties["system"] = {
-        "type": "object",
-        "description": _SYSTEM,
-        "properties": {
-            key: {"description": about, "type": "string" if key in _TEXTS else "object"}
-            for key, about in _OF_SYSTEM.items()
-        },
-        "required": ["name", "coordinates"],
-    }
-    return {
-        "$schema": _DIALECT,
-        "title": f"A scene that runs {fmu.model}",
-        "type": "object",
-        "properties": properties | sections,
-    }
-
-
-def _section(name: str) -> dict[str, Any]:
-    """Return the JSON Schema of a section; a reference may be measured signals."""
-    schema = schema_of(_SECTIONS[name][1])
-    if _SECTIONS[name][1] is Reference:
-        own = schema["properties"]
-        own["columns"] |= {"type": ["array", "object"]}
-        own["columns"]["description"] += "; or the heading of each output"
-        own |= {key: said for key, said in MEASURED["properties"].items() if key not in own}
     return schema
 
 
-def _of_scenes() -> Iterator[str]:
-    yield "A scene is a TOML file. Values are numbers in SI, or strings with a unit: 0.05 or '5 cm'."
-    yield ""
-    yield from (_key(key, unit, about) for key, (unit, about) in _TOP.items())
-    yield ""
-    yield "[parameters]  parameters that differ from the FMU's defaults, by name"
-    yield '  a table may be read from a CSV file with a header line: road.table = { file = "road.csv",'
-    yield '  columns = ["distance", "profile"], units = ["m", "mm"], delimiter = ";" }'
-    yield ""
-    yield f"[controller]  {_CONTROLLER}"
-    yield from _keys({**OF_CONTROLLER, "INPUT": {"description": _FORMULA}})
-    for name, (about, _) in _SECTIONS.items():
+def _explained(schema: Mapping[str, Any], inside: str = "") -> Iterator[str]:
+    """Explain the keys of a table, then those of the tables in it."""
+    tables = {}
+    for key, said in schema["properties"].items():
+        if "properties" in (inner := said.get("items", said)):
+            tables[key] = said, inner
+        else:
+            yield from _keys({key: said})
+    if "description" in (others := schema.get("additionalProperties") or {}):
+        yield from _keys({"INPUT": others})
+    for key, (said, inner) in tables.items():
+        name = f"[{inside}{key}]"
         yield ""
-        yield f"[{name}]  {about}"
-        yield from _keys(_section(name)["properties"])
-    yield ""
-    yield "[expect]  bounds on measures: name = { min = ..., max = ... }, or a list of these, one"
-    yield "  for each value, as for natural_frequencies"
-    yield ""
-    yield f"[system]  {_SYSTEM}"
-    yield from _keys({key: {"description": about} for key, about in _OF_SYSTEM.items()})
-    yield ""
-    models = ", ".join((*MODELS, EQUATION, *SOURCES))
-    yield fill(f"phaseplane schema MODEL lists the variables and measures of {models};", 100)
-    yield "phaseplane schema --sweep, --optimise and --fit explain the keys of other files."
+        yield fill(f"{name if inner is said else f'[{name}]'}  {said['description']}", 100,
+                   subsequent_indent="  ")  # fmt: skip
+        yield from _explained(inner, f"{inside}{key}.")
 
 
 def _keys(properties: Mapping[str, Any]) -> Iterator[str]:
@@ -224,6 +134,16 @@ def _keys(properties: Mapping[str, Any]) -> Iterator[str]:
                 f"{meant['const'] + ':':<26} {meant['description']}", 100,
                 initial_indent=" " * 4, subsequent_indent=" " * 31, break_on_hyphens=False,
             )  # fmt: skip
+
+
+def guide(model: str) -> str:
+    """Return the parameters, outputs and measures of a model, as text.
+
+    Raises
+    ------
+    InputError : if there is no such model.
+    """
+    return "\n".join(_of_model(model))
 
 
 def _of_model(name: str) -> Iterator[str]:

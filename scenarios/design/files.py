@@ -8,15 +8,16 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ..errors import InputError
-from ..results.signals import KEYS
+from ..results.signals import MEASURED
 from ..scene.fields import (
+    TABLE,
     TEXT,
     Kind,
     RefusedError,
     entry,
     instance_of,
     read_table,
-    schema_of,
+    table_of,
     whole,
 )
 from ..scene.names import file_meant
@@ -25,17 +26,6 @@ _File = TypeVar("_File")
 
 
 _MEASURE = Kind(instance_of(str, "the name of a measure"), TEXT.schema)
-# keys may be nested: damper.rebound_rate
-_TABLE = Kind(instance_of(dict, "a table"), {"type": "object"})
-MEASURED: dict[str, Any] = {
-    "type": "object",
-    "properties": {
-        key: {"description": about, "type": kind} for key, (kind, about) in KEYS.items()
-    },
-    "required": ["file"],
-    "additionalProperties": False,
-}
-"""The JSON Schema of the table [measured]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,15 +46,9 @@ class SearchOfFit:
     seed: int = entry(whole(0), "seed of these points", 1)
 
 
-def _inner(kind: type, key: str) -> Kind:
-    """Return the type of a table within the file."""
-    schema = {name: said for name, said in schema_of(kind).items() if name != "description"}
-    return Kind(lambda value: read_table(kind, value, key), schema)
-
-
 _SETTINGS = "settings of the search"
-_OF_OPTIMUM, _OF_FIT = _inner(SearchOfOptimum, "search"), _inner(SearchOfFit, "search")
-_SIGNALS = Kind(_TABLE.read, MEASURED)
+_OF_OPTIMUM, _OF_FIT = table_of(SearchOfOptimum, "search"), table_of(SearchOfFit, "search")
+_SIGNALS = Kind(TABLE.read, MEASURED)
 _SCENE = "the built-in scene or scene file whose parameters are sought"
 _VARY = "range of each parameter: { from = ..., to = ... }, numbers in SI or strings with a unit"
 _TITLE = "name of the study in its report and picture"
@@ -79,9 +63,9 @@ class OptimumFile:
     minimise: str = entry(_MEASURE, "the measure to make small; of a peak the magnitude counts", "")
     maximise: str = entry(_MEASURE, "the measure to make large; instead of minimise", "")
     against: str = entry(_MEASURE, "a second measure, traded off against the first", "")
-    vary: Mapping[str, Any] = entry(_TABLE, _VARY)
+    vary: Mapping[str, Any] = entry(TABLE, _VARY)
     constrain: Mapping[str, Any] | None = entry(
-        _TABLE,
+        TABLE,
         "bounds on measures, of a peak on its magnitude: { min = ..., max = ... }, in SI or with a unit",
         None,
     )
@@ -102,7 +86,7 @@ class FitFile:
 
     scene: str = entry(TEXT, _SCENE)
     title: str = entry(TEXT, _TITLE, "")
-    vary: Mapping[str, Any] = entry(_TABLE, _VARY)
+    vary: Mapping[str, Any] = entry(TABLE, _VARY)
     measured: Mapping[str, Any] = entry(_SIGNALS, "the measured signals")
     search: SearchOfFit | None = entry(_OF_FIT, _SETTINGS, None)  # noqa: RUF009
 

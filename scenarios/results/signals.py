@@ -33,6 +33,15 @@ KEYS = {
     "time_shift": (["number", "string"], "added to the times, in s or with a unit"),
 }
 """What describes measured signals: the type of each key in JSON, and its meaning."""
+MEASURED: dict[str, Any] = {
+    "type": "object",
+    "properties": {
+        key: {"description": about, "type": kind} for key, (kind, about) in KEYS.items()
+    },
+    "required": ["file"],
+    "additionalProperties": False,
+}
+"""The JSON Schema of these keys."""
 
 
 def read_signals(

@@ -28,25 +28,33 @@ if TYPE_CHECKING:
 _PERIOD = 1e-3  # s
 _WORD = re.compile(r"\w+")
 _OF_ROAD = ("road_elevation", "road_velocity")  # inputs that act with road.shape = "input" alone
-KEYS: dict[str, dict[str, Any]] = {
-    "period": {
-        "description": "time between two evaluations of the formulas",
-        **SECONDS.schema,
-        "default": _PERIOD,
+SCHEMA: dict[str, Any] = {
+    "type": "object",
+    "properties": {
+        "period": {
+            "description": "time between two evaluations of the formulas",
+            **SECONDS.schema,
+            "default": _PERIOD,
+        },
+        "events": {
+            "description": "whether every switch of the model triggers an evaluation, too",
+            **FLAG.schema,
+            "default": False,
+        },
+        "constants": {
+            "description": "values of the names in the formulas, in SI: { gain = 1500 }",
+            "type": "object",
+            "additionalProperties": {"type": "number"},
+        },
     },
-    "events": {
-        "description": "whether every switch of the model triggers an evaluation, too",
-        **FLAG.schema,
-        "default": False,
-    },
-    "constants": {
-        "description": "values of the names in the formulas, in SI: { gain = 1500 }",
-        "type": "object",
-        "additionalProperties": {"type": "number"},
+    "additionalProperties": {
+        "type": "string",
+        "description": "formula of outputs, t and constants, for any input of the model: "
+        "actuator_force, ...",
     },
 }
-"""The JSON Schema of its keys, besides those that are names of inputs."""
-_SETTINGS = tuple(KEYS)
+"""The JSON Schema of its keys; the others are names of inputs."""
+_SETTINGS = tuple(SCHEMA["properties"])
 
 
 @dataclass(frozen=True)

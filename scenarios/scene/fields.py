@@ -9,7 +9,6 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, Field
-from inspect import getdoc
 from math import inf, isfinite
 from typing import Any, NamedTuple, TypeVar
 
@@ -142,7 +141,6 @@ def schema_of(table: type) -> dict[str, Any]:
     required = [name for name, field in known.items() if field.default is MISSING]
     return {
         "type": "object",
-        "description": getdoc(table),
         "properties": {name: dict(_described(field)) for name, field in known.items()},
         "additionalProperties": False,
         **({"required": required} if required else {}),
@@ -170,8 +168,15 @@ def instance_of(kinds: type | tuple[type, ...], words: str, *, true: bool = Fals
     return read
 
 
+# keys of a table may be nested: damper.rebound_rate
+TABLE = Kind(instance_of(Mapping, "a table"), {"type": "object"})
 TEXT = Kind(instance_of(str, "a string"), {"type": "string"})
 FLAG = Kind(instance_of(bool, "true or false", true=True), {"type": "boolean"})
+
+
+def table_of(table: type, key: str) -> Kind:
+    """Return the type of a table within a file, at the dotted key."""
+    return Kind(lambda value: read_table(table, value, key), schema_of(table))
 
 
 def _finite(value: object) -> float:

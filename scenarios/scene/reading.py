@@ -20,7 +20,8 @@ from ..results.tables import read_table as read_columns
 from .controller import read_controller
 from .equation import EQUATION, check_equation, outputs_of_starts
 from .expectations import Bounds, During, Reference, bounds_from
-from .fields import SECONDS, TEXT, Kind, RefusedError, read_table, read_value
+from .fields import RefusedError, read_table
+from .file import SceneFile
 from .fmus import Fmu, find_fmu
 from .schema import Scene
 from .sections import Construction, Show
@@ -50,30 +51,26 @@ def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path
     ------
     RefusedError : a key that is unknown, missing, or has a value that is not allowed.
     """
-
-    def fmu_of(value: object) -> Fmu:
-        if not isinstance(value, str):
-            raise ValueError("must be a model's name or the path of an .fmu, .toml or .py file")
-        try:
-            return find_fmu(value, folders.get("fmu"), content.get("parameters"))
-        except SystemFileError as error:  # tells the file itself
-            raise RefusedError("fmu", str(error)) from None
-
-    fmu = _required("fmu", content, Kind(fmu_of, {}))
-    duration = _required("duration", content, SECONDS)
-    expect = _table("expect", content)
-    construction = read_table(Construction, content.get("construction", {}), "construction")
+    said = read_table(SceneFile, content)
+    parameters, expect = said.parameters or {}, said.expect or {}
+    construction = said.construction or Construction()
+    try:
+        fmu = find_fmu(said.fmu, folders.get("fmu"), parameters)
+    except SystemFileError as error:  # tells the file itself
+        raise RefusedError("fmu", str(error)) from None
+    except InputError as error:
+        raise RefusedError.value("fmu", said.fmu, str(error)) from None
     if construction.starts:
         fmu = _with_starts(fmu, construction.starts)
     scene = Scene(
         name=name,
         fmu=fmu,
-        duration=duration,
-        title=_value("title", content, TEXT, ""),
-        source=_value("source", content, TEXT, ""),
-        parameters=_parameters(fmu, duration, _table("parameters", content), folders),
-        controller=read_controller(_table("controller", content), fmu),
-        show=read_table(Show, content.get("show", {}), "show"),
+        duration=said.duration,
+        title=said.title,
+        source=said.source,
+        parameters=_parameters(fmu, said.duration, parameters, folders),
+        controller=read_controller(said.controller or {}, fmu),
+        show=said.show or Show(),
         construction=construction,
         expect=_bounds(fmu, expect),
         during=_during(fmu, expect.get("during", ())),
@@ -99,23 +96,6 @@ def _with_starts(fmu: Fmu, starts: Collection[object]) -> Fmu:
             "equation has several",
         )
     return replace(fmu, variables=(*fmu.variables, *outputs_of_starts(fmu.variables, len(starts))))
-
-
-def _required(key: str, content: Mapping[str, Any], kind: Kind) -> Any:
-    if key not in content:
-        raise RefusedError(key, f"{shown(key)} is missing; a scene needs fmu and duration")
-    return _value(key, content, kind)
-
-
-def _value(key: str, content: Mapping[str, Any], kind: Kind, default: Any = None) -> Any:
-    return read_value(kind, content[key], key) if key in content else default
-
-
-def _table(key: str, content: Mapping[str, Any]) -> Mapping[str, Any]:
-    given = content.get(key, {})
-    if not isinstance(given, Mapping):
-        raise RefusedError.value(key, given, "must be a table")
-    return given
 
 
 def _parameters(

@@ -101,7 +101,7 @@ def test_the_columns_of_a_file_with_two_need_no_names() -> None:
 
 
 def test_the_schema_and_the_guide_know_of_files() -> None:
-    assert 'road.table = { file = "road.csv",' in printed("schema")
+    assert 'road.table = { file = "road.csv",' in " ".join(printed("schema").split())
     schema = reported("schema QuarterCar")
     known = schema["properties"]["parameters"]["properties"]
     assert known["road.table"]["type"] == ["string", "object"]
