@@ -98,11 +98,6 @@ def refuse_unknown_keys(given: Iterable[str], known: Collection[str]) -> None:
             )
 
 
-def check_picture(path: Path | None, allowed: Sequence[str] = PICTURES) -> None:
-    """Reject a picture's file name before anything is computed; see `check_file`."""
-    check_file("--figure", path, allowed)
-
-
 def check_recording(path: Path | None) -> None:
     """Reject a recording's file name before anything is computed; see `check_file`."""
     check_file("--save", path, (".rrd",))

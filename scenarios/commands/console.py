@@ -258,16 +258,6 @@ def output_option(default: str) -> Callable[[Any], Any]:
     )
 
 
-def figure_option(what: str, more: str = "") -> Callable[[Any], Any]:
-    """Return the option `--figure F.png`, for a picture of something."""
-    return click.option(
-        "--figure",
-        type=click.Path(path_type=Path),
-        metavar="F.png",
-        help=f"Write a picture of {what} (.png, .svg or .pdf{more}).",
-    )
-
-
 @contextmanager
 def progress_bar(label: str) -> Iterator[Progress]:
     """Show a progress bar on a terminal after the first second; until it is called, the time taken."""

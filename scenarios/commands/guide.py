@@ -94,7 +94,6 @@ def json_schema(model: str | None) -> dict[str, Any]:
     """
     fmu = fmu_named(model or "QuarterCar")
     schema = {**file_schema(""), "title": f"A scene that runs {fmu.model}"}
-    del schema["required"]  # a scene that extends another, or contains its system, needs neither
     keys = schema["properties"]
     keys["parameters"]["properties"] = {v.name: _schema_of(v) for v in fmu.parameters().values()}
     bounds = {"type": ["integer", "object", "array"], "properties": {"min": {}, "max": {}}}

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import Any
 
 import click
-
-from phaseplane import figures
 
 from ..draw.modes import format_modes
 from ..draw.modes import modes as make_modes
 from ..draw.portraits import format_portrait
 from ..draw.portraits import portrait as make
+from ..look import FigureFile
 from ..results.plain import as_json
 from ..scene.loading import load_scene
 from ..studies.ladder import format_ladder
 from ..studies.ladder import ladder as climb
-from .console import FiniteRange, TimeRange, figure_option, json_option, set_option, warn
-from .viewing import look_options
+from .console import FiniteRange, TimeRange, json_option, set_option, warn
+from .viewing import figure_options
 
 
 @click.command()
@@ -59,7 +58,7 @@ def ladder(
 @click.command()
 @click.argument("scene")
 @set_option
-@figure_option("the portrait")
+@figure_options("the portrait")
 @click.option(
     "--coordinate",
     default="",
@@ -86,47 +85,29 @@ def ladder(
     metavar="TIME",
     help="Draw a forced system with its forcing frozen at this time. [default: draw its section]",
 )
-@look_options
 @json_option
 def portrait(
-    *,
-    scene: str,
-    overrides: tuple[str, ...],
-    figure: Path | None,
-    coordinate: str,
-    window: tuple[float, float, float, float] | None,
-    period: float | None,
-    frozen: float | None,
-    look: figures.Look | None,
-    as_data: bool,
+    *, scene: str, overrides: tuple[str, ...], figure: FigureFile | None, as_data: bool, **how: Any
 ) -> None:
     """Draw the phase portrait of SCENE.
 
     List its equilibria and limit cycles, or draw the Poincaré section of a forced system.
     """
-    summary = make(
-        scene, overrides, figure, look,
-        coordinate=coordinate, window=window or (), period=period or 0.0, frozen=frozen,
-    )  # fmt: skip
+    summary = make(scene, overrides, figure, **how)
     click.echo(as_json(summary) if as_data else format_portrait(summary))
 
 
 @click.command()
 @click.argument("scene")
 @set_option
-@figure_option("the modal phase planes")
-@look_options
+@figure_options("the modal phase planes")
 @json_option
 def modes(
-    scene: str,
-    overrides: tuple[str, ...],
-    figure: Path | None,
-    look: figures.Look | None,
-    as_data: bool,
+    *, scene: str, overrides: tuple[str, ...], figure: FigureFile | None, as_data: bool
 ) -> None:
     """List the modes of SCENE about rest: frequencies, damping, shapes.
 
     The figure shows free motion from the shape of each mode in the phase planes of the modes.
     """
-    summary = make_modes(scene, overrides, figure, look)
+    summary = make_modes(scene, overrides, figure)
     click.echo(as_json(summary) if as_data else format_modes(summary))

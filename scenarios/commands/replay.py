@@ -12,13 +12,14 @@ from typing import Any
 import click
 from phaseplane.suspension.units import counted
 
-from phaseplane import figures, recording
+from phaseplane import recording
 
 from ..draw.constructions import draw_scene, drawing_summary, overlay_run
 from ..draw.live import show_in
 from ..draw.pictures import RULES_SHOWN, draw
 from ..draw.recording_content import of_results, of_scene
-from ..errors import MOVING, PICTURES, InputError, RunError, check_picture, check_recording
+from ..errors import MOVING, InputError, RunError, check_recording
+from ..look import FigureFile
 from ..results.folder import DAMAGED, read_results, read_summary
 from ..results.plain import as_json
 from ..results.report import format_missed
@@ -27,9 +28,9 @@ from ..scene.fields import one_of
 from ..scene.layers import Setting, find_scene
 from ..scene.loading import construction_settings, load_scene
 from ..scene.sections import CONSTRUCTION_FIGURES
-from .console import figure_option, json_option, set_option
+from .console import json_option, set_option
 from .viewing import (
-    look_options,
+    figure_options,
     page,
     refuse_without_figure,
     save_option,
@@ -57,7 +58,7 @@ _KIND = "phase_planes"  # of a figure
 )
 @click.option("--step", metavar="TIME", help="Step of the construction, e.g. '2.5 ms'.")
 @save_option
-@figure_option("the phase planes, or of another --kind", "; animated: .gif or .mp4")
+@figure_options("the phase planes, or of another --kind", MOVING)
 @click.option(
     "--kind",
     default=_KIND,
@@ -67,7 +68,6 @@ _KIND = "phase_planes"  # of a figure
     "figure1 to figure16 (figure4a and figure4b for 4).",
 )
 @click.option("--at-step", type=int, metavar="N", help="Step to show in a figure of a single step.")
-@look_options
 @viewer_options
 @json_option
 def replay(
@@ -78,14 +78,12 @@ def replay(
     rule: str | None,
     step: str | None,
     save: Path | None,
-    figure: Path | None,
-    kind: str,
-    at_step: int | None,
-    look: figures.Look | None,
+    figure: FigureFile | None,
     viewer: str,
     served: bool,
     address: str,
     as_data: bool,
+    **which: Any,
 ) -> None:
     """Draw the construction of a SCENE or of a run's RESULTS."""
     if save is None and figure is None and not viewer and not served:
@@ -102,9 +100,7 @@ def replay(
     )  # fmt: skip
     with page(served, address, viewer=viewer) as server:
         shown_in = viewer or (server.url if server else "")
-        summary = replay_construction(
-            what, settings, save, figure, shown_in, over, kind=kind, look=look, at_step=at_step
-        )
+        summary = replay_construction(what, settings, save, figure, shown_in, over, **which)
         places = ", ".join([*summary["files"], *([viewer] if viewer else [])])
         with until_interrupted(server):
             click.echo(
@@ -120,12 +116,11 @@ def replay_construction(
     what: str,
     overrides: Sequence[str | Setting],
     save: Path | None,
-    figure: Path | None,
+    figure: FigureFile | None,
     viewer: str = "",
     over: Path | None = None,
     *,
     kind: str = _KIND,
-    look: figures.Look | None = None,
     at_step: int | None = None,
 ) -> dict[str, Any]:
     """Construct a scene, or lay the construction over the results of a run, and write files.
@@ -138,7 +133,6 @@ def replay_construction(
     save, figure : files to write
     viewer : address of a running viewer to show it in
     kind : name of the figure; its rule is used unless overrides give one
-    look : how the figure is printed
     at_step : step that a figure of one step shows; default: one whose letters have room
 
     Raises
@@ -147,7 +141,6 @@ def replay_construction(
     RunError : if the construction diverges, or the viewer refuses the recording.
     """
     check_recording(save)
-    check_picture(figure, PICTURES + MOVING)
     if figure is None:
         refuse_without_figure({"--kind": kind != _KIND, "--at-step": at_step is not None})
     try:
@@ -196,10 +189,10 @@ def replay_construction(
         raise InputError(f"--at-step {at_step}: the drawing has steps 0 to {last}")
     if figure is not None:
         try:
-            draw(kind, figure, drawing, title=title, look=look, step=at_step)
+            draw(kind, figure.path, drawing, title=title, look=figure.look, step=at_step)
         except ValueError as error:  # the drawing lacks what the figure shows
             raise InputError(f"--kind {kind}: {error}") from None
-    files = [str(path) for path in (save, figure) if path is not None]
+    files = [str(path) for path in (save, figure and figure.path) if path is not None]
     return {**drawing_summary(drawing, perf_counter() - started), "files": files}
 
 

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import click
 
-from phaseplane import figures, recording
+from phaseplane import recording
 
 from .. import draw
 from ..errors import InputError, check_recording
+from ..look import FigureFile
 from ..results.folder import OUTPUT, read_summary
 from ..results.inspection import (
     contents,
@@ -21,8 +22,8 @@ from ..results.inspection import (
 )
 from ..results.plain import as_json
 from ..scene.names import meant
-from .console import DONE, FAILED, FiniteRange, complain, figure_option, json_option
-from .viewing import look_options, save_option
+from .console import DONE, FAILED, FiniteRange, complain, json_option
+from .viewing import figure_options, save_option
 
 _columns = click.option(
     "--column", "columns", multiple=True, metavar="NAME", help="Use only this column. Repeatable."
@@ -34,22 +35,20 @@ _columns = click.option(
     "paths", metavar="RESULTS...", nargs=-1, required=True, type=click.Path(path_type=Path)
 )
 @_columns
-@figure_option("all columns, or those chosen, over time")
+@figure_options("all columns, or those chosen, over time")
 @click.option(
     "--plane",
     metavar="X,Y",
     default="",
     help="Draw column Y over column X, such as a rate over its displacement.",
 )
-@look_options
 @save_option
 @json_option
 def show(
     *,
     paths: tuple[Path, ...],
     columns: tuple[str, ...],
-    figure: Path | None,
-    look: figures.Look | None,
+    figure: FigureFile | None,
     plane: str,
     save: Path | None,
     as_data: bool,
@@ -67,8 +66,8 @@ def show(
             "lists two of them side by side"
         )
     check_recording(save)
-    pair = _plane(plane, figure or save)
-    data = contents(paths[0], columns, figure, pair, paths[1:], look)
+    pair = _plane(plane, drawn=bool(figure or save))
+    data = contents(paths[0], columns, figure, pair, paths[1:])
     if save is not None:
         found, units = timed(paths[0], columns, pair)
         title = str(data["summary"].get("title") or paths[0].name)
@@ -77,7 +76,7 @@ def show(
     click.echo(as_json(data) if as_data else format_contents(data, paths[0]))
 
 
-def _plane(names: str, file: Path | None) -> tuple[str, str] | None:
+def _plane(names: str, *, drawn: bool) -> tuple[str, str] | None:
     """Return the two columns of `--plane`.
 
     Raises
@@ -89,7 +88,7 @@ def _plane(names: str, file: Path | None) -> tuple[str, str] | None:
     pair = tuple(name.strip() for name in names.split(","))
     if len(pair) != 2 or not all(pair):
         raise InputError(f"--plane {names}: give two columns, such as x,y")
-    if file is None:
+    if not drawn:
         raise InputError("--plane needs a file to write: --figure F.png or --save F.rrd")
     return pair[0], pair[1]
 
@@ -110,8 +109,7 @@ def _plane(names: str, file: Path | None) -> tuple[str, str] | None:
     is_flag=True,
     help="Compare only the rows, times and columns that both have.",
 )
-@figure_option("the columns that differ most")
-@look_options
+@figure_options("the columns that differ most")
 @json_option
 def compare(
     *,
@@ -120,8 +118,7 @@ def compare(
     tolerance: float,
     columns: tuple[str, ...],
     common: bool,
-    figure: Path | None,
-    look: figures.Look | None,
+    figure: FigureFile | None,
     as_data: bool,
 ) -> int:
     """Compare the results A and B column by column.
@@ -133,7 +130,7 @@ def compare(
     differ.
     """
     _check_there(ours, other)
-    data = difference(ours, other, tolerance, columns, figure, look, common=common)
+    data = difference(ours, other, tolerance, columns, figure, common=common)
     click.echo(as_json(data) if as_data else format_difference(data))
     if data["equal"]:
         return DONE

@@ -13,8 +13,8 @@ import click
 
 from phaseplane import recording
 
-from ..draw.look import look_of
-from ..errors import InputError, RunError
+from ..errors import PICTURES, InputError, RunError, check_file
+from ..look import FigureFile, look_of
 from .console import warn
 
 _LOOPBACK = "127.0.0.1"
@@ -48,26 +48,43 @@ _LOOK = (
 )  # fmt: skip
 
 
-def look_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options of a printed figure, given to the command as `look`, None without one."""
+def figure_options(
+    what: str, moving: Sequence[str] = ()
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Return the options of a figure of something, given to the command as `figure`, None without one.
 
-    @wraps(command)
-    def looking(
-        *args: Any, dark: bool, headed: bool, width: str | None, font: str, mono: bool, **more: Any
-    ) -> Any:
-        look = None
-        if more["figure"] is not None:
+    Parameters
+    ----------
+    moving : endings of files in which it is animated
+    """
+    also = f"; animated: {' or '.join(moving)}" if moving else ""
+
+    def decorated(command: Callable[..., Any]) -> Callable[..., Any]:
+        @wraps(command)
+        def drawing(
+            *, figure: Path | None, dark: bool, headed: bool, width: str | None, font: str,
+            mono: bool, **more: Any,
+        ) -> Any:  # fmt: skip
+            if figure is None:
+                refuse_without_figure({
+                    "--dark": dark, "--no-title": not headed, "--width": width, "--font": font,
+                    "--mono": mono,
+                })  # fmt: skip
+                return command(figure=None, **more)
+            check_file("--figure", figure, (*PICTURES, *moving))
             look = look_of("--", dark=dark, headed=headed, width=width, font=font, mono=mono)
-        else:
-            refuse_without_figure({
-                "--dark": dark, "--no-title": not headed, "--width": width, "--font": font,
-                "--mono": mono,
-            })  # fmt: skip
-        return command(*args, look=look, **more)
+            return command(figure=FigureFile(figure, look), **more)
 
-    for option in reversed(_LOOK):
-        looking = option(looking)
-    return looking
+        for option in reversed(_LOOK):
+            drawing = option(drawing)
+        return click.option(
+            "--figure",
+            type=click.Path(path_type=Path),
+            metavar="F.png",
+            help=f"Write a picture of {what} (.png, .svg or .pdf{also}).",
+        )(drawing)
+
+    return decorated
 
 
 def refuse_without_figure(given: Mapping[str, object]) -> None:

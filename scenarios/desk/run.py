@@ -12,9 +12,9 @@ import numpy as np
 from phaseplane.suspension.events import Event
 
 from ..draw.constructions import draw_scene
-from ..draw.look import look_of
 from ..draw.pictures import figure_of, pictures_of
 from ..errors import InputError, shown
+from ..look import look_of
 from ..results.folder import Place, Results, replace_folder, write_results
 from ..results.report import report
 from ..scene.layers import Setting, from_top

@@ -16,9 +16,9 @@ from typing import Any
 from phaseplane import recording
 
 from ..draw.constructions import draw_scene
-from ..draw.look import look_of
 from ..draw.pictures import RULES_SHOWN, draw, figure_of
 from ..draw.recording_content import of_scene
+from ..look import look_of
 from ..scene.layers import Setting
 from ..scene.loading import load_scene
 from .picture import Picture

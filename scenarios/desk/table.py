@@ -11,8 +11,8 @@ from phaseplane.suspension.units import nearest
 
 from phaseplane import figures
 
-from ..draw.look import look_of
 from ..errors import InputError, shown
+from ..look import look_of
 from .picture import Picture
 
 if TYPE_CHECKING:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from math import pi, sqrt
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension.variables import MODELS
 
 from phaseplane import figures
 
-from ..errors import InputError, check_picture
+from ..errors import InputError
+from ..look import FigureFile
 from ..measures.linearised import about_rest
 from ..scene.equation import EQUATION
 from ..scene.loading import load_scene
@@ -23,21 +23,15 @@ if TYPE_CHECKING:
 _ROUNDING = 1e-9  # of the largest part of a shape
 
 
-def modes(
-    reference: str,
-    overrides: Sequence[str],
-    figure: Path | None,
-    look: figures.Look | None = None,
-) -> dict[str, Any]:
+def modes(reference: str, overrides: Sequence[str], figure: FigureFile | None) -> dict[str, Any]:
     """Return the modes of a scene's model about rest, and draw their planes if `figure` is given.
 
     Raises
     ------
-    InputError : if the scene has no modes, or the picture cannot be written.
+    InputError : if the scene has no modes.
     """
     from ..measures.modal_planes import modal_planes  # noqa: PLC0415  (scipy)
 
-    check_picture(figure)
     scene = load_scene(reference, overrides, expect=False)
     if scene.fmu.model not in MODELS:
         what = (
@@ -63,21 +57,21 @@ def modes(
     title = scene.title or scene.name
     if scene.controller is not None:
         title = f"{title}; without the controller"
+    files = []
     if figure is not None and found is not None:
         names = [
             f"mode {i}: {one['frequency']:.4g} Hz, ξ = {one['damping_ratio']:.3g}"
             for i, one in enumerate(modes, 1)
         ]
         motions = [found.free(i) for i in range(len(modes))]
-        printed = look or figures.Look()
-        figures.save(figures.modal_planes(motions, names, title=title, look=printed), figure)
+        files = figure.save(figures.modal_planes(motions, names, title=title, look=figure.look))
     return {
         "title": title,
         "modes": modes,
         "proportional": found is not None and found.proportional,
         "damped": [asdict(mode) for mode in system.modes()],
         "why_damped": why_damped,
-        "files": [str(figure)] if figure is not None else [],
+        "files": files,
     }
 
 

@@ -51,16 +51,17 @@ def pictures_of(
     drawing : the construction; if None, the pictures that need it are left out
     """
     title = scene.title or scene.name
-    drawn = scene.show.figures or scene.show.planes
-    look = figures.Look(dark=scene.show.dark) if drawn else None  # it needs matplotlib
-    pictures: dict[str, Callable[[Path], None]] = {
-        f"{name}.png": partial(draw, name, drawing=drawing, results=results, title=title, look=look)
-        for name in scene.show.figures
-        if name == "time_histories" or drawing is not None
-    }
-    for k, names in enumerate(scene.show.planes, 1):
-        plane = partial(_draw_plane, names, results, title, look)
-        pictures["plane.png" if k == 1 else f"plane_{k}.png"] = plane
+    pictures: dict[str, Callable[[Path], None]] = {}
+    if scene.show.figures or scene.show.planes:
+        look = figures.Look(dark=scene.show.dark)
+        for name in scene.show.figures:
+            if name == "time_histories" or drawing is not None:
+                pictures[f"{name}.png"] = partial(
+                    draw, name, drawing=drawing, results=results, title=title, look=look
+                )
+        for k, names in enumerate(scene.show.planes, 1):
+            plane = partial(_draw_plane, names, results, title, look)
+            pictures["plane.png" if k == 1 else f"plane_{k}.png"] = plane
     if scene.show.recording:
         shown = asdict(scene.shown)
         pictures[RECORDING] = lambda path: recording.record(
@@ -70,13 +71,11 @@ def pictures_of(
 
 
 def _draw_plane(
-    names: tuple[str, str], results: Results, title: str, look: figures.Look | None, path: Path
+    names: tuple[str, str], results: Results, title: str, look: figures.Look, path: Path
 ) -> None:
     x, y = (results.columns[name] for name in names)
     units = results.summary.get("units", {})
-    drawn = figures.plane_of_columns(
-        {"": (x, y)}, names, units, title=title, look=look or figures.Look()
-    )
+    drawn = figures.plane_of_columns({"": (x, y)}, names, units, title=title, look=look)
     figures.save(drawn, path)
 
 
@@ -86,8 +85,8 @@ def draw(
     drawing: Drawing | None,
     results: Results | None = None,
     *,
-    title: str = "",
-    look: figures.Look | None = None,
+    title: str,
+    look: figures.Look,
     step: int | None = None,
 ) -> None:
     """Draw one picture: `time_histories` from results, the others from a construction.
@@ -109,7 +108,7 @@ def draw(
         if step is not None:
             raise ValueError("an animation chooses its steps; leave --at-step out")
         assert drawing is not None
-        figures.animation(drawing, path, title=title, look=look or figures.Look())
+        figures.animation(drawing, path, title=title, look=look)
         return
     figure = figure_of(name, drawing, results, title=title, look=look, step=step)
     figures.save(figure, path)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import cos, pi
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +16,8 @@ from phaseplane import figures
 from phaseplane import portrait as computed
 from phaseplane.picture.text import bracketed
 
-from ..errors import InputError, check_picture
+from ..errors import InputError
+from ..look import FigureFile
 from ..scene.equation import EQUATION, formula_of
 from ..scene.loading import load_scene
 
@@ -58,12 +58,11 @@ class _Subject:
 def portrait(
     reference: str,
     overrides: Sequence[str],
-    figure: Path | None,
-    look: figures.Look | None = None,
+    figure: FigureFile | None,
     *,
     coordinate: str = "",
-    window: Sequence[float] = (),
-    period: float = 0.0,
+    window: Sequence[float] | None = None,
+    period: float | None = None,
     frozen: float | None = None,
 ) -> dict[str, Any]:
     """Compute the phase portrait of a scene, and draw it if `figure` is given.
@@ -71,8 +70,8 @@ def portrait(
     Parameters
     ----------
     coordinate : the coordinate that moves while the others rest at zero; the first if empty
-    window : left, right, bottom, top; automatic if empty
-    period : forcing period of an equation, s; found in the equation if 0
+    window : left, right, bottom, top; automatic if None
+    period : forcing period of an equation, s; found in the equation if None
     frozen : draw a forced system with its forcing frozen at this time, s; if None, draw its section
 
     Returns
@@ -83,7 +82,6 @@ def portrait(
     ------
     InputError : if the scene has no portrait, or the coordinate or the window is not valid.
     """
-    check_picture(figure)
     scene = load_scene(reference, overrides, expect=False)
     try:
         subject = _of_scene(scene, coordinate, period)
@@ -115,17 +113,17 @@ def portrait(
         title = f"{title}, frozen at t = {made.frozen:g} s"
     elif made.section is not None:
         title = f"{title}: Poincaré section, once per forcing period"
+    files = []
     if figure is not None:
-        picture = figures.portrait(
-            made, labels=subject.labels, title=title, look=look or figures.Look()
+        files = figure.save(
+            figures.portrait(made, labels=subject.labels, title=title, look=figure.look)
         )
-        figures.save(picture, figure)
     return {
         "title": title,
         "coordinate": subject.labels[0],
         "units": [unit.removeprefix("1") for unit in subject.units],
         **_as_data(made),
-        "files": [str(figure)] if figure is not None else [],
+        "files": files,
     }
 
 
@@ -186,7 +184,7 @@ def _format_section(summary: Mapping[str, Any], x_unit: str, v_unit: str) -> lis
     return lines
 
 
-def _of_scene(scene: Scene, coordinate: str, period: float) -> _Subject:
+def _of_scene(scene: Scene, coordinate: str, period: float | None) -> _Subject:
     parameters = scene.all_parameters
     if scene.fmu.model == EQUATION:
         if coordinate not in ("", *_OF_EQUATION):
@@ -201,7 +199,7 @@ def _of_scene(scene: Scene, coordinate: str, period: float) -> _Subject:
     return _of_model(build(scene.fmu.model, parameters), parameters, coordinate, angles)
 
 
-def _of_equation(parameters: Mapping[str, Value], period: float) -> _Subject:
+def _of_equation(parameters: Mapping[str, Value], period: float | None) -> _Subject:
     formula = formula_of(parameters)
     found = period or formula.period
     if found is None:

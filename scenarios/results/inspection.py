@@ -12,7 +12,8 @@ from phaseplane.suspension.units import nearest
 
 from phaseplane import figures
 
-from ..errors import InputError, check_picture, shown
+from ..errors import InputError, shown
+from ..look import FigureFile
 from ..toml_files import read_content
 from .comparison import check_ascending, compared, format_extent
 from .folder import DAMAGED, Results, read_results
@@ -29,10 +30,9 @@ _MOST_COMPARED = 6  # columns in the picture of a comparison
 def contents(
     what: Path,
     names: Sequence[str] = (),
-    figure: Path | None = None,
+    figure: FigureFile | None = None,
     plane: tuple[str, str] | None = None,
     others: Sequence[Path] = (),
-    look: figures.Look | None = None,
 ) -> dict[str, Any]:
     """Return the summary of results and the range of each column; draw them if asked.
 
@@ -43,13 +43,11 @@ def contents(
     figure : picture to write, of the columns over time
     plane : two columns that the picture shows one over the other instead, the abscissa first
     others : further results that the picture shows too, or TOML files with a table [measured]
-    look : how it is printed
 
     Raises
     ------
-    InputError : if there are no results or no such column, or a file name is not valid.
+    InputError : if there are no results or no such column.
     """
-    check_picture(figure)
     results = results_in(what)
     columns = _chosen(results, names, what)
     units = results.summary.get("units", {})
@@ -72,10 +70,7 @@ def contents(
     }
     if figure is not None:
         drawn = {what: results, **{path: results_in(path, results) for path in others}}
-        printed = look or figures.Look()
-        picture = _picture(drawn, names, plane, units, title=_title(drawn), look=printed)
-        figures.save(picture, figure)
-        data["files"] = [str(figure)]
+        data["files"] = figure.save(_picture(drawn, names, plane, units, figure.look))
     return data
 
 
@@ -118,16 +113,16 @@ def _picture(
     names: Sequence[str],
     plane: tuple[str, str] | None,
     units: Mapping[str, str],
-    **more: Any,
+    look: figures.Look,
 ) -> Figure:
     """Return the picture of one or more results, over time or one column over another."""
-    labels = _labels(drawn)
+    labels, title = _labels(drawn), _title(drawn)
     if plane is not None:
         curves = {}
         for path, results in drawn.items():
             chosen = _chosen(results, plane, path)
             curves[labels[path]] = (chosen[plane[0]], chosen[plane[1]])
-        return figures.plane_of_columns(curves, plane, units, **more)
+        return figures.plane_of_columns(curves, plane, units, title=title, look=look)
     values: dict[str, dict[str, Any]] = {}
     for path, results in drawn.items():
         time = _time(results, path, "--plane X,Y draws a column over another")
@@ -136,7 +131,7 @@ def _picture(
                 values.setdefault(name, {})[labels[path]] = (time, column)
     if not values:
         raise InputError(f"--figure: {next(iter(drawn))} has no column but time to draw")
-    return figures.runs(values, units, **more)
+    return figures.runs(values, units, title=title, look=look)
 
 
 def format_contents(data: Mapping[str, Any], what: Path) -> str:
@@ -162,8 +157,7 @@ def difference(
     other: Path,
     tolerance: float,
     names: Sequence[str] = (),
-    figure: Path | None = None,
-    look: figures.Look | None = None,
+    figure: FigureFile | None = None,
     *,
     common: bool = False,
 ) -> dict[str, Any]:
@@ -175,15 +169,12 @@ def difference(
     tolerance : largest difference over the peak that counts as equal
     names : columns to compare; all if empty
     figure : picture of the columns that differ most
-    look : how it is printed
     common : whether to ignore rows, times and columns that only one of them has
 
     Raises
     ------
-    InputError : if there are no results, nothing in common or no such column, or a file name is not
-        valid.
+    InputError : if there are no results, nothing in common or no such column.
     """
-    check_picture(figure)
     first = results_in(ours)
     second = results_in(other, first)
     for results, path in ((first, ours), (second, other)):
@@ -207,10 +198,8 @@ def difference(
     if figure is not None:
         drawn = {ours: first, other: second}
         worst = [d.name for d in found.differences[:_MOST_COMPARED]]
-        units, printed = first.summary.get("units", {}), look or figures.Look()
-        picture = _picture(drawn, worst, None, units, title=_title(drawn), look=printed)
-        figures.save(picture, figure)
-        data["files"] = [str(figure)]
+        units = first.summary.get("units", {})
+        data["files"] = figure.save(_picture(drawn, worst, None, units, figure.look))
     return data
 
 

@@ -68,8 +68,9 @@ class SceneFile:
         _MODEL,
         f"{', '.join((*MODELS, EQUATION))}, or the path of an .fmu file, or of a system's .toml or .py "
         "file",
+        "",
     )
-    duration: float = entry(SECONDS, "time to simulate")
+    duration: float | None = entry(SECONDS, "time to simulate", None)
     parameters: Mapping[str, Any] | None = entry(
         TABLE,
         "parameters that differ from the FMU's defaults, by name; a table may be read from a CSV file "

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from phaseplane.suspension.models import build
 from phaseplane.suspension.units import nearest
@@ -23,7 +23,7 @@ from .expectations import Bounds, During, Reference, bounds_from
 from .fields import RefusedError, read_table
 from .file import SceneFile
 from .fmus import Fmu, find_fmu
-from .schema import Scene
+from .schema import Scene, excess
 from .sections import Construction, Show
 from .table_files import with_files
 
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from phaseplane.suspension.variable import Variable
 
     from ..results.tables import Columns
+
+_Value = TypeVar("_Value")
 
 DURING, REFERENCE = "expect.during", "expect.reference"
 SIGNALS = tuple(key for key in SIGNAL_KEYS if key not in ("file", "columns"))
@@ -55,20 +57,21 @@ def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path
     parameters, expect = said.parameters or {}, said.expect or {}
     construction = said.construction or Construction()
     try:
-        fmu = find_fmu(said.fmu, folders.get("fmu"), parameters)
+        fmu = find_fmu(_required("fmu", said.fmu), folders.get("fmu"), parameters)
     except SystemFileError as error:  # tells the file itself
         raise RefusedError("fmu", str(error)) from None
     except InputError as error:
         raise RefusedError.value("fmu", said.fmu, str(error)) from None
+    duration = _required("duration", said.duration)
     if construction.starts:
         fmu = _with_starts(fmu, construction.starts)
     scene = Scene(
         name=name,
         fmu=fmu,
-        duration=said.duration,
+        duration=duration,
         title=said.title,
         source=said.source,
-        parameters=_parameters(fmu, said.duration, parameters, folders),
+        parameters=_parameters(fmu, duration, parameters, folders),
         controller=read_controller(said.controller or {}, fmu),
         show=said.show or Show(),
         construction=construction,
@@ -77,14 +80,14 @@ def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path
         **_reference(fmu, expect, folders),
     )
     _check_names(scene)
-    _check_rows(scene, named="output_interval" in content.get("show", {}))
-    _check_evaluations(scene)
-    if scene.show.draws:
-        try:
-            scene.check_construction()
-        except InputError as error:
-            raise RefusedError("construction.step", str(error)) from None
+    _check_counts(scene, named="output_interval" in content.get("show", {}))
     return scene
+
+
+def _required(key: str, value: _Value | None) -> _Value:
+    if not value:
+        raise RefusedError(key, f"{shown(key)} is missing; a scene needs fmu and duration")
+    return value
 
 
 def _with_starts(fmu: Fmu, starts: Collection[object]) -> Fmu:
@@ -297,8 +300,8 @@ def _check_names(scene: Scene) -> None:
                 )
 
 
-def _check_rows(scene: Scene, *, named: bool) -> None:
-    """Refuse an interval between rows that is too long or too short for the duration."""
+def _check_counts(scene: Scene, *, named: bool) -> None:
+    """Refuse an interval between rows that is too long, and intervals too short for the duration."""
     interval, duration = scene.show.output_interval, scene.duration
     key = "show.output_interval"
     if named and interval > duration * (1.0 + 1e-9):
@@ -307,23 +310,15 @@ def _check_rows(scene: Scene, *, named: bool) -> None:
             f"{key} = {interval:g} s is longer than the duration, {duration:g} s; give at most the "
             "duration",
         )
-    if duration / interval > _MOST_ROWS:
-        raise RefusedError(
-            key,
-            f"{key} = {interval:g} s gives {duration / interval:.3g} rows over {duration:g} s; "
-            f"at most {_MOST_ROWS} are allowed; give at least {duration / _MOST_ROWS:.3g} s",
-        )
-
-
-def _check_evaluations(scene: Scene) -> None:
-    """Refuse a controller that is evaluated so often that the run would hardly end."""
-    if scene.controller is None:
-        return
-    period, duration = scene.controller.period, scene.duration
-    if duration / period > _MOST_EVALUATIONS:
-        raise RefusedError(
-            "controller.period",
-            f"controller.period = {period:g} s gives {duration / period:.3g} evaluations over "
-            f"{duration:g} s; at most {_MOST_EVALUATIONS} are allowed; give at least "
-            f"{duration / _MOST_EVALUATIONS:.3g} s",
-        )
+    counts = [(key, interval, "rows", _MOST_ROWS)]
+    if scene.controller is not None:
+        period = scene.controller.period
+        counts.append(("controller.period", period, "evaluations", _MOST_EVALUATIONS))
+    for key, step, what, most in counts:
+        if why := excess(key, step, duration, what, most):
+            raise RefusedError(key, why)
+    if scene.show.draws:
+        try:
+            scene.check_construction()
+        except InputError as error:
+            raise RefusedError("construction.step", str(error)) from None

@@ -35,6 +35,16 @@ _DRAWN = (
 _MOST_STEPS = 100_000
 
 
+def excess(key: str, step: float, duration: float, what: str, most: int) -> str:
+    """Return why a time, s, is too short a step through a duration, or "" if it is not."""
+    if duration / step <= most:
+        return ""
+    return (
+        f"{key} = {step:g} s gives {duration / step:.3g} {what} over {duration:g} s; at most {most} are "
+        f"allowed; give at least {duration / most:.3g} s"
+    )
+
+
 @dataclass(frozen=True)
 class Scene:
     """One scripted run.
@@ -87,12 +97,9 @@ class Scene:
         ------
         InputError : if there are more than 100 000 steps.
         """
-        steps = self.construction_time / self.construction.step
-        if steps > _MOST_STEPS:
-            raise InputError(
-                f"construction.step = {self.construction.step:g} s gives {steps:.3g} steps over "
-                f"{self.construction_time:g} s; at most {_MOST_STEPS} are allowed"
-            )
+        duration, step = self.construction_time, self.construction.step
+        if why := excess("construction.step", step, duration, "steps", _MOST_STEPS):
+            raise InputError(why)
 
     def refuse_controller(self, why: str) -> None:
         """Reject a scene with a controller where its model runs without one.

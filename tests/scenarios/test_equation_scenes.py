@@ -13,6 +13,7 @@ from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw import portraits
 from phaseplane.scenarios.draw.constructions import draw_construction
 from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.look import FigureFile
 from phaseplane.scenarios.results.folder import read_results
 from phaseplane.scenarios.scene.loading import load_scene
 from small_sweep import rows, sweep_file
@@ -20,6 +21,7 @@ from small_sweep import rows, sweep_file
 from phaseplane import figures
 from phaseplane.constructions.letters import MINUS
 from phaseplane.constructions.sheet import state_point
+from phaseplane.figures.style import Look
 from phaseplane.picture.frames import motions_of
 from phaseplane.picture.subject import paths_of
 
@@ -191,7 +193,7 @@ def test_the_portrait_has_the_curves_of_the_starts(
     drawn = []
     monkeypatch.setattr(portraits.figures, "portrait", lambda made, **_: drawn.append(made))
     monkeypatch.setattr(portraits.figures, "save", lambda *_: None)
-    portraits.portrait(pendulum, (), tmp_path / "one.png")
+    portraits.portrait(pendulum, (), FigureFile(tmp_path / "one.png", Look()))
     passes = {tuple(state) for curve in drawn[0].orbits for state in np.round(curve, 9)}
     assert {(round(2.0 * pi / 3.0, 9), 0.0), (1.0, 6.0), (-2.0, 0.0)} <= passes
 

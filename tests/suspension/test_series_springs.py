@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from phaseplane.scenarios.draw.modes import format_modes, modes
 from phaseplane.scenarios.draw.planes import of_system
 from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.look import FigureFile
 from phaseplane.scenarios.measures.linearised import linearised
 from phaseplane.scenarios.measures.modal_planes import modal_planes
 from phaseplane.suspension import characteristics, roads
@@ -30,6 +31,8 @@ from phaseplane.suspension.variable import ParameterError
 from scipy.linalg import expm
 from stepped import read_at
 from transfer import transfer
+
+from phaseplane.figures.style import Look
 
 LINEAR = characteristics.linear
 MASS, RATE, PARALLEL, SERIES, DAMPING = 300.0, 2e4, 200.0, 1e5, 1500.0
@@ -352,7 +355,7 @@ def test_the_modes_of_a_file_are_the_damped_ones(tmp_path: Path) -> None:
     )
     assert "damped modes, as a system with a spring in series" in format_modes(summary)
     with pytest.raises(InputError, match="no modal planes"):
-        modes(str(rig), (), tmp_path / "modes.png")
+        modes(str(rig), (), FigureFile(tmp_path / "modes.png", Look()))
 
 
 def test_there_is_no_construction_of_them() -> None:

@@ -1,16 +1,33 @@
-"""How a figure is printed: its width, typeface and colours, as options and keywords give them."""
+"""How figures are printed: their width, typeface and colours, as options and keywords give them."""
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension.units import UnitError, to_si
 
 from phaseplane import figures
 
-from ..errors import InputError
+from .errors import InputError
+
+if TYPE_CHECKING:
+    from phaseplane.figures.style import Figure
 
 _NARROWEST, _WIDEST = 0.04, 1.0  # m
+
+
+@dataclass(frozen=True, slots=True)
+class FigureFile:
+    """A figure to draw: the file to write, and how it is printed."""
+
+    path: Path
+    look: figures.Look
+
+    def save(self, figure: Figure) -> list[str]:
+        """Write the figure; return the name of the file, as the only one of a list."""
+        return [str(figures.save(figure, self.path))]
 
 
 def look_of(dashes: str = "", **given: Any) -> figures.Look:
