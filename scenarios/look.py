@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,7 @@ from phaseplane.suspension.units import UnitError, to_si
 
 from phaseplane import figures
 
-from .errors import InputError
+from .errors import InputError, refuse_unknown_keys
 
 if TYPE_CHECKING:
     from phaseplane.figures.style import Figure
@@ -40,11 +40,12 @@ def look_of(dashes: str = "", **given: Any) -> figures.Look:
 
     Raises
     ------
-    InputError : a width that is none, or too small or too large for a picture; or a font that is not
-        installed.
+    InputError : another keyword; a width that is none, or too small or too large for a picture; or a
+        font that is not installed.
     """
     if given.get("width") is not None:
         given["width"] = _width(given["width"], f"{dashes}width")
+    refuse_unknown_keys(given, [field.name for field in fields(figures.Look)])
     try:
         return figures.Look(**given)
     except ValueError as error:

@@ -229,8 +229,8 @@ def _of_model(
     name = (coordinate or names[0]).removesuffix("_displacement")
     if name not in names:
         raise ValueError(
-            f"coordinate {coordinate!r} is not known{nearest(name, names)}; coordinates are "
-            f"{', '.join(names)}"
+            f"coordinate {coordinate!r} is not known; coordinates are {', '.join(names)}"
+            + nearest(name, names)
         )
     section = computed.of_coordinate(system, names.index(name))
     if len(names) == 1 and system.axles and parameters.get("road.shape") == "sine":

@@ -301,9 +301,7 @@ def pair_of(kind: Kind, words: str) -> Kind:
     return Kind(read, schema)
 
 
-_PAIRS = (
-    'a list of pairs of outputs such as [["suspension_deflection", "suspension_deflection_rate"]]'
-)
+_PAIRS = 'a list of pairs of outputs such as "suspension_deflection, suspension_deflection_rate"'
 
 
 def _pair_of_names(value: object) -> tuple[str, str]:

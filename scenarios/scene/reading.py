@@ -195,6 +195,9 @@ def _bounds(fmu: Fmu, given: Mapping[str, Any]) -> dict[str, Bounds | tuple[Boun
                 key, "expect.during must be a list: write [[expect.during]] for each"
             )
         if name not in known:
+            measure, _, bound = name.rpartition(".")
+            if measure in known:
+                raise RefusedError(key, f"{key}: {shown(bound)} is unknown; must be min and/or max")
             raise RefusedError(key, f"expect: no measure {shown(name)}{nearest(name, known)}")
         try:
             if isinstance(raw, list) and raw:

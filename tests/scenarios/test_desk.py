@@ -140,6 +140,10 @@ def test_a_scene_can_be_a_mapping_that_extends_another(bump):
         (lambda: phaseplane.run("ap57", through="dll"), "through = 'dll': allowed: process, fmu"),
         (lambda: phaseplane.run(3), "scene = 3: give a name, a path or a mapping"),
         (lambda: phaseplane.run("ap57", **QUICK).plot(width=-1), "width -1: must be from 40 mm"),
+        (
+            lambda: phaseplane.show("ap57", speed=3),
+            "unknown key 'speed'; allowed: .*dark",
+        ),
         (lambda: phaseplane.sweep("speed_bump", workers=-3), "workers = -3: must be at least 1"),
     ],
 )

@@ -309,6 +309,7 @@ def test_a_file_in_utf_8_may_begin_with_a_mark() -> None:
         ("expect.lift_of_count=1", ["'lift_of_count'", "did you mean 'lift_off_count'?"]),
         ("expect.airborne_time=0.03", ["expect.airborne_time = 0.03", "min and/or max in s"]),
         ("expect.airborne_time={min='1 N'}", ["expect.airborne_time", "'N' does not fit"]),
+        ("expect.airborne_time={most=3}", ["'most' is unknown; must be min and/or max"]),
         ("expect.lift_off_count={min=3, max=1}", ["min is above max"]),
         ("extends=ap57", ["extends", "only a scene's file"]),
         ("expect={}", ["expect={}", "an empty table sets nothing", "--no-expect"]),
