@@ -5,21 +5,21 @@ from __future__ import annotations
 import os
 import platform
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from phaseplane.suspension import engine
 
 from phaseplane import figures
 
 from ..simulate.versions import versions
-from .accuracy import Point
+from .accuracy import Family, Point
 from .problems import Problem
 
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10)  # errors at which run times are compared
-_FAMILIES = ("incremental", "FMU", "construction", "peer")
+_FAMILIES: tuple[Family, ...] = get_args(Family)
 # the numbers in a failure's text: its time, or the size of the error
 _NUMBERS = re.compile(r"( (at|after) [-+.e0-9]+ s\b.*|: error of .*)$")
 
@@ -84,66 +84,66 @@ def table(problem: Problem, points: Sequence[Point]) -> str:
     lines = [f"{problem.name}: {problem.title} ({problem.kind})", ""]
     heads = "".join(f"{f'{level:.0e}':>9}" for level in LEVELS)
     lines.append(f"{'us to an error of':<34}{heads}")
-    mine = [point for point in points if point.problem == problem.name]
-    for family in _FAMILIES:
-        for solver in dict.fromkeys(p.solver for p in mine if p.family == family):
-            reached = [p for p in mine if (p.solver, p.family) == (solver, family)]
-            if any(p.error is not None for p in reached):
-                times = (time_to_reach(reached, level) for level in LEVELS)
-                cells = ("-" if s is None else f"{1e6 * s:.0f}" for s in times)
-                lines.append(f"{_label(solver, family):<34}{''.join(f'{c:>9}' for c in cells)}")
-    return "\n".join([*lines, *_failures(mine)])
+    solvers = _by_solver(problem, points)
+    for solver, reached in solvers.items():
+        if any(p.error is not None for p in reached):
+            times = (time_to_reach(reached, level) for level in LEVELS)
+            cells = ("-" if s is None else f"{1e6 * s:.0f}" for s in times)
+            lines.append(f"{_label(*solver):<34}{''.join(f'{c:>9}' for c in cells)}")
+    return "\n".join([*lines, *_failures(solvers)])
 
 
-def _label(solver: str, family: str) -> str:
+def _by_solver(problem: Problem, points: Sequence[Point]) -> dict[tuple[str, Family], list[Point]]:
+    """Return the points of a problem by solver, those of the same family one after the other."""
+    found: dict[tuple[str, Family], list[Point]] = {}
+    for point in sorted(points, key=lambda p: _FAMILIES.index(p.family)):
+        if point.problem == problem.name:
+            found.setdefault((point.solver, point.family), []).append(point)
+    return found
+
+
+def _label(solver: str, family: Family) -> str:
     return solver if family in ("incremental", "peer") else f"{family}: {solver}"
 
 
-def _failures(points: Sequence[Point]) -> Iterator[str]:
+def _failures(solvers: Mapping[tuple[str, Family], Sequence[Point]]) -> Iterator[str]:
     """Yield each kind of failure once, with its solvers; a whole family is named as such."""
-    kinds = {point: _NUMBERS.sub("", point.failure) for point in points if point.failure}
-    for kind in dict.fromkeys(kinds.values()):
+    kinds = {
+        solver: [_NUMBERS.sub("", point.failure) for point in runs]
+        for solver, runs in solvers.items()
+    }
+    for kind in dict.fromkeys(kind for found in kinds.values() for kind in found if kind):
         who = []
         for family in _FAMILIES:
-            members = dict.fromkeys(p.solver for p in points if p.family == family)
-            counts = {}
-            for solver in members:
-                runs = [p for p in points if (p.solver, p.family) == (solver, family)]
-                failed = [p for p in runs if kinds.get(p) == kind]
-                if failed:
-                    whole = len(failed) == len(runs)
-                    counts[solver] = "" if whole else f" ({len(failed)} of {len(runs)} runs)"
-            if len(members) > 1 and len(counts) == len(members) and not any(counts.values()):
+            members = [solver for solver in solvers if solver[1] == family]
+            counts = {solver: kinds[solver].count(kind) for solver in members}
+            if len(members) > 1 and all(counts[s] == len(solvers[s]) for s in members):
                 who.append(f"all {family}s")
-            else:
-                who += [f"{_label(solver, family)}{count}" for solver, count in counts.items()]
+                continue
+            for solver, count in counts.items():
+                whole = count == len(solvers[solver])
+                part = "" if whole else f" ({count} of {len(solvers[solver])} runs)"
+                who += [f"{_label(*solver)}{part}"] if count else []
         yield f"no result: {', '.join(who)}: {kind}"
 
 
 def panels(problems: Sequence[Problem], points: Sequence[Point]) -> list[tuple[str, list[Any]]]:
     """Return the input of `phaseplane.figures.work_precision`: title and curves of each problem."""
-    drawn = []
-    for problem in problems:
-        curves: dict[tuple[str, str], list[Point]] = {}
-        for point in points:
-            if point.problem == problem.name and point.seconds is not None:
-                curves.setdefault((point.solver, point.family), []).append(point)
-        drawn.append(
-            (
-                f"{problem.name.replace('_', ' ')} ({problem.kind})",
-                [
-                    figures.Curve(
-                        solver,
-                        family,
-                        tuple(
-                            (p.error, p.seconds)
-                            for p in mine
-                            if p.error is not None and p.seconds is not None
-                        ),
-                        tuple(p.seconds for p in mine if p.error is None and p.seconds is not None),
-                    )
-                    for (solver, family), mine in curves.items()
-                ],
-            )
+    return [
+        (
+            f"{problem.name.replace('_', ' ')} ({problem.kind})",
+            [_curve(*of, runs) for of, runs in _by_solver(problem, points).items()],
         )
-    return drawn
+        for problem in problems
+    ]
+
+
+def _curve(solver: str, family: Family, runs: Sequence[Point]) -> figures.Curve:
+    """Return the curve of a solver: error and time of its results, and the times of its failures."""
+    took = [(p.error, p.seconds) for p in runs if p.seconds is not None]
+    return figures.Curve(
+        solver,
+        family,
+        tuple((error, seconds) for error, seconds in took if error is not None),
+        tuple(seconds for error, seconds in took if error is None),
+    )
