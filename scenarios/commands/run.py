@@ -69,16 +69,15 @@ ProgressBar = Callable[[str], AbstractContextManager[Progress]]
 def run(
     *,
     scene: str,
-    overrides: tuple[str, ...],
+    overrides: tuple[str | Setting, ...],
     no_expect: bool,
     output: Path | None,
     viewer: str,
     served: bool,
     address: str,
-    save: Path | None,
-    realtime: bool,
     planes: tuple[str, ...],
     as_data: bool,
+    **how: Any,
 ) -> int:
     """Run a scene, a system or an FMU, and write its results.
 
@@ -86,22 +85,12 @@ def run(
 
     --connect, --serve and --save show or record the run while it is under way.
     """
-    shown = (
-        [Setting("show.planes", list(planes), "--plane"), Setting("show.recording", "stages")]
-        if planes
-        else []
-    )
+    if planes:
+        shown = Setting("show.planes", list(planes), "--plane"), Setting("show.recording", "stages")
+        overrides = (*shown, *overrides)
     with page(served, address, viewer=viewer) as server:
-        summary, folder = run_scene(
-            scene,
-            (*shown, *overrides),
-            output,
-            progress_bar,
-            viewer=viewer or (server.url if server else ""),
-            save=save,
-            realtime=realtime,
-            expect=not no_expect,
-        )
+        how |= {"viewer": viewer or (server.url if server else ""), "expect": not no_expect}
+        summary, folder = run_scene(scene, overrides, output, progress_bar, **how)
         reasons = failures(summary)
         with until_interrupted(server):
             warn(summary["warnings"])

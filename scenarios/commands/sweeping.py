@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -28,31 +29,14 @@ from .console import failed, json_option, output_option, progress_bar, warn
 @click.option("--dask", metavar="ADDRESS", default="", help="Run on this Dask cluster.")
 @click.option("--table", default="runs.csv", show_default=True, help="Name of the table of runs.")
 @json_option
-def sweep(
-    *,
-    file: str,
-    output: Path | None,
-    through: str,
-    workers: int | None,
-    dask: str,
-    table: str,
-    as_data: bool,
-) -> int:
+def sweep(*, file: str, output: Path | None, as_data: bool, **how: Any) -> int:
     """Run a scene many times with varied parameters.
 
     SWEEP is a sweep of the package (see `list`) or a file that gives a grid, a list or a random
     sample of parameters (see `schema --sweep`). Start an interrupted sweep again to continue it.
     """
     with progress_bar(Path(file).stem) as progress:
-        plan, _, summary, folder = run_sweep(
-            file,
-            output,
-            through=through,
-            workers=workers,
-            dask=dask,
-            table=table,
-            progress=progress,
-        )
+        plan, _, summary, folder = run_sweep(file, output, progress=progress, **how)
     warn(summary["warnings"])
     click.echo(as_json(summary) if as_data else format_sweep(plan, summary, folder))
     failures, reasons = summary["failures"], list(summary["problems"])
