@@ -52,6 +52,17 @@ def shown(value: object, limit: int = 80) -> str:
 
 
 @contextmanager
+def blaming(
+    place: object, kinds: type[Exception] | tuple[type[Exception], ...] = ValueError
+) -> Iterator[None]:
+    """Report errors of some kinds as bad input, in a message that begins with the place of the input."""
+    try:
+        yield
+    except kinds as error:
+        raise InputError(f"{place}: {error}") from None
+
+
+@contextmanager
 def read_errors(path: Path) -> Iterator[None]:
     """Report a file that cannot be read, or whose content is refused, as bad input."""
     try:

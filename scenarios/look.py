@@ -10,7 +10,7 @@ from phaseplane.suspension.units import UnitError, to_si
 
 from phaseplane import figures
 
-from .errors import InputError, refuse_unknown_keys
+from .errors import InputError, blaming, refuse_unknown_keys
 
 if TYPE_CHECKING:
     from phaseplane.figures.style import Figure
@@ -46,10 +46,8 @@ def look_of(dashes: str = "", **given: Any) -> figures.Look:
     if given.get("width") is not None:
         given["width"] = _width(given["width"], f"{dashes}width")
     refuse_unknown_keys(given, [field.name for field in fields(figures.Look)])
-    try:
+    with blaming(f"{dashes}font"):
         return figures.Look(**given)
-    except ValueError as error:
-        raise InputError(f"{dashes}font: {error}") from None
 
 
 def _width(given: object, where: str) -> float:

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from ..draw import exercises
-from ..errors import InputError, read_text
+from ..errors import InputError, blaming, read_text
 from ..results.folder import Place, replace_folder, write_summary
 from ..results.plain import as_json
 from ..scene.loading import load_scene
@@ -72,10 +72,8 @@ def exercise(
             place.check_apart("--mark", readings)
             _keep_readings(place.folder)
         text = read_text(readings)
-        try:
+        with blaming(f"--mark {readings}"):
             summary = exercises.marked(made, text, 1e-3 * tolerance)
-        except ValueError as error:
-            raise InputError(f"--mark {readings}: {error}") from None
         if place is not None:
             with replace_folder(place) as draft:
                 exercises.write_marked_sheet(made, summary, draft / "marked.pdf")

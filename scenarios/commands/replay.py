@@ -18,7 +18,7 @@ from ..draw.constructions import draw_scene, drawing_summary, overlay_run
 from ..draw.live import show_in
 from ..draw.pictures import RULES_SHOWN, draw
 from ..draw.recording_content import of_results, of_scene
-from ..errors import MOVING, InputError, RunError, check_recording
+from ..errors import MOVING, InputError, RunError, blaming, check_recording
 from ..look import FigureFile
 from ..results.folder import DAMAGED, read_results, read_summary
 from ..results.plain import as_json
@@ -143,10 +143,8 @@ def replay_construction(
     check_recording(save)
     if figure is None:
         refuse_without_figure({"--kind": kind != _KIND, "--at-step": at_step is not None})
-    try:
+    with blaming(f"--kind {kind!r}"):
         one_of(CONSTRUCTION_FIGURES).read(kind)
-    except ValueError as error:
-        raise InputError(f"--kind {kind!r}: {error}") from None
     started = perf_counter()
     if figure is not None and kind in RULES_SHOWN:
         overrides = (Setting("construction.rule", RULES_SHOWN[kind], "--kind"), *overrides)
@@ -177,21 +175,17 @@ def replay_construction(
             raise RunError(f"the construction cannot be drawn: {error}") from None
         title = scene.title or scene.name
         shown = partial(of_scene, scene, drawing, columns)
-    try:
+    with blaming(what):
         if save is not None:
             recording.record(shown(), save)
         if viewer:
             show_in(shown(), viewer)
-    except ValueError as error:
-        raise InputError(f"{what}: {error}") from None
     last = len(drawing.frames) - 1
     if at_step is not None and not 0 <= at_step <= last:
         raise InputError(f"--at-step {at_step}: the drawing has steps 0 to {last}")
     if figure is not None:
-        try:
+        with blaming(f"--kind {kind}"):  # the drawing lacks what the figure shows
             draw(kind, figure.path, drawing, title=title, look=figure.look, step=at_step)
-        except ValueError as error:  # the drawing lacks what the figure shows
-            raise InputError(f"--kind {kind}: {error}") from None
     files = [str(path) for path in (save, figure and figure.path) if path is not None]
     return {**drawing_summary(drawing, perf_counter() - started), "files": files}
 

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ..errors import InputError
+from ..errors import InputError, blaming
 from ..results.signals import MEASURED
 from ..scene.fields import (
     TABLE,
     TEXT,
     Kind,
-    RefusedError,
     entry,
     instance_of,
     read_table,
@@ -104,7 +103,5 @@ def read_study(kind: type[_File], path: Path, content: Mapping[str, Any]) -> _Fi
     """
     if other := file_meant(content, str(path), COMMANDS[kind]):
         raise InputError(other)
-    try:
+    with blaming(path):
         return read_table(kind, content)
-    except RefusedError as error:
-        raise InputError(f"{path}: {error}") from None

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import InputError, RunError
+from ..errors import InputError, RunError, blaming
 from ..measures import catalogue, has_sign
 from ..progress import Progress, silent
 from ..scene.expectations import Bounds, bounds_from
@@ -135,10 +135,8 @@ def read_problem(path: Path) -> Problem:
     known = catalogue(space.plan.scene.fmu.outputs())
     bounds = {}
     for name, raw in flat.items():
-        try:
+        with blaming(f"{path}: constrain.{name}"):
             bounds[name] = bounds_from(raw, known[name].unit)
-        except ValueError as error:
-            raise InputError(f"{path}: constrain.{name}: {error}") from None
         if has_sign(name) and min(bounds[name].min or 0.0, bounds[name].max or 0.0) < 0.0:
             raise InputError(
                 f"{path}: constrain.{name}: the magnitude of a peak counts; give a bound that is not "

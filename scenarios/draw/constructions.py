@@ -14,7 +14,7 @@ from phaseplane import constructions
 from phaseplane.constructions.sheet import state_point
 from phaseplane.picture.quantities import rate_of
 
-from ..errors import DrawingError, InputError
+from ..errors import DrawingError, InputError, blaming
 from .planes import planes_of
 
 if TYPE_CHECKING:
@@ -149,14 +149,12 @@ def overlay_run(
         )
         return replace(drawing, ways=tuple(_ways(drawing, columns, rows)))
 
-    try:
+    with blaming("construction", (ArithmeticError, ValueError)):
         drawing = laid(planes)
         distance = _distance_needed(drawing)
         if distance and settings.get("plane_distance") is None:
             drawing = laid(planes_of(model, parameters, {**settings, "plane_distance": distance}))
         return drawing
-    except (ArithmeticError, ValueError) as error:
-        raise InputError(f"construction: {error}") from None
 
 
 def _distance_needed(drawing: Drawing) -> float:

@@ -24,7 +24,7 @@ from phaseplane.exercises.protocol import (
     written,
 )
 
-from ..errors import DrawingError, InputError, read_text
+from ..errors import DrawingError, InputError, blaming, read_text
 from ..scene.equation import EQUATION, formula_of
 from .constructions import Begin, draw_construction, of_model_alone
 from .planes import planes_of
@@ -121,7 +121,7 @@ def _begin(scene: Scene, planes: Construction, steps: int, seen: float) -> Begin
     shown: deque[Frame] = deque(maxlen=steps)
     most = 0.0
     best: tuple[Frame, ...] = ()
-    try:
+    with blaming("construction", (ValueError, ArithmeticError)):
         for frame in constructions.frames(planes, rule, step=step, duration=duration):
             shown.append(frame)
             if (not best or len(shown) == steps) and (
@@ -130,8 +130,6 @@ def _begin(scene: Scene, planes: Construction, steps: int, seen: float) -> Begin
                 most, best = excursion, tuple(shown)
             if len(shown) == steps and most >= seen:
                 break
-    except (ValueError, ArithmeticError) as error:
-        raise InputError(f"construction: {error}") from None
     if most < _NEGLIGIBLE * seen:
         raise InputError(
             f"nothing to construct: within {duration:.4g} s no {steps} steps move every state point by "

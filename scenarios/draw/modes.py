@@ -11,7 +11,7 @@ from phaseplane.suspension.variables import MODELS
 
 from phaseplane import figures
 
-from ..errors import InputError
+from ..errors import InputError, blaming
 from ..look import FigureFile
 from ..measures.linearised import about_rest
 from ..scene.equation import EQUATION
@@ -40,10 +40,8 @@ def modes(reference: str, overrides: Sequence[str], figure: FigureFile | None) -
             else f"{scene.fmu.model} is not a model of this package"
         )
         raise InputError(f"modes of {scene.name}: {what}")
-    try:
+    with blaming(f"modes of {scene.name}"):
         system = about_rest(scene.fmu.model, scene.all_parameters)
-    except ValueError as error:
-        raise InputError(f"modes of {scene.name}: {error}") from None
     found, why_damped = None, ""
     try:
         found = modal_planes(system)

@@ -16,7 +16,7 @@ from phaseplane.suspension.variables import MODELS, Value, checked_parameters
 
 from phaseplane import constructions
 
-from ..errors import InputError
+from ..errors import InputError, blaming
 from ..scene.equation import EQUATION, formula_of
 
 if TYPE_CHECKING:
@@ -43,14 +43,12 @@ def planes_of(
             f"{model} has no construction; allowed: {', '.join(CONSTRUCTED)}; show.planes draws phase "
             "planes of any outputs"
         )
-    try:
+    with blaming("construction"):
         if model == EQUATION:
             return _of_equation(parameters, settings)
         system = build(model, parameters)
         start = start_state(system, checked_parameters(model, parameters), 0.0)
         return of_system(system, settings, start)
-    except ValueError as error:
-        raise InputError(f"construction: {error}") from None
 
 
 def of_system(

@@ -16,7 +16,7 @@ from phaseplane import figures
 from phaseplane import portrait as computed
 from phaseplane.picture.text import bracketed
 
-from ..errors import InputError
+from ..errors import blaming
 from ..look import FigureFile
 from ..scene.equation import EQUATION, formula_of
 from ..scene.loading import load_scene
@@ -83,7 +83,7 @@ def portrait(
     InputError : if the scene has no portrait, or the coordinate or the window is not valid.
     """
     scene = load_scene(reference, overrides, expect=False)
-    try:
+    with blaming(f"portrait of {scene.name}", (ValueError, OverflowError)):
         subject = _of_scene(scene, coordinate, period)
         system = subject.system
         with np.errstate(all="ignore"):  # motions that diverge, forces beyond the largest number
@@ -98,8 +98,6 @@ def portrait(
             )
         if made.section is not None and not window:
             made = replace(made, window=computed.fitted_window(made.section, shown, system.turn))
-    except (ValueError, OverflowError) as error:
-        raise InputError(f"portrait of {scene.name}: {error}") from None
     title = scene.title or scene.name
     if scene.fmu.model == EQUATION:
         title = f"{title}: {formula_of(scene.all_parameters).words}"

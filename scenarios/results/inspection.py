@@ -12,7 +12,7 @@ from phaseplane.suspension.units import nearest
 
 from phaseplane import figures
 
-from ..errors import InputError, shown
+from ..errors import InputError, blaming, shown
 from ..look import FigureFile
 from ..toml_files import read_content
 from .comparison import check_ascending, compared, format_extent
@@ -180,10 +180,8 @@ def difference(
     for results, path in ((first, ours), (second, other)):
         _time(results, path, "a TOML file with a table [measured] can say which it is")
         _chosen(results, names, path)
-    try:
+    with blaming(f"{ours} and {other}"):
         found = compared(first.columns, second.columns, names or None)
-    except ValueError as error:
-        raise InputError(f"{ours} and {other}: {error}") from None
     unshared = [] if common else found.unshared(str(ours), str(other))
     data: dict[str, Any] = {
         "ours": str(ours),
@@ -271,10 +269,8 @@ def _time(results: Results, path: Path, hint: str) -> Any:
     if "time" not in results.columns:
         raise InputError(f"{path}: no column time; {hint}")
     time = results.columns["time"]
-    try:
+    with blaming(path):
         check_ascending(time.astype(float))
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from None
     return time
 
 

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from phaseplane.suspension.measurement_files import Wanted, headings, read_columns
-from phaseplane.suspension.units import UnitError, nearest, to_si
+from phaseplane.suspension.units import nearest, to_si
 
-from ..errors import InputError, read_errors, refuse_unknown_keys, shown
+from ..errors import InputError, blaming, read_errors, refuse_unknown_keys, shown
 from .tables import read_table
 
 if TYPE_CHECKING:
@@ -110,10 +110,8 @@ def signals_in(
     measured = content.get("measured")
     if not isinstance(measured, Mapping):
         raise InputError(f"{path}: measured is missing; give a table with {', '.join(KEYS)}")
-    try:
+    with blaming(f"{path}: measured", InputError):
         return read_signals(measured, path.parent, known)
-    except InputError as error:
-        raise InputError(f"{path}: measured: {error}") from None
 
 
 def _from_table(
@@ -151,7 +149,5 @@ def _refuse_others(key: str, given: Mapping[str, Any], known: Collection[str]) -
 
 def _si(given: Mapping[str, Any], key: str, unit: str) -> float:
     value = given.get(key, 0.0)
-    try:
+    with blaming(f"{key} = {shown(value)}", (TypeError, ValueError)):
         return to_si(value, unit) if isinstance(value, str) else float(value)
-    except (UnitError, TypeError, ValueError) as error:
-        raise InputError(f"{key} = {shown(value)}: {error}") from None

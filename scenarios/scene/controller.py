@@ -20,7 +20,7 @@ from phaseplane.suspension.units import nearest
 from phaseplane import equations
 
 from ..errors import shown
-from .fields import FLAG, SECONDS, RefusedError, read_value
+from .fields import FLAG, SECONDS, RefusedError, read_value, refusing
 
 if TYPE_CHECKING:
     from .fmus import Fmu
@@ -160,10 +160,8 @@ def _constants(given: Mapping[str, Any], outputs: Collection[str]) -> dict[str, 
             if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
                 raise RefusedError.value(f"controller.{key}", value, "must be a number in SI")
             name = key.removeprefix("constants.")
-            try:
+            with refusing(f"controller.{key}", f"controller.{key}: "):
                 equations.check_name(name)
-            except ValueError as error:
-                raise RefusedError(f"controller.{key}", f"controller.{key}: {error}") from None
             if name in outputs:
                 raise RefusedError.value(f"controller.{key}", value, "is the name of an output")
             constants[name] = float(value)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import MISSING, Field
 from math import inf, isfinite
 from typing import Any, NamedTuple, TypeVar
@@ -40,6 +41,17 @@ class RefusedError(ValueError):
         """Return the refusal of a key's value."""
         given = shown(value)
         return cls(key, f"{key} = {given}: {why}" if key else why, f" {given}: {why}")
+
+
+@contextmanager
+def refusing(key: str, words: str = "") -> Iterator[None]:
+    """Report what is refused in the block as a refusal of this key, with words before the message."""
+    try:
+        yield
+    except RefusedError:
+        raise
+    except ValueError as error:
+        raise RefusedError(key, f"{words}{error}") from None
 
 
 class Kind(NamedTuple):

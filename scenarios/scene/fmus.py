@@ -13,11 +13,11 @@ from phaseplane.suspension.models import ALL
 from phaseplane.suspension.roads import extent
 from phaseplane.suspension.units import UNITS, nearest
 from phaseplane.suspension.variable import Checked
-from phaseplane.suspension.variables import MODELS, SOURCES, ParameterError, Value, Variable
+from phaseplane.suspension.variables import MODELS, SOURCES, Value, Variable
 from phaseplane.vehicle_fmus.content import content_key
 from phaseplane.vehicle_fmus.model_description import CHOSEN
 
-from ..errors import InputError, SystemFileError, one_line, read_text, shown
+from ..errors import InputError, SystemFileError, blaming, one_line, read_text, shown
 from .equation import EQUATION, equation_variables
 from .names import SCENE_FILES, meant
 
@@ -194,10 +194,8 @@ def _of_system(path: Path) -> Fmu:
 
 def fmu_named(model: str) -> Fmu:
     """Return the FMU as `find_fmu`, for a name from the command line, which the message repeats."""
-    try:
+    with blaming(f"MODEL {shown(model)}", InputError):
         return find_fmu(model)
-    except InputError as error:
-        raise InputError(f"MODEL {shown(model)}: {error}") from None
 
 
 def described(model: str) -> Fmu:
@@ -256,10 +254,8 @@ def _started(ours: Variable, described: Variable) -> Variable:
     """Return a variable of this package, which has a range, with the start value of a file."""
     if ours.causality != "parameter":
         return replace(ours, start=described.start)
-    try:
+    with blaming(_DESCRIPTION):
         return replace(ours, start=ours.checked(described.start))
-    except ParameterError as error:
-        raise InputError(f"{_DESCRIPTION}: {error}") from None
 
 
 def _refuse_other_kinds(path: Path) -> None:

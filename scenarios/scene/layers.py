@@ -17,7 +17,7 @@ from phaseplane.suspension.own_systems.module import scene_in
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import MODELS, ParameterError
 
-from ..errors import InputError, read_text, shown
+from ..errors import InputError, blaming, read_text, shown
 from ..toml_files import read_content
 from .equation import equation_variables, only_in
 from .fmus import default_duration
@@ -315,10 +315,8 @@ def _chain(
         if not isinstance(base, str):
             raise InputError(f"{name}: extends = {shown(base)}: must be a scene's name or file")
         seen += [path.resolve()] if path else []
-        try:
+        with blaming(f"{name}: extends", InputError):
             path = find_scene(base, folder)
-        except InputError as error:
-            raise InputError(f"{name}: extends: {error}") from None
         if path.resolve() in seen:
             raise InputError(
                 f"{name}: extends = {shown(base)}: the scenes extend each other in a circle"

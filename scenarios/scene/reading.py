@@ -20,7 +20,7 @@ from ..results.tables import read_table as read_columns
 from .controller import read_controller
 from .equation import EQUATION, check_equation, outputs_of_starts
 from .expectations import Bounds, During, Reference, bounds_from
-from .fields import RefusedError, read_table
+from .fields import RefusedError, read_table, refusing
 from .file import SceneFile
 from .fmus import Fmu, find_fmu
 from .schema import Scene, excess
@@ -124,10 +124,8 @@ def _parameters(
             "set it to table or spline",
         )
     if fmu.model == EQUATION:
-        try:
+        with refusing("parameters.equation"):
             check_equation(checked)
-        except ValueError as error:
-            raise RefusedError("parameters.equation", str(error)) from None
     if shape == "input":
         raise RefusedError(
             "parameters.road.shape",
@@ -216,10 +214,8 @@ def _during(fmu: Fmu, given: object) -> tuple[During, ...]:
     during = []
     for number, one in enumerate(given, 1):
         during.append(read_table(During, one, DURING))
-        try:
+        with refusing(DURING, f"{DURING}, number {number}: "):
             during[-1].bounds(fmu.outputs())
-        except ValueError as error:
-            raise RefusedError(DURING, f"{DURING}, number {number}: {error}") from None
     return tuple(during)
 
 
@@ -245,10 +241,8 @@ def _reference(fmu: Fmu, expect: Mapping[str, Any], folders: Mapping[str, Path])
             raise RefusedError(
                 REFERENCE, f"{REFERENCE}.columns = []: must name at least one column"
             )
-        try:
+        with refusing(REFERENCE, f"{REFERENCE}.file: "):
             columns = read_columns(folder / reference.file)[0]
-        except InputError as error:
-            raise RefusedError(REFERENCE, f"{REFERENCE}.file: {error}") from None
     _check_reference(fmu, reference, folder / reference.file, columns)
     return {"reference": reference, "reference_folder": folder, "reference_columns": columns}
 
@@ -258,10 +252,8 @@ def _signals(fmu: Fmu, said: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     signals = {key: value for key, value in said.items() if key in ("file", "columns", *SIGNALS)}
     if not isinstance(signals.get("columns", {}), Mapping):  # names of outputs
         signals["columns"] = {name: name for name in signals["columns"]}
-    try:
+    with refusing(REFERENCE, f"{REFERENCE}: "):
         return read_signals(signals, folder, units)
-    except InputError as error:
-        raise RefusedError(REFERENCE, f"{REFERENCE}: {error}") from None
 
 
 def _check_reference(fmu: Fmu, reference: Reference, path: Path, columns: Columns) -> None:
@@ -279,10 +271,8 @@ def _check_reference(fmu: Fmu, reference: Reference, path: Path, columns: Column
             f"{REFERENCE}.file: {path} has no column time, or no column that is an output of "
             f"{fmu.model}",
         )
-    try:
+    with refusing(REFERENCE, f"{REFERENCE}.file: {path}: "):
         results.comparison.check_comparable(columns, reference.columns or known)
-    except ValueError as error:
-        raise RefusedError(REFERENCE, f"{REFERENCE}.file: {path}: {error}") from None
 
 
 def _check_names(scene: Scene) -> None:
@@ -321,7 +311,5 @@ def _check_counts(scene: Scene, *, named: bool) -> None:
         if why := excess(key, step, duration, what, most):
             raise RefusedError(key, why)
     if scene.show.draws:
-        try:
+        with refusing("construction.step"):
             scene.check_construction()
-        except InputError as error:
-            raise RefusedError("construction.step", str(error)) from None

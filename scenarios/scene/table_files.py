@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from phaseplane.suspension.measurement_files import Wanted, headings, is_number, read_columns
-from phaseplane.suspension.units import UnitError, nearest, to_si
+from phaseplane.suspension.units import nearest, to_si
 
-from ..errors import InputError, read_errors, refuse_unknown_keys, shown
+from ..errors import InputError, blaming, read_errors, refuse_unknown_keys, shown
 
 KEYS = ("file", "columns", "units", "delimiter", "decimal", "offset")
 # The SI units of the two columns of a table.
@@ -64,10 +64,8 @@ def with_files(
         else:
             plain[key] = value
     for name, said in files.items():
-        try:
+        with blaming(name, InputError):
             plain[name] = _read(name, said, folders.get(f"parameters.{name}.file", Path()))
-        except InputError as error:
-            raise InputError(f"{name}: {error}") from None
     return plain, set(files)
 
 
@@ -122,10 +120,8 @@ def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
 
 
 def _si(key: str, value: str, unit: str) -> float:
-    try:
+    with blaming(key):
         return to_si(value, unit)
-    except UnitError as error:
-        raise InputError(f"{key}: {error}") from None
 
 
 def _both(path: Path, delimiter: str) -> list[str]:

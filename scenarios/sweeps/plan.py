@@ -13,11 +13,11 @@ from typing import Any
 
 from phaseplane.suspension.acting import Idle, decided_by
 from phaseplane.suspension.roads import extent
-from phaseplane.suspension.units import UnitError, nearest, to_si
+from phaseplane.suspension.units import nearest, to_si
 from phaseplane.suspension.variable import number
 from phaseplane.suspension.variables import Value, Variable
 
-from ..errors import InputError, shown
+from ..errors import InputError, blaming, shown
 from ..measures import catalogue
 from ..scene.fields import (
     NUMBER_OR_TEXT,
@@ -335,10 +335,8 @@ def plan_of(path: Path, content: Mapping[str, Any], keys: Mapping[str, str] | No
     ------
     InputError : as `load_plan`.
     """
-    try:
+    with blaming(path):
         said = read_table(SweepFile, content)
-    except RefusedError as error:
-        raise InputError(f"{path}: {error}") from None
     scene = _scene(path, said.scene)
     known = catalogue(scene.fmu.outputs())
     for name in said.measures:
@@ -365,10 +363,8 @@ def plan_of(path: Path, content: Mapping[str, Any], keys: Mapping[str, str] | No
         tuple(said.vary), units, given_in, tuple(points), said.measures,
     ).with_one_road()  # fmt: skip
     if not plan.parameters_only:
-        try:
+        with blaming(path, InputError):
             plan.scene_of(plan.points[0])  # reports an unknown scene key before any run
-        except InputError as error:
-            raise InputError(f"{path}: {error}") from None
     return plan
 
 
@@ -379,10 +375,8 @@ def _base(path: Path, reference: str) -> str | Path:
 
 
 def _scene(path: Path, reference: str) -> Scene:
-    try:
+    with blaming(f"{path}: scene", InputError):
         return load_scene(str(_base(path, reference)))
-    except InputError as error:
-        raise InputError(f"{path}: scene: {error}") from None
 
 
 def _unit_of(key: str, declared: Mapping[str, Variable]) -> str:
@@ -407,7 +401,7 @@ def _values(
         near = nearest(key, (*declared, *KEYS))
         raise InputError(f"{path}: vary: no parameter or scene key {shown(key)}{near}")
     unit = _unit_of(key, declared)
-    try:
+    with blaming(f"{path}: vary.{key}"):
         if isinstance(values, Range):
             first, last = values.ends(unit or "1")
             count = values.count or 2
@@ -417,8 +411,6 @@ def _values(
         if variable is None:
             return [to_si(x, unit) if unit and isinstance(x, str) else x for x in values]
         return [variable.checked(value) for value in values]
-    except (UnitError, ValueError) as error:
-        raise InputError(f"{path}: vary.{key}: {error}") from None
 
 
 def _sampled(said: SweepFile, ends: list[tuple[Any, Any]]) -> list[tuple[Value, ...]]:
