@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from zipfile import BadZipFile, ZipFile
 
 import click
-from phaseplane.suspension.models import FILES
+from phaseplane.suspension.models import FILES, declared_parameters
 from phaseplane.suspension.units import nearest
-from phaseplane.suspension.variables import ParameterError, refuse_unknown, variables
+from phaseplane.suspension.variables import ParameterError, refuse_unknown
 from phaseplane.vehicle_fmus.archives import write_into
 
 from phaseplane import vehicle_fmus
@@ -228,7 +228,7 @@ def _left_out(scene: Scene) -> Iterator[str]:
 
 def _start_values(models: Sequence[str], settings: Sequence[str]) -> dict[str, dict[str, object]]:
     """Return the start values of each model, read from `name=value`."""
-    known = {m: {v.name: v for v in variables(m) if v.causality == "parameter"} for m in models}
+    known = {model: declared_parameters(model) for model in models}
     found: dict[str, dict[str, object]] = {model: {} for model in models}
     for setting in settings:
         name, equals, text = setting.partition("=")

@@ -8,7 +8,7 @@ from math import nan
 import numpy as np
 import numpy.typing as npt
 from phaseplane.suspension.session import Session, SimulationError
-from phaseplane.suspension.variables import MODELS, Value
+from phaseplane.suspension.variables import Value, outputs
 
 Reals = npt.NDArray[np.float64]
 
@@ -26,9 +26,7 @@ def energies(
     parameters : its public parameters, SI
     times : s, ascending; the run starts at the first time
     """
-    names = [
-        v.name for v in MODELS[model] if v.causality == "output" and v.name.endswith("_energy")
-    ]
+    names = [name for name in outputs(model) if name.endswith("_energy")]
     session = Session(model, parameters, float(times[0]))
     found = {name: np.full(len(times), nan) for name in names}
     for k, t in enumerate(times):

@@ -184,11 +184,10 @@ def _clear(drawing: Drawing) -> bool:
     return all(min(upper) - max(lower) >= _CLEAR for upper, lower in pairwise(ordered))
 
 
-def write_sheets(made: Exercise, folder: Path) -> list[Path]:
+def write_sheets(made: Exercise, folder: Path) -> None:
     """Write sheet, solution, blank readings, pages, protocols and the GeoGebra file."""
-    written = [folder / "sheet.pdf", folder / "marking.pdf"]
-    figures.save(_sheet(made, solved=False), written[0])
-    figures.save(_sheet(made, solved=True), written[1])
+    figures.save(_sheet(made, solved=False), folder / "sheet.pdf")
+    figures.save(_sheet(made, solved=True), folder / "marking.pdf")
     entries = exercises.protocol(made.drawing)
     texts = {
         READINGS: exercises.blank_readings(made.drawing, made.steps),
@@ -199,13 +198,10 @@ def write_sheets(made: Exercise, folder: Path) -> list[Path]:
     }
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8")
-        written.append(folder / name)
     if len(made.drawing.planes) == 1:
-        written.append(folder / "construction.ggb")
         rule = constructions.rule_named(made.settings["rule"])
         commands = exercises.commands(made.drawing, rule, _law(made))
-        exercises.write_geogebra(written[-1], commands, made.drawing)
-    return written
+        exercises.write_geogebra(folder / "construction.ggb", commands, made.drawing)
 
 
 def has_readings(folder: Path) -> bool:

@@ -16,7 +16,7 @@ from importlib.util import find_spec
 from time import perf_counter
 from typing import Any, Literal
 
-from phaseplane.suspension.variables import MODELS
+from phaseplane.suspension.variables import METHODS
 
 from ..errors import one_line
 from ..progress import Progress, silent
@@ -103,12 +103,11 @@ def _project() -> Iterator[Solver]:
         )
 
     yield Solver("extrapolated", "incremental", "tolerance", _TOLERANCES, by_default)
-    methods = next(v.choices for v in MODELS["QuarterCar"] if v.name == "solver.method")
     for order in (4, 6, 8):
         name = f"extrapolated, order {order}"
         prepare = stepping("extrapolated", order=order)
         yield Solver(name, "incremental", "step", _FRACTIONS, prepare)
-    for method in methods:
+    for method in METHODS:
         if method != "extrapolated":
             yield Solver(method, "incremental", "step", _FRACTIONS, stepping(method))
     yield Solver("extrapolated", "FMU", "tolerance", _TOLERANCES[::2], project_solvers.through_fmu)

@@ -15,10 +15,10 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from phaseplane.suspension.models import build
+from phaseplane.suspension.models import build, declared_parameters
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.two_axles import axle_masses
-from phaseplane.suspension.variables import MODELS, Value
+from phaseplane.suspension.variables import Value, outputs
 
 from ..errors import InputError, RunError, one_line
 from ..measures.solution import instants, refinement
@@ -109,23 +109,23 @@ def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dic
         truth, seconds = _run(whole, scene, (*names, *_outputs_of_features(scene)))
     except Exception as error:
         raise RunError(f"{scene.name}: {error}") from error
-    rungs = [_rung_data(whole, seconds, 0.0, "", tolerance)]
+    rungs = [_rung_data(whole, tolerance, seconds, 0.0)]
     named = (_as_it_stands(replace(s, duration=scene.duration), s.name) for s in smaller)
+    wanted = {name: truth[name] for name in ("time", *names)}
     for rung in (*_below(scene, truth), *named):
         try:
             columns, seconds = _run(rung, scene, names)
-            worst = compared(
-                {n: c for n, c in truth.items() if n in (*names, "time")}, columns
-            ).differences[0]
+            worst = compared(wanted, columns).differences[0]
         except Exception as failure:
-            rungs.append(_rung_data(rung, None, None, one_line(failure), tolerance))
-        else:
-            lacking = [name for name in names if name not in columns]
-            size = "largest error" if worst.relative <= tolerance else "the error is too large"
-            note = f"has no {', '.join(lacking)}" if lacking else f"{size} in {worst.name}"
-            rungs.append(
-                _rung_data(rung, seconds, None if lacking else worst.relative, note, tolerance)
-            )
+            rungs.append(_rung_data(rung, tolerance, note=one_line(failure)))
+            continue
+        if lacking := [name for name in names if name not in columns]:
+            note = f"has no {', '.join(lacking)}"
+            rungs.append(_rung_data(rung, tolerance, seconds, note=note))
+            continue
+        size = "largest error" if worst.relative <= tolerance else "the error is too large"
+        note = f"{size} in {worst.name}"
+        rungs.append(_rung_data(rung, tolerance, seconds, worst.relative, note))
     # of rungs with equal degrees of freedom the lower one, which is simpler
     best = min(reversed([rung for rung in rungs if rung["serves"]]), key=lambda r: r["degrees"])
     return {
@@ -176,7 +176,11 @@ def _outputs_compared(scene: Scene, smaller: Sequence[Scene]) -> tuple[str, ...]
 
 
 def _rung_data(
-    rung: Rung, seconds: float | None, error: float | None, note: str, tolerance: float
+    rung: Rung,
+    tolerance: float,
+    seconds: float | None = None,
+    error: float | None = None,
+    note: str = "",
 ) -> dict[str, Any]:
     return {
         "name": rung.name,
@@ -253,8 +257,7 @@ def _two(model: str, p: Mapping[str, Value], argument: str) -> Rung:
 
 def _only(model: str, p: Mapping[str, Value]) -> dict[str, Value]:
     """Return the parameters that the model has."""
-    declared = {v.name for v in MODELS[model] if v.causality == "parameter"}
-    return {name: value for name, value in p.items() if name in declared}
+    return {name: value for name, value in p.items() if name in declared_parameters(model)}
 
 
 def _format_coupling(p: Mapping[str, Value]) -> str:
@@ -301,7 +304,7 @@ def _run(rung: Rung, scene: Scene, names: Sequence[str]) -> tuple[Columns, float
             name: name.removeprefix(part.prefix)
             for name in names
             if name.startswith(part.prefix)
-            and any(v.name == name.removeprefix(part.prefix) for v in MODELS[part.model])
+            and name.removeprefix(part.prefix) in outputs(part.model)
         }
         taken = []
         for _ in range(_REPEATS):

@@ -14,7 +14,7 @@ import numpy as np
 from phaseplane.suspension.engine import Filling
 from phaseplane.suspension.models import FILES
 from phaseplane.suspension.reasons import why_stopped
-from phaseplane.suspension.variables import MODELS
+from phaseplane.suspension.variables import MODELS, checked_parameters
 
 from ..draw.constructions import draw_construction
 from ..draw.planes import planes_of
@@ -112,9 +112,7 @@ def drawn(rule: str, bench: Workbench, step: float) -> Run:
     problem = bench.problem
     if problem.model not in MODELS:
         raise UnableError("there is no construction of this system")
-    parameters = {
-        v.name: v.start for v in MODELS[problem.model] if v.causality == "parameter"
-    } | dict(problem.parameters)
+    parameters = checked_parameters(problem.model, problem.parameters)
     settings = {"rule": rule, "step": step}
     try:
         planes_of(problem.model, parameters, settings)
