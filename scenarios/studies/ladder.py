@@ -124,7 +124,7 @@ def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dic
             rungs.append(_rung_data(rung, tolerance, seconds, note=note))
             continue
         size = "largest error" if worst.relative <= tolerance else "the error is too large"
-        note = f"{size} in {worst.name}"
+        note = f"{size} in {worst.name}" if worst.relative else "no difference"
         rungs.append(_rung_data(rung, tolerance, seconds, worst.relative, note))
     # of rungs with equal degrees of freedom the lower one, which is simpler
     best = min(reversed([rung for rung in rungs if rung["serves"]]), key=lambda r: r["degrees"])
