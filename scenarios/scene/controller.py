@@ -10,7 +10,7 @@ constants = { skyhook = 1500 }                    # in SI
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING, Any
@@ -20,41 +20,61 @@ from phaseplane.suspension.units import nearest
 from phaseplane import equations
 
 from ..errors import shown
-from .fields import FLAG, SECONDS, RefusedError, read_value, refusing
+from .fields import (
+    FLAG,
+    SECONDS,
+    Kind,
+    RefusedError,
+    entry,
+    keys_of,
+    read_table,
+    refusing,
+    schema_of,
+)
 
 if TYPE_CHECKING:
     from .fmus import Fmu
 
-_PERIOD = 1e-3  # s
+_IN_TABLE = "constants."  # before keys of that table, which are given with dots
 _WORD = re.compile(r"\w+")
 _OF_ROAD = ("road_elevation", "road_velocity")  # inputs that act with road.shape = "input" alone
-SCHEMA: dict[str, Any] = {
-    "type": "object",
-    "properties": {
-        "period": {
-            "description": "time between two evaluations of the formulas",
-            **SECONDS.schema,
-            "default": _PERIOD,
-        },
-        "events": {
-            "description": "whether every switch of the model triggers an evaluation, too",
-            **FLAG.schema,
-            "default": False,
-        },
-        "constants": {
-            "description": "values of the names in the formulas, in SI: { gain = 1500 }",
-            "type": "object",
-            "additionalProperties": {"type": "number"},
-        },
-    },
+
+
+def _constants(given: object) -> dict[str, float]:
+    if not isinstance(given, Mapping):
+        raise ValueError("must be a table, such as { gain = 1500 }")
+    for name, value in given.items():
+        key = f"controller.constants.{name}"
+        if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+            raise RefusedError.value(key, value, "must be a number in SI")
+        with refusing(key, f"{key}: "):
+            equations.check_name(name)
+    return {name: float(value) for name, value in given.items()}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """The keys of a controller that are not names of inputs."""
+
+    period: float = entry(SECONDS, "time between two evaluations of the formulas", 1e-3)
+    events: bool = entry(
+        FLAG, "whether every switch of the model triggers an evaluation, too", False
+    )
+    constants: Mapping[str, float] | None = entry(
+        Kind(_constants, {"type": "object", "additionalProperties": {"type": "number"}}),
+        "values of the names in the formulas, in SI: { gain = 1500 }",
+        None,
+    )
+
+
+SCHEMA: dict[str, Any] = schema_of(Settings) | {
     "additionalProperties": {
         "type": "string",
         "description": "formula of outputs, t and constants, for any input of the model: "
         "actuator_force, ...",
-    },
+    }
 }
-"""The JSON Schema of its keys; the others are names of inputs."""
-_SETTINGS = tuple(SCHEMA["properties"])
+"""The JSON Schema of a controller."""
 
 
 @dataclass(frozen=True)
@@ -120,10 +140,20 @@ def read_controller(given: Mapping[str, Any], fmu: Fmu) -> Controller | None:
     inputs = [
         v.name for v in fmu.variables if v.causality == "input" and not v.name.endswith(_OF_ROAD)
     ]
-    constants = _constants(given, fmu.outputs())
+    settings = {key: given[key] for key in keys_of(Settings) if key in given}
+    table = {
+        key.removeprefix(_IN_TABLE): x for key, x in given.items() if key.startswith(_IN_TABLE)
+    }
+    said = read_table(
+        Settings, {**settings, **({"constants": table} if table else {})}, "controller"
+    )
+    constants = said.constants or {}
+    for name in constants.keys() & fmu.outputs():
+        key = f"controller.constants.{name}"
+        raise RefusedError.value(key, table[name], "is the name of an output")
     formulas = {}
     for name, text in given.items():
-        if name in _SETTINGS or name.startswith("constants."):
+        if name in settings or name.startswith(_IN_TABLE):
             continue
         key = f"controller.{name}"
         if name.endswith(_OF_ROAD):
@@ -131,7 +161,7 @@ def read_controller(given: Mapping[str, Any], fmu: Fmu) -> Controller | None:
                 key, f"{key}: the road of a scene is no input; give it by road.shape and road.table"
             )
         if name not in inputs:
-            known = (*inputs, *_SETTINGS)
+            known = (*inputs, *keys_of(Settings))
             raise RefusedError(
                 key, f"{key}: {fmu.model} has no input {shown(name)}{nearest(name, known)}"
             )
@@ -144,28 +174,7 @@ def read_controller(given: Mapping[str, Any], fmu: Fmu) -> Controller | None:
         raise RefusedError(
             "controller", f"controller: give a formula for one of {', '.join(inputs)}"
         )
-    period = read_value(SECONDS, given.get("period", _PERIOD), "controller.period")
-    events = read_value(FLAG, given.get("events", False), "controller.events")
-    return Controller(period, events, formulas, constants)
-
-
-def _constants(given: Mapping[str, Any], outputs: Collection[str]) -> dict[str, float]:
-    constants = {}
-    if "constants" in given:  # a table is given by its dotted keys
-        raise RefusedError.value(
-            "controller.constants", given["constants"], "must be a table, such as { gain = 1500 }"
-        )
-    for key, value in given.items():
-        if key.startswith("constants."):
-            if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
-                raise RefusedError.value(f"controller.{key}", value, "must be a number in SI")
-            name = key.removeprefix("constants.")
-            with refusing(f"controller.{key}", f"controller.{key}: "):
-                equations.check_name(name)
-            if name in outputs:
-                raise RefusedError.value(f"controller.{key}", value, "is the name of an output")
-            constants[name] = float(value)
-    return constants
+    return Controller(said.period, said.events, formulas, constants)
 
 
 def _outputs_in(key: str, text: str, fmu: Fmu, constants: Mapping[str, float]) -> tuple[str, ...]:
