@@ -41,10 +41,11 @@ _OF_RANGE = ("from", "to", "count")
 _NOT_VARIED = {
     "extends": "only a scene's file can name its base",
     "expect": "a sweep checks no expectations",
+    **dict.fromkeys(("title", "source", "construction"), "no measure depends on it"),
 }
 _MOST_RUNS = 1_000_000
 _QUANTITY = re.compile(r"^\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?")  # the number before a unit
-_TIMES = ("duration", "show.output_interval", "construction.step", "construction.duration")
+_TIMES = ("duration", "show.output_interval")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -93,6 +93,7 @@ def test_a_sample_of_whole_numbers_takes_each_as_often(method: str) -> None:
         ('["2 cm", 0.05]', "[[1]]", "[1]: a value must be a number, a string, true or false"),
         ('"road.height"', "extends", "extends: only a scene's file can name its base"),
         ('"road.height"', '"expect.lift_off_count"', "a sweep checks no expectations"),
+        ('"road.height"', '"construction.step"', "construction.step: no measure depends on it"),
         ("count = 3", "count = 1", "greater than or equal to 2"),
         ('["2 cm", 0.05]', "[]", "the list is empty"),
         ('["2 cm", 0.05]', '["2 kg"]', "'kg' does not fit"),
