@@ -58,6 +58,13 @@ def figure_options(
     moving : endings of files in which it is animated
     """
     also = f"; animated: {' or '.join(moving)}" if moving else ""
+    options = (
+        click.option(
+            "--figure", type=click.Path(path_type=Path), metavar="F.png",
+            help=f"Write a picture of {what} (.png, .svg or .pdf{also}).",
+        ),
+        *_LOOK,
+    )  # fmt: skip
 
     def decorated(command: Callable[..., Any]) -> Callable[..., Any]:
         @wraps(command)
@@ -75,16 +82,16 @@ def figure_options(
             look = look_of("--", dark=dark, headed=headed, width=width, font=font, mono=mono)
             return command(figure=FigureFile(figure, look), **more)
 
-        for option in reversed(_LOOK):
-            drawing = option(drawing)
-        return click.option(
-            "--figure",
-            type=click.Path(path_type=Path),
-            metavar="F.png",
-            help=f"Write a picture of {what} (.png, .svg or .pdf{also}).",
-        )(drawing)
+        return _with(options, drawing)
 
     return decorated
+
+
+def _with(options: Sequence[Callable[..., Any]], command: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a command with options, which its help lists in this order."""
+    for option in reversed(options):
+        command = option(command)
+    return command
 
 
 def refuse_without_figure(given: Mapping[str, object]) -> None:
@@ -101,9 +108,7 @@ def refuse_without_figure(given: Mapping[str, object]) -> None:
 
 def viewer_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options `--connect`, `--serve` and `--address`."""
-    for option in reversed(_OPTIONS):
-        command = option(command)
-    return command
+    return _with(_OPTIONS, command)
 
 
 @click.command()

@@ -144,9 +144,9 @@ def read_controller(given: Mapping[str, Any], fmu: Fmu) -> Controller | None:
     table = {
         key.removeprefix(_IN_TABLE): x for key, x in given.items() if key.startswith(_IN_TABLE)
     }
-    said = read_table(
-        Settings, {**settings, **({"constants": table} if table else {})}, "controller"
-    )
+    if table:
+        settings["constants"] = table
+    said = read_table(Settings, settings, "controller")
     constants = said.constants or {}
     for name in constants.keys() & fmu.outputs():
         key = f"controller.constants.{name}"
