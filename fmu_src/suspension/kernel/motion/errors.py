@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import fabs, isfinite, pow, sqrt
 
-from ..language import inline
+from ..language import Doubles, inline
 from ..layout import UNBOUNDED
 from ..linear import decompose, solve
 from .balance import Balance
@@ -242,6 +242,15 @@ class Errors:
         self.find_lack(h, False)
         self._note_lack(h)
         return self.error / self.allowed
+
+    def obeys(self, t: float, way: float, q: Doubles, v: Doubles, a: Doubles) -> bool:
+        """Return whether a motion read at t, a `way` beyond an attempt, obeys the equation of motion."""
+        self.balance.accelerations(t, q, v, self.middle_a)
+        for i in range(self.n):
+            lack = fabs(a[i] - self.middle_a[i])
+            if not lack * fabs(way) * self.velocity_scale[i] <= _READ_SHARE * self.allowed:
+                return False
+        return True
 
     def can_read(self, x: float, h: float) -> bool:
         """Return whether the septic through the ends of an attempt is accurate enough at a fraction x.

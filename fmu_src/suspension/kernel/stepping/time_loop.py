@@ -478,8 +478,8 @@ class TimeLoop:
         """Continue an attempt that ends just before a point of a smooth table to that, if possible."""
         h = self.trial.length
         step = self.knots.met(h)
-        if step != h and self.state.time + step < self.trial.end:
-            self.landing.continue_to(step, h)
+        reaches = step != h and self.state.time + step < self.trial.end
+        if reaches and self.landing.extend_to(step, h):
             self.trial.length = step
 
     def _shortens(self) -> bool:

@@ -1,9 +1,10 @@
-"""Points of smooth tables: steps end there if the jump of the second derivative of a force matters.
+"""Points where smooth pieces meet: steps end there if the jump of a force's second derivative matters.
 
 If the second derivative of an acceleration jumps by J within a step h, the columns integrate it as the
 trapezoidal rule does, and the extrapolated velocity is wrong by up to `_MISSED_JUMP` J h^3, much more
 than their difference shows. If that is too much, the step is shortened to end just before the point, as
-what comes after it would spoil the step; its septic is then continued to the point.
+what comes after it would spoil the step; its septic is then continued to the point. Jumps of the third
+derivative and the zeros of power laws count as such jumps that grow with the way passed in the step.
 """
 
 from __future__ import annotations
@@ -50,6 +51,7 @@ class Knots:
         # of the piece searched: its end, and whether it is that of the table
         self.bound = 0.0
         self.is_end = False
+        self.way = 0.0  # of the argument of a law in the attempt, for its effect
 
     def enter_branches(self) -> None:
         """List the laws of joined pieces, after a change of branch."""
@@ -147,8 +149,8 @@ class Knots:
                 while first <= m <= last and self._passes(m, side):
                     if unit < 0.0:
                         unit = self._effect(e, kind, h) / (most * self.stepper.errors.allowed)
-                    size = unit * self.laws.jump[m if side < 0 else m + 1]
-                    if size > 1.0 and self._ends(side, degree, least, row, size):
+                    share = self._harmless(m if side < 0 else m + 1, unit)
+                    if share < 1.0 and self._ends(side, degree, least, row, share):
                         break
                     m += side
 
@@ -168,6 +170,7 @@ class Knots:
         n, r = self.net.n, self.elements.row_of[e]
         row, at = self.stepper.rows.row, self._argument(e, kind)
         rate = max(fabs(row[at + 1]), fabs(row[at + 5]), fabs(row[at + 4] - row[at]) / h)
+        self.way = rate * h
         most = 0.0
         for i in range(n):
             x = 0.0
@@ -178,6 +181,16 @@ class Knots:
             most *= self._factor(e, kind, row, 8 * r)
         return _MISSED_JUMP * h * h * h * rate * rate * most
 
+    def _harmless(self, p: int, unit: float) -> float:
+        """Return the part of the attempt as long as the point where piece p begins allows; 1 if all.
+
+        `unit` is the effect of a jump of the second derivative by 1, over the one allowed.
+        """
+        size, growth = unit * self.laws.jump[p], self.laws.growth[p]
+        if size > 0.0 and growth != 0.0:
+            size *= pow(self.way, growth)
+        return pow(size, -1.0 / (3.0 + growth)) if size > 1.0 else 1.0
+
     def _factor(self, e: int, kind: int, row: Doubles, at: int) -> float:
         """Return the larger of the factors of a modulated damper's law at both ends of the attempt."""
         if kind == SPRING:
@@ -187,16 +200,16 @@ class Knots:
         start = self.laws.law(other, row[at])
         return max(fabs(start), fabs(self.laws.law(other, row[at + 4])))
 
-    def _ends(self, side: int, degree: int, least: float, row: int, size: float) -> bool:
+    def _ends(self, side: int, degree: int, least: float, row: int, share: float) -> bool:
         """Let the attempt end on the point in `bound`, or beyond it, if it passes it after `least`.
 
-        If it does not matter in a step of the present length by the factor `size`, it does not in one
-        that is shorter by the third root. Return whether points that are passed later make no difference.
+        A part of the attempt no longer than `share` may pass it. Return whether points that are passed
+        later make no difference.
         """
         at = self.crossing.exit(self.bound, side, degree, False)
         if not least <= at < 1.0 - least:
             return at >= 1.0 - least
-        end = _SHORT_OF_KNOT * max(at, pow(size, -1.0 / 3.0))
+        end = _SHORT_OF_KNOT * max(at, share)
         if end < self.at:
             self.at = end
             self.lands = end == _SHORT_OF_KNOT * at

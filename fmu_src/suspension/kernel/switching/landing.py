@@ -22,7 +22,7 @@ _MOST_ITERATIONS = 8
 
 
 class Landing:
-    """Shortens or continues an attempt, so that it ends where it should."""
+    """Shortens or extends an attempt, so that it ends where it should."""
 
     def __init__(self, switches: Switches, memory: Memory) -> None:
         self.switches = switches
@@ -30,10 +30,20 @@ class Landing:
         self.whole = Dense(memory, memory, self.motion, False, False)
         self.length = 0.0  # of the attempt as it ends now, s
 
-    def continue_to(self, step: float, h: float) -> None:
-        """Continue an attempt of length h to another one, with its septic."""
+    def extend_to(self, step: float, h: float) -> bool:
+        """Let an attempt of length h go on to a longer one, with its septic; return whether it can.
+
+        It cannot if the septic no longer obeys the equation of motion there, as curved forces may change
+        beyond the attempt as they do not within it.
+        """
         self._keep_attempt(h)
-        self.stepper.stop_within(self.motion.state.time + step, self.whole)
+        end = self.motion.state.time + step
+        self.whole.read(end)
+        if self.stepper.errors.obeys(end, step - h, self.whole.q, self.whole.v, self.whole.a):
+            self.stepper.stop_within(end, self.whole)
+            return True
+        self.stepper.net.signals.all_signals(self.motion.state.time + h)
+        return False
 
     def end_on_switch(self, h: float) -> int:
         """End an attempt of length h on the switch found, by Newton's method, finally by Taylor's series.
@@ -50,7 +60,8 @@ class Landing:
         near = h  # how far from the switch expected the stored attempt may be read
         status = 0
         if self._reads() and self.stepper.errors.can_read(self.switches.at, h):
-            self.continue_to(step, h)
+            self._keep_attempt(h)
+            self.stepper.stop_within(time + step, self.whole)
         else:
             status = self.stepper.attempt(time, step)
             near = self._keep_near(step)
