@@ -69,9 +69,10 @@ class Laws:
         self.failed = False  # whether one was raised since the last attempt began
         # beyond its ends a cubic is continued by its tangent
         self.low, self.high = memory.zeros(sum(count)), memory.zeros(sum(count))
-        # where each piece begins: by how much the second derivative jumps, or would have to jump by this
-        # times a power of the way over which the columns miss as much, and its exponent (`_find_jump`)
-        self.jump, self.growth = memory.zeros(sum(count) + 1), memory.zeros(sum(count) + 1)
+        # where each piece begins: the jump of the second derivative; and the one, times a power of the
+        # way passed, of which the columns would miss as much as of another singularity there
+        self.jump, self.rough = memory.zeros(sum(count) + 1), memory.zeros(sum(count) + 1)
+        self.growth = memory.zeros(sum(count) + 1)  # the exponent of that power
         # the first and the last of the pieces that each is joined with
         self.run_first, self.run_last = memory.marks(sum(count)), memory.marks(sum(count))
 
@@ -113,7 +114,7 @@ class Laws:
 
     def _meets_smoothly(self, p: int) -> bool:
         """Return whether curved piece p begins with the slope of the curved piece before it."""
-        self.jump[p] = 0.0
+        self.jump[p] = self.rough[p] = 0.0
         if self.piece[(p - 1) * PIECE + OWN] != 0.0 or self.piece[p * PIECE + OWN] != 0.0:
             return False
         x = self.piece[p * PIECE + START]
@@ -127,22 +128,22 @@ class Laws:
         return fabs(self.slope - slope) <= _SMOOTH * (fabs(self.slope) + fabs(slope))
 
     def _find_jump(self, p: int, curvature: float, third: float) -> None:
-        """Find `jump` and `growth` of piece p, just read, from the curvature before it and a third jump.
+        """Find `jump`, `rough` and `growth` of piece p, just read, from the curvature before it.
 
-        Where the second derivative is continuous, the columns miss as much of a jump of the third one by
-        `third`, over a way s, as of one of the second by `_OF_THIRD` third s; and at the zero of a power
-        law |s|^n as of one by 4 |(n - 1) (3 - n)| exp(4 - 2 n) s^(n - 2), which is exact for n = 2.
+        Over a way s the columns miss as much of the zero of a power law |s|^n as of a jump of the second
+        derivative by 4 |(n - 1) (3 - n)| exp(4 - 2 n) s^(n - 2), which is exact for n = 2; and of a jump
+        of the third derivative by `third`, which counts if the second is continuous, as of one by
+        `_OF_THIRD` third s.
         """
         at = p * PIECE
-        n = self.piece[at + EXPONENT]
-        self.jump[p], self.growth[p] = fabs(self.curvature - curvature), 0.0
-        if self.jump[p] > _SMOOTH * (fabs(self.curvature) + fabs(curvature)):
-            return
+        self.jump[p] = fabs(self.curvature - curvature)
+        self.rough[p], self.growth[p] = 0.0, 1.0
         if self.piece[at + POWER] != 0.0 and self.piece[at + START] == self.piece[at + ORIGIN]:
+            n = self.piece[at + EXPONENT]
             share = 4.0 * fabs((n - 1.0) * (3.0 - n)) * exp(4.0 - 2.0 * n)
-            self.jump[p], self.growth[p] = share * fabs(self.piece[at + POWER]), n - 2.0
-        else:
-            self.jump[p], self.growth[p] = _OF_THIRD * fabs(third), 1.0
+            self.rough[p], self.growth[p] = share * fabs(self.piece[at + POWER]), n - 2.0
+        elif self.jump[p] <= _SMOOTH * (fabs(self.curvature) + fabs(curvature)):
+            self.rough[p] = _OF_THIRD * fabs(third)
 
     def _third(self, p: int, x: float) -> float:
         """Return the third derivative of piece p at x, without a power law or a function in Python."""

@@ -186,10 +186,14 @@ class Knots:
 
         `unit` is the effect of a jump of the second derivative by 1, over the one allowed.
         """
-        size, growth = unit * self.laws.jump[p], self.laws.growth[p]
-        if size > 0.0 and growth != 0.0:
-            size *= pow(self.way, growth)
-        return pow(size, -1.0 / (3.0 + growth)) if size > 1.0 else 1.0
+        size = unit * self.laws.jump[p]
+        root = 3.0
+        if unit > 0.0 and self.laws.rough[p] > 0.0:
+            rough = unit * self.laws.rough[p] * pow(self.way, self.laws.growth[p])
+            if rough > size:
+                root += self.laws.growth[p]
+            size += rough
+        return pow(size, -1.0 / root) if size > 1.0 else 1.0
 
     def _factor(self, e: int, kind: int, row: Doubles, at: int) -> float:
         """Return the larger of the factors of a modulated damper's law at both ends of the attempt."""
