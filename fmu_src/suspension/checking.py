@@ -25,13 +25,15 @@ from .signals import GAUSS
 from .systems import Element, System
 
 _CLOSE = 1e-5  # relative difference that counts as agreement with a difference quotient
+_FAST = 1e6  # m/s, from where on a damper given by a function is looked at for its largest slope
 
 
 def check_system(system: System) -> list[str]:
     """Return the errors found in a system, one sentence each.
 
     Checks shapes and names; symmetry and definiteness of the mass matrix; every characteristic (see
-    `check_characteristic`); dampers that add energy; the stability of rest. If all these hold, checks
+    `check_characteristic`); dampers that add energy, kerbs that push without limit; the stability of
+    rest. If all these hold, checks
     that the integrator's accelerations agree with the elements' forces, and that energy is balanced.
 
     Parameters
@@ -42,7 +44,7 @@ def check_system(system: System) -> list[str]:
     for element in system.elements:
         findings += _element(element)
     if not findings:
-        findings += _tangent_at_rest(system)
+        findings += [*_kerbs(system), *_tangent_at_rest(system)]
         findings += _motion(system)
     return findings
 
@@ -51,12 +53,12 @@ def check_numbers(system: System) -> list[str]:
     """Return the errors that depend on the numbers in a system, not on its form.
 
     A small part of `check_system`, cheap enough for every set of parameters: shapes and finite numbers,
-    the mass matrix, dampers that add energy, and the stability of rest.
+    the mass matrix, dampers that add energy, kerbs that push without limit, and the stability of rest.
     """
     findings = [*_shapes(system), *_mass(system.mass)]
     for element in system.elements:
         findings += _adds_energy(element)
-    return findings or [*_tangent_at_rest(system)]
+    return findings or [*_kerbs(system), *_tangent_at_rest(system)]
 
 
 def check_characteristic(law: Characteristic, name: str = "characteristic") -> list[str]:
@@ -313,6 +315,31 @@ def _adds_energy(element: Element) -> Iterator[str]:
         if element.modulation.force(d) < 0.0:
             yield f"{element.name}.modulation: negative at {d:g} m; the damper would add energy"
             break
+
+
+def _kerbs(system: System) -> Iterator[str]:
+    """Find dampers whose impulse grows without limit as the ramp of a kerb becomes shorter."""
+    for element in system.elements:
+        if element.road and _outgrows_its_rate(element.damper):
+            jumps = system.signals[element.road].jumps
+            if jumps:
+                yield (
+                    f"{element.name}: its road {element.road!r} jumps by {jumps[0][1]:g} m at "
+                    f"{jumps[0][0]:g} s, which pushes without limit through a damper whose force grows "
+                    "faster than its rate; give the road a ramp, or the damper a straight line for "
+                    "large rates"
+                )
+
+
+def _outgrows_its_rate(damper: Characteristic) -> bool:
+    """Return whether the slope of a damper grows without limit on either side."""
+    for piece, fast in ((damper.pieces[0], -_FAST), (damper.pieces[-1], _FAST)):
+        if piece.own is None:
+            if any(piece.coefficients[2:]) or (piece.power and piece.exponent > 1.0):
+                return True
+        elif abs(damper.tangent(2.0 * fast)) > 1.01 * abs(damper.tangent(fast)) > 0.0:
+            return True
+    return False
 
 
 def _tangent_at_rest(system: System) -> Iterator[str]:

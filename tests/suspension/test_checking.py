@@ -132,6 +132,13 @@ def with_strut(**changes: object) -> System:
     return replace(right, elements=(replace(right.elements[0], **changes), right.elements[1]))
 
 
+def on_a_kerb(damper: law.Characteristic, length: float = 0.0) -> System:
+    """The strut over a kerb, with a damper that stands on the road."""
+    tyre = Element("tyre", (0.0, 1.0), law.linear(2e5), damper, road="road")
+    kerb = roads.ramp(0.05, length, 20.0)
+    return strut(elements=(strut().elements[0], tyre), signals={"road": kerb})
+
+
 @pytest.mark.parametrize(
     ("system", "sentence"),
     [
@@ -155,6 +162,12 @@ def with_strut(**changes: object) -> System:
         (with_strut(limit=-1.0), "limit = -1 must be positive"),
         (with_strut(damper=law.linear(-50.0)), "adds energy"),
         (with_strut(modulation=law.table([(0.0, 1.0), (0.1, -1.0)])), "modulation: negative at"),
+        (
+            on_a_kerb(law.power(300.0, 1.5)),
+            "tyre: its road 'road' jumps by 0.05 m at 0 s, which pushes",
+        ),
+        (on_a_kerb(law.cubic(300.0, 5.0)), "grows faster than its rate; give the road a ramp"),
+        (on_a_kerb(law.function(lambda w: w**3, lambda w: 3.0 * w**2)), "without limit"),
         (with_strut(spring=law.linear(-2e4)), "rest is unstable"),
         (with_strut(spring=Fake(law.linear(100.0).pieces, "tangent")), "strut.spring: tangent"),
     ],
@@ -162,6 +175,20 @@ def with_strut(**changes: object) -> System:
 def test_each_fault_of_a_system_is_told(system: System, sentence: str) -> None:
     findings = check_system(system)
     assert any(sentence in finding for finding in findings), findings
+
+
+@pytest.mark.parametrize(
+    "system",
+    [
+        on_a_kerb(law.power(300.0, 1.5), 1.0),
+        on_a_kerb(law.power(300.0, 0.5, 0.01)),
+        on_a_kerb(law.saturating(300.0, 50.0)),
+        on_a_kerb(law.monotone_table([(-1.0, -900.0), (0.0, 0.0), (1.0, 400.0)])),
+        on_a_kerb(law.function(lambda w: 300.0 * w, lambda _: 300.0)),
+    ],
+)
+def test_a_kerb_may_push_through_a_damper_of_limited_slope(system: System) -> None:
+    assert check_system(system) == []
 
 
 def test_a_right_system_and_a_family_of_curves_pass() -> None:

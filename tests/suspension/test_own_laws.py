@@ -9,7 +9,7 @@ from math import cos, cosh, exp, inf, pi, sin, sqrt, tanh
 import kernels
 import numpy as np
 import pytest
-from phaseplane.suspension import characteristics
+from phaseplane.suspension import characteristics, roads
 from phaseplane.suspension.characteristics import Characteristic, function, power
 from phaseplane.suspension.checking import check_characteristic, check_system
 from phaseplane.suspension.engine import FAILURES, Filling, Integrator, RunQueue
@@ -30,6 +30,21 @@ def damper(law: Characteristic) -> System:
 
 
 # -- functions of one's own -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("rate", "side"), [(300.0, 1.0), (70.0, -1.0)])
+def test_a_kerb_pushes_through_a_damper_given_by_a_function(rate: float, side: float) -> None:
+    """v = c h / m, with the slope c for large rates on the side of the kerb."""
+    law = function(
+        lambda w: 300.0 * min(w, 0.0) + 70.0 * max(w, 0.0) + 5.0 * tanh(w),
+        lambda w: (300.0 if w < 0.0 else 70.0) + 5.0 / cosh(min(abs(w), 300.0)) ** 2,
+        corners=[0.0],
+    )
+    mount = Element("mount", (1.0,), LINEAR(1e4), law, road="road")
+    kerb = {"road": roads.step(0.01 * side, 0.05)}
+    integrator = Integrator(System(("x",), ((20.0,),), (mount,), kerb, scales=(0.01,)))
+    _, v = at(integrator, 0.05 + 1e-9)
+    assert v == pytest.approx(0.01 * side * rate / 20.0, rel=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -39,6 +39,7 @@ _OF_THIRD = (
     0.09  # largest ratio of what the columns miss of jumps of the third and second derivative
 )
 _NEAR = 1e-5  # relative distance for the difference quotient of a slope in Python
+_FAST = 1e6  # m/s, where the slope of a function in Python is that of ever larger rates
 _FARTHEST = 1e27  # m or m/s, up to which powers grow: the 11th is still finite
 _SMALL_ARGUMENT = 0.549  # of tanh, half the logarithm of 3
 _LOG_2 = 0.6931471805599453
@@ -283,6 +284,13 @@ class Laws:
         while k + 1 < self.pieces[law] and self.piece[(first + k + 1) * PIECE + START] <= x:
             k += 1
         return self.run_first[first + k] - first
+
+    def far_slope(self, p: int, side: float) -> float:
+        """Return the slope of the outermost piece p far from zero, on a side: saturated terms are level."""
+        slope = self.piece[p * PIECE + C1]
+        if self.piece[p * PIECE + OWN] != 0.0:
+            slope += self.own(p, _SLOPE, side * _FAST)
+        return slope
 
     def intercept(self, p: int) -> float:
         """Return the force of the straight piece p, extended to x = 0."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import fabs
 
 from ..language import Doubles
-from ..layout import BRANCHES, C1, CONTACT, DAMPER, LAWS, MODULATION, PIECE, SPRING, UNBOUNDED
+from ..layout import BRANCHES, CONTACT, DAMPER, LAWS, MODULATION, SPRING, UNBOUNDED
 from ..linear import solve
 from ..network.network import Network
 
@@ -45,7 +45,7 @@ class Jumps:
             law = LAWS * e + DAMPER
             p = self.laws.first[law] + (0 if jump > 0.0 else self.laws.pieces[law] - 1)
             way = self._way(e, self.elements.row_d[r], jump)
-            self._push(e, self.laws.piece[p * PIECE + C1] * way)
+            self._push(e, self.laws.far_slope(p, -jump / fabs(jump)) * way)
         self._give_way(v)
 
     def impulse(self, signal: int, jump: float, interval: float, v: Doubles) -> None:
