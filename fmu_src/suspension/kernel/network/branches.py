@@ -7,7 +7,6 @@ have changed (`exchange_branches`).
 from __future__ import annotations
 
 from math import fabs
-from typing import TYPE_CHECKING
 
 from ..arrays import Memory
 from ..language import Doubles
@@ -27,10 +26,7 @@ from ..layout import (
     UNBOUNDED,
 )
 from ..state import KernelState
-from .elements import ELASTIC, Elements, element_numbers
-
-if TYPE_CHECKING:
-    from ...systems import System
+from .elements import ELASTIC, Elements
 
 _CREEP = 1e-10  # 1/s; times the scale of the motion, the slip rate that counts as rest
 
@@ -40,14 +36,11 @@ class Branches:
 
     laws_size: int
 
-    def __init__(
-        self, memory: Memory, state: KernelState, elements: Elements, system: System
-    ) -> None:
+    def __init__(self, memory: Memory, state: KernelState, elements: Elements) -> None:
         self.state, self.elements = state, elements
         self.laws, self.signals = self.elements.laws, self.elements.signals
         count = self.elements.count
-        # count of the numbers that `enter_elements` reads
-        self.laws_size = sum(len(element_numbers(element)) for element in system.elements)
+        self.laws_size = 0  # count of the numbers that `enter_elements` has read
         kinds = BRANCHES * count
         kept = self.state.memory
         self.opening = memory.zeros(count)  # deflection beyond which there is a gap
@@ -74,12 +67,14 @@ class Branches:
 
     def enter_elements(self, x: Doubles, at: int) -> int:
         """Read all elements from x[at:], as given by `element_numbers`; return where they end."""
+        first = at
         for e in range(self.elements.count):
             at = self.elements.enter_element(e, x, at)
             self.initial_set[e] = x[at]
             self.opening[e] = x[at + 1]
             self.breakaway[e] = x[at + 2]
             at += 3
+        self.laws_size = at - first
         self.list_switchable()
         return at
 

@@ -286,7 +286,7 @@ class Laws:
         return self.run_first[first + k] - first
 
     def far_slope(self, p: int, side: float) -> float:
-        """Return the slope of the outermost piece p far from zero, on a side: saturated terms are level."""
+        """Return the slope of the outermost piece p far from zero, where saturated terms are level."""
         slope = self.piece[p * PIECE + C1]
         if self.piece[p * PIECE + OWN] != 0.0:
             slope += self.own(p, _SLOPE, side * _FAST)

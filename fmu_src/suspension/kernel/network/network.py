@@ -57,7 +57,7 @@ class Network:
         self.laws = Laws(memory, system, joins)
         self.elements = Elements(memory, state, self.signals, self.laws, system)
         self.series = self.elements.series
-        self.branches = Branches(memory, state, self.elements, system)
+        self.branches = Branches(memory, state, self.elements)
         self.sticking = Sticking(memory, self.branches)
         names = list(system.signals)
         self.loads = len(system.loads)
