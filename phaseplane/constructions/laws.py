@@ -92,12 +92,15 @@ class Strut:
     def impulse(self, near: float, far: float) -> float:
         """Return the impulse of the damper where the deflection jumps from near to far, N s.
 
-        It is the slope of Phi for large rates, with its mean over the way, times the way.
+        It is the slope of Phi for large rates, with its mean over the way, times the way; none where the
+        deflection stays, as at a kink of the road.
 
         Raises
         ------
         ValueError : if that slope grows with the rate, as of flow through an orifice.
         """
+        if far == near:
+            return 0.0
         fast = copysign(1e6, far - near)
         ways = [near + (far - near) * (i + 0.5) / _WAYS for i in range(_WAYS)]
         slope, beyond = (

@@ -208,8 +208,17 @@ def test_a_kerb_under_a_damper_whose_force_grows_faster_than_its_rate_is_refused
     kerb, orifice = roads.step(0.01, 0.0323), power(300.0, 1.5)
     with pytest.raises(ValueError, match=r"would push without limit .*; give the road a ramp"):
         construct_motion(car(damper=orifice, road=kerb), step=1e-3, duration=0.05)
-    drag = power(300.0, 0.5, linear_below=0.01)
-    drawing = construct_motion(car(damper=drag, road=kerb), step=1e-3, duration=0.05)
+
+
+@pytest.mark.parametrize(
+    ("damper", "road"),
+    [
+        (power(300.0, 0.5, linear_below=0.01), roads.step(0.01, 0.0323)),
+        (power(300.0, 1.5), roads.table([(0.0, 0.0), (0.0323, 0.0), (0.06, 0.005)])),  # a kink
+    ],
+)
+def test_a_jolt_pushes_neither_at_a_kink_nor_through_a_damper_that_is_level_far_out(damper, road):
+    drawing = construct_motion(car(damper=damper, road=road), step=1e-3, duration=0.05)
     at = next(f for f in drawing if f.event == "jolt")
     assert at.readings["body_velocity"] == pytest.approx(0.0, abs=1e-5)
 
