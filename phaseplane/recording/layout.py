@@ -149,7 +149,7 @@ def _sheet(content: Content, page: Page, name: str) -> rrb.Spatial2DView:
     times, drawing = content.times, content.constructed
     rows = min(len(times), MOST_ROWS) - 1
     step = (float(np.ptp(times)) if len(times) else _LIVE) / max(rows, RECENT)  # s
-    run = [plane.plane for plane in state_planes(content)]
+    run = [plane.path for plane in state_planes(content)]
     curves = [("trail", run, rows, step)]
     overrides: dict[str, rrb.VisibleTimeRanges] = {}
     if drawing is not None:
@@ -158,14 +158,13 @@ def _sheet(content: Content, page: Page, name: str) -> rrb.Spatial2DView:
         drawn = lasts / max(len(frames), RECENT)
         # no run is seen in full where the construction over it is faint
         curves = [
-            ("trail", list(drawing.planes), len(frames), drawn),
+            ("trail", [plane.name for plane in drawing.planes], len(frames), drawn),
             ("run", run, rows, min(step, drawn)),
         ]
         overrides |= {f"{SHEET}/events/{part}": _ranges(None) for part in PARTS}
-    for role, planes, steps, step in curves:
+    for role, paths, steps, step in curves:
         recent = _ranges(None if 0 < steps <= RECENT else RECENT, step)
-        for plane in planes:
-            path = f"{SHEET}/{role}/{plane.name}"
+        for path in (f"{SHEET}/{role}/{path}" for path in paths):
             overrides |= {f"{path}/past": _ranges(None), f"{path}/recent": recent}
     return _view(SHEET, legible(name), page.view, overrides=overrides)
 

@@ -41,10 +41,11 @@ _UNLED = 1.0
 
 @dataclass(frozen=True, slots=True)
 class StatePlane:
-    """A phase plane, and the columns of the displacement and its rate."""
+    """A phase plane, the columns of the displacement and its rate, and its own name in a recording."""
 
     plane: Plane
     columns: tuple[str, str]
+    path: str
 
     @property
     def transform(self) -> rr.Transform3D:
@@ -73,7 +74,7 @@ def state_planes(content: Content) -> list[StatePlane]:
         return []
     if content.constructed is not None:
         planes = [
-            StatePlane(plane, (plane.name, rate_of(plane.name)))
+            StatePlane(plane, (plane.name, rate_of(plane.name)), plane.name)
             for plane in content.constructed.planes
         ]
     else:
@@ -115,10 +116,10 @@ def made_planes(
         right, down = (_ACROSS if rows > least else _CLOSE for least in (1, 2))
         origin = complex(right * column, -down * row)
         axes = axis(displacement, origin, 1 + 0j), axis(rate, origin, 1j)
-        # each has its own place in the recording; the last word of a name is not written
+        plane = Plane(displacement, 1.0, *axes, f"P{i + 1}")
         again = displacement in (other for other, _ in pairs[:i])
-        name = f"{displacement}_{i + 1}" if again else displacement
-        planes.append(StatePlane(Plane(name, 1.0, *axes, f"P{i + 1}"), (displacement, rate)))
+        path = f"{displacement}_{i + 1}" if again else displacement
+        planes.append(StatePlane(plane, (displacement, rate), path))
     return planes
 
 

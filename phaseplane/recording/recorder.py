@@ -206,11 +206,11 @@ class Recorder:
         for plane in state_planes(self.content):
             z = plane.motion(histories) if drawn else plane.states(histories)
             self.sheet.curve(
-                plane.plane.name, "run" if drawn else "trail", np.stack([z[:-1], z[1:]], 1), first,
+                plane.path, "run" if drawn else "trail", np.stack([z[:-1], z[1:]], 1), first,
                 lambda rows: [seconds(times[rows - first])],
             )  # fmt: skip
             if not drawn:
-                self.sheet.move(f"trail/{plane.plane.name}/here", z[:, None], [seconds(times)])
+                self.sheet.move(f"trail/{plane.path}/here", z[:, None], [seconds(times)])
         self._rows += len(times) - 1
 
     def redraw(self, histories: Mapping[str, npt.ArrayLike]) -> None:
@@ -224,7 +224,7 @@ class Recorder:
         """Log the sheet, and the places on it of the planes in which a run is drawn by itself."""
         self.sheet.begin(self.pages[0])
         for plane in state_planes(content) if content.constructed is None else ():
-            self.recording.log(f"{SHEET}/trail/{plane.plane.name}", plane.transform, static=True)
+            self.recording.log(f"{SHEET}/trail/{plane.path}", plane.transform, static=True)
 
     def story(self) -> None:
         """Log the story on the timeline `stage`, and the plots of a whole run at all ticks."""

@@ -226,15 +226,18 @@ def test_the_phase_plane_of_two_columns(tmp_path: Path) -> None:
 
 
 def test_planes_of_one_displacement_over_several_columns_do_not_meet(tmp_path: Path) -> None:
-    pairs = (("body", "body_velocity"), ("body", "speed"))
+    y, rates = "body_displacement", ("body_velocity", "speed")
+    pairs = tuple((y, rate) for rate in rates)
     made = read_back(Content("a run", histories=MOTION, pairs=pairs, views=("planes",)), tmp_path)
-    for path, rate in (("body", "body_velocity"), ("body_2", "speed")):
-        (strip,) = made.rows[f"/sheet/trail/{path}/past"][-1]["LineStrips2D:strips"]
+    paths = [f"/sheet/trail/{y}", f"/sheet/trail/{y}_2"]
+    for path, rate in zip(paths, rates, strict=True):
+        (strip,) = made.rows[f"{path}/past"][-1]["LineStrips2D:strips"]
         ends = np.ravel(paper(strip))
-        assert ends[-1] == pytest.approx(MOTION["body"][-1] + 1j * MOTION[rate][-1], rel=1e-5)
-    places = [made.static[f"/sheet/trail/{path}"] for path in ("body", "body_2")]
-    one, other = (place["Transform3D:translation"][0][0] for place in places)
+        assert ends[-1] == pytest.approx(MOTION[y][-1] + 1j * MOTION[rate][-1], rel=1e-5)
+    one, other = (made.static[path]["Transform3D:translation"][0][0] for path in paths)
     assert one != other
+    labels = made.static["/sheet/paper/letters"]["Points2D:labels"]
+    assert [label for label in labels if "body" in label] == ["body", "body"]
 
 
 def test_a_run_is_seen_in_the_planes_of_the_construction(tmp_path: Path) -> None:
