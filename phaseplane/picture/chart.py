@@ -21,7 +21,7 @@ from .styles import PARTS, part_of, strength_of, weight_of
 from .subject import Subject
 from .text import bracketed, in_words, number
 
-_WIDTH, _HEIGHT = 0.3, 0.15  # of the chart, m of paper
+_WIDTH, _HEIGHT = 0.3, 0.105  # of the chart, m of paper
 _NAMES = 1.17 * _WIDTH  # where the names of the columns begin
 _EM = 0.029  # of type in a window of 1366x768
 _CLOSE, _MOST = 1e-4, 600  # m of paper from a curve to that of fewer vertices; the most of these
@@ -78,8 +78,9 @@ class Chart:
         ]
         widest = max(text.box(_EM).half.real for text in named)
         left, right = -0.34 * _WIDTH, max(1.73 * _WIDTH, _NAMES + 2.0 * widest + _EM)
-        half = complex(right - left, 1.55 * _HEIGHT) / 2.0
-        view = Box(complex((left + right) / 2.0, 0.465 * _HEIGHT), half)
+        # room for the values below the chart, and for its heading above
+        low, high = complex(left, -1.5 * _EM), complex(right, _HEIGHT + 1.3 * _EM)
+        view = Box((low + high) / 2.0, (high - low) / 2.0)
         sheet = Drawing("", (), (), {}, StoredFrames(()))
         page = Page(Subject(sheet, [np.zeros(1, complex)]), view, _EM)
         zero, corner = self.at(self.start, 0.0), self.at(self.start, self.low)
@@ -95,7 +96,8 @@ class Chart:
             if len(curve) > 1:
                 page.lines(role, [_thinned(curve)], 0.9 * weight_of(name), 0.6 * strength_of(name))
         for row, text in enumerate(named):  # beside it, centred: in larger windows type is smaller
-            page.write(replace(text, centre=complex(_NAMES + widest, _HEIGHT - 1.7 * row * _EM)))
+            height = _HEIGHT + (0.55 - 1.62 * row) * _EM
+            page.write(replace(text, centre=complex(_NAMES + widest, height)))
         return page
 
     def _values(self, page: Page) -> None:

@@ -42,15 +42,19 @@ Part = tuple[float, rrb.View | rrb.Container]
 def blueprint(recorder: Recorder) -> rrb.Blueprint:
     """Return the layout: the sheet, and next to it the text, the side view, the plots and the lanes.
 
-    Beside a narrow sheet, the text has a column of its own. During a live run the viewer stays at the
-    latest time.
+    Beside a narrow sheet, the text of steps has a column of its own, with the plots, whose names need
+    its width. During a live run the viewer stays at the latest time.
     """
     content, narrow = recorder.content, is_narrow(recorder.content)
     sheet: list[Part] = []
     if recorder.pages:
         sheet.append((SHEET_HEIGHT, _sheets(content, recorder.pages)))
     text: list[Part] = []
-    others = _others(recorder)
+    others = _views(recorder)
+    plots = _plots(recorder, alone=not (recorder.words or others))
+    apart = narrow and recorder.words and bool(others)
+    if not apart:
+        others += plots
     if recorder.words:
         text.append((_WORDS, rrb.TextDocumentView(origin=WORDS, name="construction step")))
     elif recorder.note:  # a few lines, above what they are about
@@ -63,8 +67,8 @@ def blueprint(recorder: Recorder) -> rrb.Blueprint:
         (others or sheet).append((height, lanes))
     width = SHEET_WIDTH[narrow]
     beside = {WINDOW_WIDTH - width: text + others}
-    if narrow and recorder.words and others:
-        beside = {_TEXT_WIDTH: text, WINDOW_WIDTH - width - _TEXT_WIDTH: others}
+    if apart:
+        beside = {_TEXT_WIDTH: text + plots, WINDOW_WIDTH - width - _TEXT_WIDTH: others}
     columns = {width: parts for width, parts in ({width: sheet} | beside).items() if parts}
     return rrb.Blueprint(
         rrb.Horizontal(*map(_column, columns.values()), column_shares=list(columns)),
@@ -79,33 +83,36 @@ def _column(parts: Sequence[Part]) -> rrb.View | rrb.Container:
     return views[0] if len(views) == 1 else rrb.Vertical(*views, row_shares=list(shares))
 
 
-def _others(recorder: Recorder) -> list[Part]:
-    """Return the side view with the turn angles, and the plots."""
+def _views(recorder: Recorder) -> list[Part]:
+    """Return the side view with the turn angles."""
     content = recorder.content
-    found: list[Part] = []
     views: list[rrb.View] = []
     vehicle = vehicle_of(content)
     if vehicle is not None:
         views.append(_view(VEHICLE, "side view", view_box(vehicle, content)))
     if recorder.arms_page is not None:
         views.append(_view(ARMS, "turn angles", recorder.arms_page.view))
-    if views:
-        height = _BESIDE[recorder.words]
-        if is_narrow(content):
-            found.append((height * len(views), rrb.Vertical(*views)))
-        else:
-            found.append((height, rrb.Horizontal(*views)))
+    height = _BESIDE[recorder.words]
+    if views and is_narrow(content):
+        return [(height * len(views), rrb.Vertical(*views))]
+    return [(height, rrb.Horizontal(*views))] if views else []
+
+
+def _plots(recorder: Recorder, *, alone: bool) -> list[Part]:
+    """Return the chart and the plots in tabs; alone, the first two below each other."""
+    content = recorder.content
     plots: list[rrb.View] = [_plot(panel, content) for panel in recorder.panels]
     if recorder.chart is not None:
         plots.insert(0, _view(CHART, "over time", recorder.chart.stays.view))
-    if plots and (recorder.words or views):
-        found.append((_PLOTS[recorder.words], rrb.Tabs(*plots)))
-    elif plots:  # high enough for the names of four wheels
-        # the road's plot in front of the others
-        roads = [k for k, plot in enumerate(plots[2:]) if str(plot.name).startswith("road")]
-        more = [rrb.Tabs(*plots[2:], active_tab=roads[0] if roads else 0)] if plots[2:] else []
-        found.append((_PLOTS[False], rrb.Vertical(*plots[:2], *more)))
-    return found
+    if not plots:
+        return []
+    if not alone:
+        return [(_PLOTS[recorder.words], rrb.Tabs(*plots))]
+    # the road's plot in front of the others
+    roads = [k for k, plot in enumerate(plots[2:]) if str(plot.name).startswith("road")]
+    more = [rrb.Tabs(*plots[2:], active_tab=roads[0] if roads else 0)] if plots[2:] else []
+    # high enough for the names of four wheels
+    return [(_PLOTS[False], rrb.Vertical(*plots[:2], *more))]
 
 
 def _time_panel(recorder: Recorder) -> rrb.TimePanel:

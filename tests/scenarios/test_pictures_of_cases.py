@@ -12,6 +12,7 @@ from textwrap import wrap
 import numpy as np
 import pytest
 import rerun as rr
+import rerun.blueprint as rrb
 from phaseplane.scenarios.draw.constructions import draw_construction, draw_scene
 from phaseplane.scenarios.draw.planes import CONSTRUCTED
 from phaseplane.scenarios.draw.recording_content import of_scene, readings
@@ -471,6 +472,25 @@ def test_four_planes_can_be_seen_side_by_side() -> None:
         "y₁₁, front suspension deflection", "y₁₂, front wheel displacement",
         "y₂₁, rear suspension deflection", "y₂₂, rear wheel displacement",
     ]  # fmt: skip
+
+
+@pytest.mark.slow
+def test_the_names_of_a_chart_have_room_beside_four_planes() -> None:
+    """Nearly with type of its size, of which 1 em is 16.75 pixels in a window of 1366 pixels."""
+    drawing = drawing_of("half_car_pitch", 0.05)
+    recorder = Recorder(
+        rr.RecordingStream("chart"), Content("half car", drawing, readings(drawing))
+    )
+    columns = blueprint(recorder).root_container
+    (width,) = (
+        share
+        for share, column in zip(columns.column_shares, columns.contents, strict=True)
+        for part in getattr(column, "contents", ())
+        if isinstance(part, rrb.Tabs) and part.contents[0].name == "over time"
+    )
+    stays = recorder.chart.stays
+    pixels = width / sum(columns.column_shares) * 1366.0
+    assert 0.85 * 2.0 * stays.view.half.real / stays.em * 16.75 <= pixels
 
 
 def test_a_letter_of_a_moving_step_stands_where_no_other_is() -> None:
