@@ -139,8 +139,8 @@ class Stepper:
             if (times - _FOLLOWED) * abs(height) > _SEEN:
                 raise ArithmeticError(
                     f"a step of {window.duration:.4g} s from {window.start:.6g} s on is too long for the "
-                    f"damping in the plane {plane.name}: it would change the velocity by {times:.3g} "
-                    f"times the velocity, and at most {_FOLLOWED:g} times can be followed; try a step of "
+                    f"damping in the plane {plane.name}, which would change the velocity by {times:.3g} "
+                    f"times its value, where at most {_FOLLOWED:g} times can be followed; try a step of "
                     f"{window.duration / times:.2g} s"
                 )
 
