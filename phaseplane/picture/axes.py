@@ -272,15 +272,15 @@ def _name(
     of the other `parallel` axes.
     """
     words = {
-        each: (shorter, broken)
+        each: shorter
         for shorter, name in enumerate(names)
-        for broken, each in enumerate((name, name.replace(" [", "\n[")))
+        for each in (name, name.replace(" [", "\n["))
     }
     low, high = page.view.grown(-0.3 * page.em).corners
     line = _line(*axis)
     heights = [edge.imag, (axis[0] + axis[1] - edge).imag] if line.half.real == 0.0 else [edge.imag]
     found = []
-    for (foot, end), (each, (shorter, broken)), other, back, up in product(
+    for (foot, end), (each, shorter), other, back, up in product(
         enumerate(heights), words.items(), (0, 1), _BACK, _BESIDE
     ):
         text, rows = Text("axis", each, edge, 8.5 / TYPE, "name"), each.count("\n")
@@ -292,6 +292,7 @@ def _name(
         box = Box(centre, half)
         gap = line.gap(box)
         if page.view.contains(box) and all(gap <= of.gap(box) for of in parallel):
+            broken = each not in names
             far = gap + (broken + 0.3 * other + 1.5 * back) * page.em
             struck = _struck(box.grown(PLATE * page.em), ways)
             astray = gap > _FARTHEST * page.em
