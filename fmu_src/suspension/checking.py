@@ -25,16 +25,15 @@ from .signals import GAUSS
 from .systems import Element, System
 
 _CLOSE = 1e-5  # relative difference that counts as agreement with a difference quotient
-_FAST = 1e6  # m/s, from where on a damper given by a function is looked at for its largest slope
 
 
 def check_system(system: System) -> list[str]:
     """Return the errors found in a system, one sentence each.
 
     Checks shapes and names; symmetry and definiteness of the mass matrix; every characteristic (see
-    `check_characteristic`); dampers that add energy, kerbs that push without limit; the stability of
-    rest. If all these hold, checks
-    that the integrator's accelerations agree with the elements' forces, and that energy is balanced.
+    `check_characteristic`); dampers that add energy; kerbs that push without limit; the stability of
+    rest. If all these hold, checks that the integrator's accelerations agree with the elements' forces,
+    and that energy is balanced.
 
     Parameters
     ----------
@@ -320,26 +319,27 @@ def _adds_energy(element: Element) -> Iterator[str]:
 def _kerbs(system: System) -> Iterator[str]:
     """Find dampers whose impulse grows without limit as the ramp of a kerb becomes shorter."""
     for element in system.elements:
-        if element.road and _outgrows_its_rate(element.damper):
-            jumps = system.signals[element.road].jumps
-            if jumps:
+        # a road that rises compresses; if it falls, what cannot pull has no effect
+        sides = () if not element.road else (-1.0,) if element.limit < inf else (-1.0, 1.0)
+        steep = [side for side in sides if _outgrows_its_rate(element.damper, side)]
+        for time, jump in system.signals[element.road].jumps if steep else ():
+            if any(jump * side < 0.0 for side in steep):
                 yield (
-                    f"{element.name}: its road {element.road!r} jumps by {jumps[0][1]:g} m at "
-                    f"{jumps[0][0]:g} s, which pushes without limit through a damper whose force grows "
-                    "faster than its rate; give the road a ramp, or the damper a straight line for "
-                    "large rates"
+                    f"{element.name}: its road {element.road!r} jumps by {jump:g} m at {time:g} s, which "
+                    "pushes without limit through a damper whose force grows faster than its rate; give "
+                    "the road a ramp, or the damper a straight line for large rates"
                 )
+                break
 
 
-def _outgrows_its_rate(damper: Characteristic) -> bool:
-    """Return whether the slope of a damper grows without limit on either side."""
-    for piece, fast in ((damper.pieces[0], -_FAST), (damper.pieces[-1], _FAST)):
-        if piece.own is None:
-            if any(piece.coefficients[2:]) or (piece.power and piece.exponent > 1.0):
-                return True
-        elif abs(damper.tangent(2.0 * fast)) > 1.01 * abs(damper.tangent(fast)) > 0.0:
-            return True
-    return False
+def _outgrows_its_rate(damper: Characteristic, side: float) -> bool:
+    """Return whether the slope of a damper grows without limit on a side of zero, -1 or 1."""
+    piece = damper.pieces[0 if side < 0.0 else -1]
+    if piece.own is None:
+        return any(piece.coefficients[2:]) or (piece.power != 0.0 and piece.exponent > 1.0)
+    fast = piece.own.fastest(side)
+    slope, beyond = (abs(piece.tangent(rate)) for rate in (0.5 * fast, fast))
+    return beyond > 1.01 * slope > 0.0
 
 
 def _tangent_at_rest(system: System) -> Iterator[str]:

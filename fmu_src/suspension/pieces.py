@@ -15,8 +15,11 @@ from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
-from math import copysign, exp, inf, log, log1p, sinh, tanh
+from math import copysign, exp, inf, isfinite, log, log1p, sinh, tanh
 from typing import NamedTuple
+
+_FAST = 1e6  # m/s, where the slope of a user-defined function is that of ever larger rates
+_SLOW = 0.2  # m/s, where every function is to have a slope
 
 
 class Own(NamedTuple):
@@ -31,6 +34,25 @@ class Own(NamedTuple):
         if factor == 1.0:
             return self
         return Own(*(partial(_product, factor, part) for part in self))
+
+    def fastest(self, side: float) -> float:
+        """Return the largest rate on a side of zero, -1 or 1, at which the slope is looked at, m/s.
+
+        It is lower where the function raises or is no number, as cosh at 1000 m/s.
+        """
+        rate = _FAST
+        while rate > _SLOW:
+            try:
+                if isfinite(self.tangent(side * rate)):
+                    break
+            except Exception:  # functions of users may raise anything
+                pass
+            rate *= 0.5
+        return side * rate
+
+    def far_slope(self, side: float) -> float:
+        """Return the slope for ever larger rates on a side of zero, -1 or 1."""
+        return self.tangent(self.fastest(side))
 
 
 def _product(factor: float, function: Callable[[float], float], x: float) -> float:

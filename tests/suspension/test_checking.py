@@ -6,7 +6,7 @@ import doctest
 import re
 from cProfile import Profile
 from dataclasses import dataclass, replace
-from math import inf, nan, pi
+from math import cosh, inf, nan, pi, sinh, tanh
 
 import pytest
 from phaseplane.suspension import characteristics as law
@@ -132,11 +132,19 @@ def with_strut(**changes: object) -> System:
     return replace(right, elements=(replace(right.elements[0], **changes), right.elements[1]))
 
 
-def on_a_kerb(damper: law.Characteristic, length: float = 0.0) -> System:
+def on_a_kerb(
+    damper: law.Characteristic, length: float = 0.0, height: float = 0.05, limit: float = inf
+) -> System:
     """The strut over a kerb, with a damper that stands on the road."""
-    tyre = Element("tyre", (0.0, 1.0), law.linear(2e5), damper, road="road")
-    kerb = roads.ramp(0.05, length, 20.0)
+    tyre = Element("tyre", (0.0, 1.0), law.linear(2e5), damper, road="road", limit=limit)
+    kerb = roads.ramp(height, length, 20.0)
     return strut(elements=(strut().elements[0], tyre), signals={"road": kerb})
+
+
+STEEP_IN_REBOUND = Characteristic((
+    Piece(-inf, 0.0, (0.0, 300.0, 0.0, 0.0)),
+    Piece(0.0, 0.0, (0.0, 300.0, 0.0, 0.0), power=500.0, exponent=2.0),
+))  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -168,6 +176,8 @@ def on_a_kerb(damper: law.Characteristic, length: float = 0.0) -> System:
         ),
         (on_a_kerb(law.cubic(300.0, 5.0)), "grows faster than its rate; give the road a ramp"),
         (on_a_kerb(law.function(lambda w: w**3, lambda w: 3.0 * w**2)), "without limit"),
+        (on_a_kerb(law.function(sinh, cosh)), "without limit"),
+        (on_a_kerb(STEEP_IN_REBOUND, height=-0.05), "its road 'road' jumps by -0.05 m at 0 s"),
         (with_strut(spring=law.linear(-2e4)), "rest is unstable"),
         (with_strut(spring=Fake(law.linear(100.0).pieces, "tangent")), "strut.spring: tangent"),
     ],
@@ -185,6 +195,9 @@ def test_each_fault_of_a_system_is_told(system: System, sentence: str) -> None:
         on_a_kerb(law.saturating(300.0, 50.0)),
         on_a_kerb(law.monotone_table([(-1.0, -900.0), (0.0, 0.0), (1.0, 400.0)])),
         on_a_kerb(law.function(lambda w: 300.0 * w, lambda _: 300.0)),
+        on_a_kerb(law.function(lambda w: 3.0 * w + tanh(w), lambda w: 3.0 + cosh(w) ** -2.0)),
+        on_a_kerb(STEEP_IN_REBOUND),
+        on_a_kerb(STEEP_IN_REBOUND, height=-0.05, limit=900.0),
     ],
 )
 def test_a_kerb_may_push_through_a_damper_of_limited_slope(system: System) -> None:

@@ -39,7 +39,6 @@ _OF_THIRD = (
     0.09  # largest ratio of what the columns miss of jumps of the third and second derivative
 )
 _NEAR = 1e-5  # relative distance for the difference quotient of a slope in Python
-_FAST = 1e6  # m/s, where the slope of a function in Python is that of ever larger rates
 _FARTHEST = 1e27  # m or m/s, up to which powers grow: the 11th is still finite
 _SMALL_ARGUMENT = 0.549  # of tanh, half the logarithm of 3
 _LOG_2 = 0.6931471805599453
@@ -187,6 +186,15 @@ class Laws:
             self.note_failure(error)
             return float("nan")
 
+    @takes_gil
+    def own_far_slope(self, p: int, side: float) -> float:
+        """Return the slope of the function of piece p for ever larger rates on a side of zero."""
+        try:
+            return float(self.functions[p].far_slope(side))
+        except BaseException as error:
+            self.note_failure(error)
+            return float("nan")
+
     @of_python
     def note_failure(self, error: BaseException) -> None:
         """Keep the first exception, or an interrupt; the present attempt is spoilt."""
@@ -289,7 +297,7 @@ class Laws:
         """Return the slope of the outermost piece p far from zero, where saturated terms are level."""
         slope = self.piece[p * PIECE + C1]
         if self.piece[p * PIECE + OWN] != 0.0:
-            slope += self.own(p, _SLOPE, side * _FAST)
+            slope += self.own_far_slope(p, side)
         return slope
 
     def intercept(self, p: int) -> float:

@@ -45,7 +45,7 @@ class Jumps:
             law = LAWS * e + DAMPER
             p = self.laws.first[law] + (0 if jump > 0.0 else self.laws.pieces[law] - 1)
             way = self._way(e, self.elements.row_d[r], jump)
-            self._push(e, self.laws.far_slope(p, -jump / fabs(jump)) * way)
+            self._push(e, self.laws.far_slope(p, -1.0 if jump > 0.0 else 1.0) * way)
         self._give_way(v)
 
     def impulse(self, signal: int, jump: float, interval: float, v: Doubles) -> None:
