@@ -51,10 +51,17 @@ def test_another_law_in_the_file_gives_another_hash():
     assert load_scene("mass.toml").hash != before
 
 
-@pytest.mark.parametrize("value", ["0", '"3 kg"'])
-def test_a_parameter_that_no_expression_contains_is_reported(value):
+WHEEL = """
+[system.wheels.left]
+axle = "spare"
+body = { x = 1 }
+"""
+
+
+@pytest.mark.parametrize(("value", "more"), [("0", ""), ('"3 kg"', ""), ("0", WHEEL)])
+def test_a_parameter_that_no_expression_contains_is_reported(value, more):
     spare = f"[system.parameters]\nspare = {value}"
-    written(SYSTEM.replace("[system.parameters]", spare), "mass.toml")
+    written(SYSTEM.replace("[system.parameters]", spare) + more, "mass.toml")
     words = "spare has no effect on the motion: no expression of the system contains it"
     assert (
         load_scene("mass.toml").warnings == load_scene("mass.toml", ["spare=5"]).warnings == [words]

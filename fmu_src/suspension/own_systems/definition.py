@@ -57,6 +57,7 @@ _LAWS = {
 _POWER = ("power", "exponent", "linear_below")
 # keys that have no effect without another
 _NEEDED = {"exponent": "power", "linear_below": "power", "hardening": "yield_force"}
+_NAMES = {"axle", "road"}  # keys of wheels and elements whose texts are no expressions
 
 
 @dataclass(frozen=True)
@@ -94,8 +95,9 @@ class Definition:
     def unused(self) -> tuple[str, ...]:
         """The names of its own parameters that no expression contains."""
         masses = (mass for mass, _, _ in self.coordinates.values())
-        tables = (self.couplings, self.wheels, self.elements, self.loads)
-        texts = (text for said in (*masses, *tables) for text in _texts(said))
+        parts = (*self.wheels.values(), *self.elements.values(), *self.loads.values())
+        others = ({key: part[key] for key in part.keys() - _NAMES} for part in parts)
+        texts = (text for said in (*masses, self.couplings, *others) for text in _texts(said))
         used = {name for text in texts for name in numbered(text)[1]}
         return tuple(v.name for v in self.own if v.name not in used)
 
