@@ -456,13 +456,13 @@ static int go_on(Instance *one, double until) {
 static int advance(Instance *one, double until) {
     State *now = &one->now;
     Run *run = &now->conduct.run;
-    const int goes_on = until == now->handed; /* from a switch to the same end, which changes nothing */
     if (!now->ok) return fail(one, "the run has already failed, at %.9g s", run->time);
     if (!isfinite(until) || until < run->time - AT_REST) {
         return fail(one, "cannot step from %.9g s to %.9g s: the end of a step must be finite and not "
                     "before its start", run->time, until);
     }
     until = fmax(run->time, until);
+    const int goes_on = until == now->handed; /* from a switch to the same end, which changes nothing */
     if (now->tuned && take_parameters(one)) return 1;
     if (!goes_on && Run_sets_in(run)) {
         if (stop_here(one)) return 1;
