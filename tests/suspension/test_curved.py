@@ -189,6 +189,15 @@ def saturating_at(bump_force: float, rebound_force: float) -> Characteristic:
     return Characteristic(tuple(pieces))
 
 
+def powers(bump_exponent: float, rebound_exponent: float) -> Characteristic:
+    """A damper with one power law in bump and another one in rebound."""
+    bump, rebound = (
+        Piece(start, 0.0, (0.0,) * 4, power=20.0, exponent=exponent)
+        for start, exponent in ((-inf, bump_exponent), (0.0, rebound_exponent))
+    )
+    return Characteristic((bump, rebound))
+
+
 SHAKE, OMEGA = 40.0, 60.0  # N, rad/s
 
 
@@ -217,8 +226,12 @@ def shaken(law: Characteristic, times: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize(
     "law",
-    [*(power(20.0, exponent) for exponent in (1.3, 1.7, 2.0, 2.5, 3.5)), saturating_at(20.0, 5.0)],
-    ids=["1.3", "1.7", "2", "2.5", "3.5", "saturating"],
+    [
+        *(power(20.0, exponent) for exponent in (1.3, 1.7, 2.0, 2.5, 3.5)),
+        *(powers(*exponents) for exponents in ((1.3, 3.5), (3.5, 1.3), (2.0, 3.0))),
+        saturating_at(20.0, 5.0),
+    ],
+    ids=["1.3", "1.7", "2", "2.5", "3.5", "1.3 and 3.5", "3.5 and 1.3", "2 and 3", "saturating"],
 )
 def test_dampers_whose_derivatives_jump_at_rest_keep_the_tolerance(law: Characteristic) -> None:
     """Columns that pass such a point differ too little to show what they miss of it."""

@@ -35,9 +35,8 @@ if TYPE_CHECKING:
 
 _FORCE, _SLOPE, _INTEGRAL = 0, 1, 2  # the three functions in Python of a piece
 _SMOOTH = 1e-9  # relative difference of slopes that are the same to rounding
-_OF_THIRD = (
-    0.09  # largest ratio of what the columns miss of jumps of the third and second derivative
-)
+# largest ratio of what the columns miss of jumps of the third and second derivative
+_OF_THIRD = 0.09
 _NEAR = 1e-5  # relative distance for the difference quotient of a slope in Python
 _FARTHEST = 1e27  # m or m/s, up to which powers grow: the 11th is still finite
 _SMALL_ARGUMENT = 0.549  # of tanh, half the logarithm of 3
@@ -133,25 +132,34 @@ class Laws:
         Over a way s the columns miss as much of the zero of a power law |s|^n as of a jump of the second
         derivative by 4 |(n - 1) (3 - n)| exp(4 - 2 n) s^(n - 2), which is exact for n = 2; and of a jump
         of the third derivative by `third`, which counts if the second is continuous, as of one by
-        `_OF_THIRD` third s.
+        `_OF_THIRD` third s. Of two power laws that meet at their zeros the smaller exponent counts.
         """
-        at = p * PIECE
         self.jump[p] = fabs(self.curvature - curvature)
-        self.rough[p], self.growth[p] = 0.0, 1.0
-        if self.piece[at + POWER] != 0.0 and self.piece[at + START] == self.piece[at + ORIGIN]:
-            n = self.piece[at + EXPONENT]
-            share = 4.0 * fabs((n - 1.0) * (3.0 - n)) * exp(4.0 - 2.0 * n)
-            self.rough[p], self.growth[p] = share * fabs(self.piece[at + POWER]), n - 2.0
-        elif self.jump[p] <= _SMOOTH * (fabs(self.curvature) + fabs(curvature)):
-            self.rough[p] = _OF_THIRD * fabs(third)
+        self.rough[p], self.growth[p] = 0.0, UNBOUNDED
+        for m in range(p - 1, p + 1):
+            at = m * PIECE
+            power, n = self.piece[at + POWER], self.piece[at + EXPONENT]
+            if power != 0.0 and self.piece[at + ORIGIN] == self.piece[p * PIECE + START]:
+                share = 4.0 * fabs((n - 1.0) * (3.0 - n)) * exp(4.0 - 2.0 * n)
+                self.rough[p] = max(self.rough[p], share * fabs(power))
+                self.growth[p] = min(self.growth[p], n - 2.0)
+        steady = self.jump[p] <= _SMOOTH * (fabs(self.curvature) + fabs(curvature))
+        if self.rough[p] == 0.0 and steady:
+            self.rough[p], self.growth[p] = _OF_THIRD * fabs(third), 1.0
 
     def _third(self, p: int, x: float) -> float:
-        """Return the third derivative of piece p at x, without a power law or a function in Python."""
+        """Return the third derivative of piece p at x, without a function in Python.
+
+        Of power laws only that of exponent 3 counts; what others miss at their zeros is more.
+        """
         at = p * PIECE
         scale = self.piece[at + SCALE]
         u = tangent_h((x - self.piece[at + ORIGIN]) / scale)
         bow = -2.0 * (1.0 - u * u) * (1.0 - 3.0 * u * u) / (scale * scale * scale)
-        return 6.0 * self.piece[at + C3] + self.piece[at + SATURATION] * bow
+        cubic = self.piece[at + C3]
+        if self.piece[at + EXPONENT] == 3.0:
+            cubic += self.piece[at + POWER]
+        return 6.0 * cubic + self.piece[at + SATURATION] * bow
 
     def place(self, p: int, x: float) -> int:
         """Return which of the pieces joined with p contains x; it is found fastest from close to it."""
