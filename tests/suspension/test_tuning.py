@@ -140,6 +140,31 @@ def test_an_end_stop_may_come_and_go() -> None:
     assert session.value("bump_stop_force") == 0.0
 
 
+@pytest.mark.parametrize(("before", "after"), [(0.0, 1e5), (1e5, 0.0)])
+def test_contacts_are_counted_after_an_end_stop_has_come_or_gone(
+    before: float, after: float
+) -> None:
+    """The numbers of the tyres' elements change then; this stop is never met."""
+    never = {f"{axle}.bump_stop.gap": 5.0 for axle in ("front", "rear")}
+    plain, tuned = (
+        Session("HalfCar", {**never, "road.height": 0.08, "front.bump_stop.stiffness": stiffness})
+        for stiffness in (0.0, before)
+    )
+    tuned.advance(0.001)
+    tuned.set_parameter("front.bump_stop.stiffness", after)
+    for session in (plain, tuned):
+        session.advance(1.0)
+    said, wanted = (
+        [text.split(" at ")[0] for _, text in session.messages] for session in (tuned, plain)
+    )
+    assert said == wanted
+    for axle in ("front", "rear"):
+        count = plain.value(f"{axle}_lift_off_count")
+        assert tuned.value(f"{axle}_lift_off_count") == count > 0
+        airborne = plain.value(f"{axle}_airborne_time")
+        assert tuned.value(f"{axle}_airborne_time") == pytest.approx(airborne, rel=1e-4)
+
+
 @pytest.mark.parametrize(
     ("name", "value", "words"),
     [

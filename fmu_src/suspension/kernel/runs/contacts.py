@@ -47,6 +47,17 @@ class Contacts:
             self.lift_offs[c] = 0
             self.last_lift_off[c] = self.last_touchdown[c] = -1.0
 
+    @of_python
+    def renumber(self, counterpart: Sequence[int]) -> None:
+        """Take the numbers of the tyres in a new system.
+
+        Parameters
+        ----------
+        counterpart : for each of its elements the number of the same element so far, or -1
+        """
+        for c in range(self.tyres):
+            self.tyre[c] = counterpart.index(self.tyre[c])
+
     @open_to_python
     def note(self, time: float, e: int, airborne: bool) -> None:
         """Add a lift-off or touchdown of element e to the switches that wait for their time.

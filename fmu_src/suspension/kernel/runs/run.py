@@ -261,6 +261,7 @@ class Run:
         counterpart : for each of its elements the number of the same element so far, or -1
         """
         memory = Memory()
+        self.contacts.renumber(counterpart)
         self.hand_on(integrator, memory.integers(counterpart))
         self.integrator, self.rest = integrator, Rest(integrator.net)
 
