@@ -77,8 +77,9 @@ def test_columns_have_the_bits_of_runs_by_themselves(which: str) -> None:
     for given, one in zip(sets, together, strict=True):
         (alone,) = run_many(model, [given], TIMES, names, workers=1)
         assert one.failure == alone.failure
-        for name in alone.columns:
-            assert one.columns[name].tobytes() == alone.columns[name].tobytes()
+        assert one.columns.keys() == alone.columns.keys()
+        for name, column in alone.columns.items():
+            assert one.columns[name].tobytes() == column.tobytes()
 
 
 def test_systems_are_built_once_for_all(monkeypatch: pytest.MonkeyPatch) -> None:
