@@ -128,11 +128,15 @@ def _failures(solvers: Mapping[tuple[str, Family], Sequence[Point]]) -> Iterator
 
 
 def panels(problems: Sequence[Problem], points: Sequence[Point]) -> list[tuple[str, list[Any]]]:
-    """Return the input of `phaseplane.figures.work_precision`: title and curves of each problem."""
+    """Return the input of `phaseplane.figures.work_precision`: title and curves of each problem.
+
+    Solvers that did not run, such as those that are not installed, have no curve.
+    """
+    ran = [point for point in points if point.seconds is not None]
     return [
         (
             f"{problem.name.replace('_', ' ')} ({problem.kind})",
-            [_curve(*of, runs) for of, runs in _by_solver(problem, points).items()],
+            [_curve(*of, runs) for of, runs in _by_solver(problem, ran).items()],
         )
         for problem in problems
     ]

@@ -13,7 +13,7 @@ from command_line import complaint, printed, reported, written
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.studies import accuracy, project_solvers, reports, workbench
 from phaseplane.scenarios.studies.accuracy import Point, Solver, measure, solvers
-from phaseplane.scenarios.studies.accuracy_report import table, time_to_reach
+from phaseplane.scenarios.studies.accuracy_report import panels, table, time_to_reach
 from phaseplane.scenarios.studies.problems import PROBLEMS, Problem, find_problem, of_model
 from phaseplane.scenarios.studies.reference import truth
 from phaseplane.scenarios.studies.workbench import Run, UnableError, Workbench
@@ -122,6 +122,8 @@ def test_what_fails_says_why_and_the_others_go_on(frame: Problem) -> None:
     told = table(frame, points)
     assert "no result: wrong (1 of 2 runs), lost: no solution" in told
     assert "no result: absent: not installed: no_such_package" in told
+    ((_, curves),) = panels([frame], points)
+    assert [curve.name for curve in curves] == ["wrong", "broken", "lost"]  # that ran
 
 
 def test_what_a_library_prints_does_not_reach_the_output(
@@ -279,8 +281,8 @@ def test_solvers_have_their_packages_colour_and_legends_room() -> None:
              *((f"{package} {k}", "peer")
                for package in ("scipy", "numbalsoda", "cvode", "heyoka") for k in range(4))]  # fmt: skip
     curves = [Curve(name, family, ((1e-3, 1e-4), (1e-6, 2e-4))) for name, family in names]
-    for panels in (1, 2, 3):
-        figure = work_precision([("problem", curves)] * panels)
+    for count in (1, 2, 3):
+        figure = work_precision([("problem", curves)] * count)
         figure.draw_without_rendering()
         lines = [line for line in figure.axes[0].lines if line.get_marker() != "x"]
         looks = [(line.get_color(), line.get_marker(), line.get_linestyle()) for line in lines]
