@@ -313,7 +313,7 @@ def pair_of(kind: Kind, words: str) -> Kind:
     return Kind(read, schema)
 
 
-_PAIRS = 'a list of pairs of outputs such as "suspension_deflection, suspension_deflection_rate"'
+_PAIR = '"suspension_deflection, suspension_deflection_rate"'
 
 
 def _pair_of_names(value: object) -> tuple[str, str]:
@@ -321,7 +321,7 @@ def _pair_of_names(value: object) -> tuple[str, str]:
     match parts:
         case [str(a), str(b)] | (str(a), str(b)) if a and b:
             return a, b
-    raise ValueError(f"must be {_PAIRS}")
+    raise ValueError(f"must be two outputs, such as {_PAIR}")
 
 
 PAIRS_OF_NAMES = list_of(
@@ -329,7 +329,7 @@ PAIRS_OF_NAMES = list_of(
         _pair_of_names,
         {"type": ["array", "string"], "items": {"type": "string"}, "minItems": 2, "maxItems": 2},
     ),
-    _PAIRS,
+    f"a list of pairs of outputs, such as [{_PAIR}]",
 )
 SECONDS, INSTANT = quantity("s"), quantity("s", zero=True)
 METRES, FACTOR = quantity("m"), quantity("1")

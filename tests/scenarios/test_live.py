@@ -175,7 +175,7 @@ def test_any_fmu_with_a_plane_of_its_own() -> None:
     assert entities(path) == {
         f"/sheet/trail/{DEFLECTION}/{part}" for part in ("recent", "past", "here")
     }
-    for plane, message in (("a,b", "no output 'a'"), ("a", "pairs of outputs")):
+    for plane, message in (("a,b", "no output 'a'"), ("a", "must be two outputs, such as")):
         assert message in complaint("run OneDof.fmu --plane", plane)
 
 
