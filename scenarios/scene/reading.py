@@ -80,7 +80,7 @@ def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path
         **_reference(fmu, expect, folders),
     )
     _check_names(scene)
-    _check_counts(scene, named="output_interval" in content.get("show", {}))
+    _check_counts(scene, named="output_interval" in (content.get("show") or {}))
     return scene
 
 
