@@ -59,7 +59,7 @@ def _expectations() -> dict[str, Any]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SceneFile:
-    """A scene file; its parameters, controller and expectations are read by the model that it names."""
+    """A scene file; parameters, controller and expectations are read once its model is known."""
 
     extends: str = entry(TEXT, "the built-in scene or scene file on which this one is based", "")
     title: str = entry(TEXT, "name of the run in reports and pictures", "")

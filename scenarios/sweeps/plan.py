@@ -398,8 +398,9 @@ def _values(
 ) -> list[Value]:
     """Return the values of a key in SI, parameters checked; a range without count gives its ends."""
     variable = declared.get(key)
-    if variable is None and key.split(".", maxsplit=1)[0] not in KEYS:
-        near = nearest(key, (*declared, *KEYS))
+    varied = [name for name in KEYS if name not in _NOT_VARIED]
+    if variable is None and key.split(".", maxsplit=1)[0] not in varied:
+        near = nearest(key, (*declared, *varied))
         raise InputError(f"{path}: vary: no parameter or scene key {shown(key)}{near}")
     unit = _unit_of(key, declared)
     with blaming(f"{path}: vary.{key}"):

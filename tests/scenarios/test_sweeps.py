@@ -94,6 +94,7 @@ def test_a_sample_of_whole_numbers_takes_each_as_often(method: str) -> None:
         ('"road.height"', "extends", "extends: only a scene's file can name its base"),
         ('"road.height"', '"expect.lift_off_count"', "a sweep checks no expectations"),
         ('"road.height"', '"construction.step"', "construction.step: no measure depends on it"),
+        ('"road.height"', '"duraton"', "did you mean 'duration'?"),
         ("count = 3", "count = 1", "greater than or equal to 2"),
         ('["2 cm", 0.05]', "[]", "the list is empty"),
         ('["2 cm", 0.05]', '["2 kg"]', "'kg' does not fit"),
@@ -118,6 +119,11 @@ def test_what_a_sweep_file_may_not_say(old: str, new: str, words: str) -> None:
     assert words in str(caught.value)
     assert str(caught.value).startswith("sweep.toml: ") or "cannot read" in str(caught.value)
     assert str(caught.value).isprintable()
+
+
+def test_no_key_is_proposed_that_cannot_be_varied() -> None:
+    with pytest.raises(InputError, match=r"no parameter or scene key 'titel'$"):
+        load_plan(sweep_file(GRID.replace('"road.height"', "titel")))
 
 
 @pytest.mark.parametrize("name", sweep_titles())
