@@ -217,11 +217,15 @@ class Errors:
         then its effect on velocities accumulates.
         """
         share = 1.0 if self.balance.bends.count and self.order <= _LOW_ORDER else _SHARE
-        # of the septic's rate, a difference of q over the step; dampers turn it into accelerations
+        # of the septic's rate, a difference of q over the step, which dampers turn into accelerations,
+        # and of its accelerations, differences of rates
         rounding = 0.0
         for i in range(self.n):
             rounding = max(rounding, fabs(self.motion.q[i]) + fabs(self.motion.qb[i]))
         rounding *= 1e-15 / h * self.modes.quickest
+        for i in range(self.n):
+            rate = max(fabs(self.motion.v[i]), fabs(self.motion.vb[i]))
+            rounding = max(rounding, ROUNDING_OF_RATES / h * rate)
         for i in range(self.n):
             lack = h * max(0.0, self.lack[i] - rounding)
             self.note(_SHARE * h / 32.0 * lack)
@@ -243,12 +247,12 @@ class Errors:
         self._note_lack(h)
         return self.error / self.allowed
 
-    def obeys(self, t: float, way: float, q: Doubles, v: Doubles, a: Doubles) -> bool:
-        """Return whether a motion read at t, a `way` beyond an attempt, obeys the equation of motion."""
+    def obeys(self, t: float, late: float, q: Doubles, v: Doubles, a: Doubles) -> bool:
+        """Return whether a motion, read at t and `late` by this time, obeys the equation of motion."""
         self.balance.accelerations(t, q, v, self.middle_a)
         for i in range(self.n):
             lack = fabs(a[i] - self.middle_a[i])
-            if not lack * fabs(way) * self.velocity_scale[i] <= _READ_SHARE * self.allowed:
+            if not lack * fabs(late) * self.velocity_scale[i] <= _READ_SHARE * self.allowed:
                 return False
         return True
 

@@ -13,6 +13,7 @@ from math import fabs, pow
 
 from ..language import Doubles, inline
 from ..layout import CONTACT, DAMPER, LAWS, MODULATION, PIECE, SPRING, START
+from ..network.laws import _FARTHEST
 from .switches import Switches
 
 # largest sum of w B3(x n) / (6 n^3) over the columns of n substeps with weights w, where the jump is at x
@@ -149,7 +150,7 @@ class Knots:
                 while first <= m <= last and self._passes(m, side):
                     if unit < 0.0:
                         unit = self._effect(e, kind, h) / (most * self.stepper.errors.allowed)
-                    share = self._harmless(m if side < 0 else m + 1, unit)
+                    share = self._longest_share(m if side < 0 else m + 1, unit)
                     if share < 1.0 and self._ends(side, degree, least, row, share):
                         break
                     m += side
@@ -181,17 +182,18 @@ class Knots:
             most *= self._factor(e, kind, row, 8 * r)
         return _MISSED_JUMP * h * h * h * rate * rate * most
 
-    def _harmless(self, p: int, unit: float) -> float:
-        """Return the part of the attempt as long as the point where piece p begins allows; 1 if all.
+    def _longest_share(self, p: int, unit: float) -> float:
+        """Return the part of the attempt that may be stepped across the beginning of piece p; 1 for all.
 
         `unit` is the effect of a jump of the second derivative by 1, over the one allowed.
         """
         size = unit * self.laws.jump[p]
         root = 3.0
         if unit > 0.0 and self.laws.rough[p] > 0.0:
-            rough = unit * self.laws.rough[p] * pow(self.way, self.laws.growth[p])
+            growth = self.laws.growth[p]
+            rough = unit * self.laws.rough[p] * pow(min(self.way, _FARTHEST), growth)
             if rough > size:
-                root += self.laws.growth[p]
+                root += growth
             size += rough
         return pow(size, -1.0 / root) if size > 1.0 else 1.0
 
