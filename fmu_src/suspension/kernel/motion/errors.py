@@ -247,11 +247,10 @@ class Errors:
         self._note_lack(h)
         return self.error / self.allowed
 
-    def obeys(self, t: float, late: float, q: Doubles, v: Doubles, a: Doubles) -> bool:
-        """Return whether a motion, read at t and `late` by this time, obeys the equation of motion."""
-        self.balance.accelerations(t, q, v, self.middle_a)
+    def obeys(self, a: Doubles, late: float) -> bool:
+        """Return whether accelerations a, read at an end moved by `late`, obey the equation of motion."""
         for i in range(self.n):
-            lack = fabs(a[i] - self.middle_a[i])
+            lack = fabs(a[i] - self.motion.ab[i])
             if not lack * fabs(late) * self.velocity_scale[i] <= _READ_SHARE * self.allowed:
                 return False
         return True

@@ -37,12 +37,11 @@ class Landing:
         beyond the attempt as they do not within it.
         """
         self._keep_attempt(h)
-        end = self.motion.state.time + step
-        self.whole.read(end)
-        if self.stepper.errors.obeys(end, step - h, self.whole.q, self.whole.v, self.whole.a):
-            self.stepper.stop_within(end, self.whole)
+        time = self.motion.state.time
+        self.stepper.stop_within(time + step, self.whole)
+        if self.stepper.errors.obeys(self.whole.a, step - h):
             return True
-        self.stepper.net.signals.all_signals(self.motion.state.time + h)
+        self.stepper.stop_within(time + h, self.whole)
         return False
 
     def end_on_switch(self, h: float) -> int:
