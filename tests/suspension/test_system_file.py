@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from phaseplane.suspension.models import build
 from phaseplane.suspension.own_systems import file as system_file
+from phaseplane.suspension.parts import SMALL
 from phaseplane.suspension.session import Session, simulate
 from phaseplane.suspension.variable import ParameterError
 from phaseplane.suspension.variables import checked_parameters
@@ -89,6 +90,13 @@ def test_a_sine_drives_at_its_frequency():
     wave = system.signals["push_sine"]
     assert [wave.value(t) for t in (0.0, 0.125, 0.375)] == pytest.approx([0.0, 1.0, -1.0])
     assert wave.derivatives(0.0)[1] == pytest.approx(4.0 * pi)
+
+
+def test_errors_are_measured_by_roads_not_by_forces():
+    system_file.load(f"{QUARTER}[system.loads.gust]\ndirection = {{ body = 1 }}")
+    for shape, scale in (("bump", 0.05), ("flat", SMALL)):
+        system = build("OwnQuarterCar", {"gust.table": "0:0, 1:8000", "road.shape": shape})
+        assert system.scales == (scale, scale)
 
 
 def test_a_table_drives_unless_a_run_gives_another():

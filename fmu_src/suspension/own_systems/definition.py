@@ -194,13 +194,13 @@ class Definition:
             for signal, course in _courses(name, said, p):
                 signals[signal] = course
                 loads.append(Load(direction, signal))
-        scale = max((signal.scale for signal in signals.values()), default=0.0)
+        scale = max((signals[axle.road].scale for axle in axles), default=0.0) or SMALL
         return System(
             coordinates=names,
             mass=mass,
             elements=tuple(elements),
             signals=signals,
-            scales=(scale if self.wheels and scale else SMALL,) * len(names),
+            scales=(scale,) * len(names),
             loads=tuple(loads),
             axles=tuple(axles),
         )
