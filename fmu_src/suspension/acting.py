@@ -1,7 +1,7 @@
 """Conditions under which a parameter has an effect, declared once for all models.
 
-A parameter that is not listed always has one. The conditions of an axle's parameter refer to the
-parameters of the same axle.
+A parameter that is not listed always has one, and a condition on parameters that a model does not have
+holds. The conditions of an axle's parameter refer to the parameters of the same axle.
 """
 
 from __future__ import annotations
@@ -11,8 +11,6 @@ from typing import NamedTuple
 
 from .declared import ROAD_SHAPES
 from .variable import Value
-
-_AXLES = ("front.", "rear.")
 
 
 class Given(NamedTuple):
@@ -122,7 +120,7 @@ def idle(name: str, parameters: Mapping[str, Value]) -> Idle | None:
     name : of the parameter
     parameters : all parameters of the model, checked
     """
-    axle, conditions = _conditions(name)
+    axle, conditions = _conditions(name, parameters)
     for condition in conditions:
         causes = _broken(condition, axle, parameters)
         if causes is not None:
@@ -139,15 +137,16 @@ def decided_by(name: str, parameters: Mapping[str, Value]) -> frozenset[str]:
     name : of the parameter
     parameters : all parameters of the model
     """
-    axle, conditions = _conditions(name)
+    axle, conditions = _conditions(name, parameters)
     others = {_full(other, axle, parameters) for c in conditions for other in _names_in(c)}
     known = others & parameters.keys()
     return frozenset(known).union(*(decided_by(other, parameters) for other in known))
 
 
-def _conditions(name: str) -> tuple[str, tuple[Condition, ...]]:
-    """Return the axle of a parameter, and its conditions."""
-    axle = next((axle for axle in _AXLES if name.startswith(axle)), "")
+def _conditions(name: str, parameters: Mapping[str, Value]) -> tuple[str, tuple[Condition, ...]]:
+    """Return the axle of a parameter, as a prefix, and its conditions."""
+    first = name.partition(".")[0]
+    axle = f"{first}." if f"{first}.spring.table" in parameters else ""
     return axle, CONDITIONS.get(name.removeprefix(axle), ())
 
 
@@ -176,11 +175,11 @@ def _broken(
     match condition:
         case Given():
             known = tuple(name for name in names if name in parameters)
-            return None if any(map(acts, known)) else known
+            return None if any(map(acts, known)) else known or None
         case Without():
             return tuple(filter(acts, names)) or None
         case Among(values=values):
-            return None if parameters[names[0]] in values else (names[0],)
+            return None if parameters.get(names[0], values[0]) in values else (names[0],)
 
 
 def _said(name: str, value: Value) -> str:

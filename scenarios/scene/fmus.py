@@ -89,7 +89,9 @@ class Fmu:
         """Return why a parameter has no effect with all of these, or None if it may have one."""
         if name in self.unused:
             return Idle(name, "no expression of the system contains it", frozenset())
-        return idle(name, parameters) if self.is_ours else None
+        if not self.is_ours or name in ALL[self.model].used:
+            return None
+        return idle(name, parameters)
 
     @property
     def content(self) -> str:

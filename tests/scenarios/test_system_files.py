@@ -70,6 +70,33 @@ def test_a_parameter_that_no_expression_contains_is_reported(value, more):
     assert load_plan("sweep.toml").warnings == [words]
 
 
+@pytest.mark.parametrize("name", ["speed", "contact", "wheelbase"])
+def test_a_parameter_in_an_expression_acts_whatever_its_name(name):
+    text = SYSTEM.replace("x = 2", f'x = "{name}"')
+    written(text.replace("[system.parameters]", f"[system.parameters]\n{name} = 2"), "mass.toml")
+    assert load_scene("mass.toml", [f"{name}=3"]).warnings == []
+
+
+def test_parameters_of_any_axle_are_reported():
+    """On level road a delay does nothing, and a table replaces the rates of its axle."""
+    late = WHEEL.replace("spare", "middle") + 'delay = "wheelbase / speed"\n'
+    base = "[system.parameters]\nwheelbase = '2 m'"
+    written(SYSTEM.replace("[system.parameters]", base) + late, "mass.toml")
+    given = [
+        "road.shape=flat",
+        "wheelbase=3",
+        "middle.damper.table=0:0, 1:9",
+        "middle.damper.bump_rate=3",
+    ]
+    reasons = (
+        ("wheelbase", "road.shape is flat"),
+        ("middle.damper.bump_rate", "middle.damper.table is given"),
+    )
+    assert load_scene("mass.toml", given).warnings == [
+        f"{name} has no effect on the motion: {reason}" for name, reason in reasons
+    ]
+
+
 @pytest.mark.slow
 def test_its_fmu_gives_the_same_bits():
     (path, *_) = build_models(["mass.toml"], Path("fmus"))

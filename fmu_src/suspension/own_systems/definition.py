@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, replace
 from math import inf, pi
 from typing import Any
@@ -94,12 +94,21 @@ class Definition:
     @property
     def unused(self) -> tuple[str, ...]:
         """The names of its own parameters that no expression contains."""
+        used = self._used(_NAMES)
+        return tuple(v.name for v in self.own if v.name not in used)
+
+    @property
+    def used(self) -> frozenset[str]:
+        """The names of the parameters in expressions, except for delays, which act only on a road."""
+        return self._used(_NAMES | {"delay"})
+
+    def _used(self, apart: Set[str]) -> frozenset[str]:
+        """Return the names in expressions, apart from some keys of wheels, elements and loads."""
         masses = (mass for mass, _, _ in self.coordinates.values())
         parts = (*self.wheels.values(), *self.elements.values(), *self.loads.values())
-        others = ({key: part[key] for key in part.keys() - _NAMES} for part in parts)
+        others = ({key: part[key] for key in part.keys() - apart} for part in parts)
         texts = (text for said in (*masses, self.couplings, *others) for text in _texts(said))
-        used = {name for text in texts for name in numbered(text)[1]}
-        return tuple(v.name for v in self.own if v.name not in used)
+        return frozenset(name for text in texts for name in numbered(text)[1])
 
     def variables(self) -> tuple[Variable, ...]:
         """Return the public variables of the model."""

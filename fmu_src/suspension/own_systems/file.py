@@ -79,7 +79,7 @@ def _loaded(text: str, file: str, key: str, checked: bool) -> tuple[str, Model]:
         name = definition.name
         model = Model(
             definition.about or name, definition.variables(), definition.system,
-            unused=definition.unused,
+            unused=definition.unused, used=definition.used,
         )  # fmt: skip
     _raise_twice(model.variables)
     name = key or name
