@@ -44,8 +44,7 @@ def check_units(definition: Definition) -> None:
     units = {v.name: v for v in definition.variables() if v.causality == "parameter"}
     for where, said, allowed in _quantities(definition):
         found = _dimension(where, said, units)
-        kinds = [_without_angle(UNITS[unit].exponents) for unit in allowed]
-        if found is not None and found not in kinds:
+        if found is not None and not any(_fits(found, unit) for unit in allowed):
             words = f"is in {_words(found)}; it must be in {' or '.join(allowed)}"
             raise ParameterError(f"{where} = {said!r}: {words}")
 
@@ -106,7 +105,7 @@ def _dimension(where: str, said: object, units: Mapping[str, Variable]) -> Dimen
             case ast.Name(id=place):
                 known = units.get(names[place_of(place)])
                 unit = known.unit if known is not None else ""
-                return _without_angle(UNITS[unit].exponents) if unit not in ("", "1") else None
+                return UNITS[unit].exponents if unit not in ("", "1") else None
             case ast.UnaryOp(operand=operand):
                 return of(operand)
             case ast.BinOp(left=left, op=ast.Pow(), right=ast.Constant(value=int(power))):
@@ -115,11 +114,13 @@ def _dimension(where: str, said: object, units: Mapping[str, Variable]) -> Dimen
                 return _times(of(left), of(right), 1 if isinstance(op, ast.Mult) else -1)
             case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
                 one, other = of(left), of(right)
-                if one is not None and other is not None and one != other:
+                if one is None or other is None:
+                    return None
+                if _without_angle(one) != _without_angle(other):
                     raise ParameterError(
                         f"{where} = {said!r}: {_words(one)} and {_words(other)} cannot be added"
                     )
-                return None if one is None or other is None else one
+                return one
         return None
 
     return of(tree.body)
@@ -132,6 +133,14 @@ def _times(one: Dimension, other: Dimension, sign: int, power: int = 1) -> Dimen
     return {name: n for name, n in powers.items() if n}
 
 
+def _fits(dimension: Mapping[str, int], unit: str) -> bool:
+    """Return whether a dimension is that of a unit; rad/s is no frequency in Hz."""
+    exponents = UNITS[unit].exponents
+    if unit == "Hz":
+        return dimension == exponents
+    return _without_angle(dimension) == _without_angle(exponents)
+
+
 def _without_angle(exponents: Mapping[str, int]) -> dict[str, int]:
     """Return the powers without rad, which is a number in products."""
     return {name: n for name, n in exponents.items() if name != "rad"}
@@ -139,6 +148,6 @@ def _without_angle(exponents: Mapping[str, int]) -> dict[str, int]:
 
 def _words(dimension: Mapping[str, Any]) -> str:
     """Return a dimension as a unit."""
-    known = (unit for unit, u in UNITS.items() if _without_angle(u.exponents) == dimension)
+    known = (unit for unit, u in UNITS.items() if u.exponents == dimension)
     parts = (f"{name}{n if n != 1 else ''}" for name, n in sorted(dimension.items()))
     return next(known, "") or ".".join(parts)
