@@ -7,6 +7,7 @@ The argument is a deflection in m (springs) or a rate in m/s (dampers); positive
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -22,6 +23,7 @@ __all__ = [
     "constant",
     "cubic",
     "damper",
+    "driving_rate",
     "function",
     "hat",
     "linear",
@@ -34,6 +36,7 @@ __all__ = [
 ]
 
 _PARTS = 6  # of a quadrature between two corners; with five nodes each, order 10
+_RATES = (-100.0, -3.0, -0.3, -1e-3, 1e-3, 0.3, 3.0, 100.0)  # m/s, at which dampers are checked
 
 # systems built one after the other, as in a sweep, have most of their laws in common
 _known = lru_cache(maxsize=256)
@@ -258,6 +261,18 @@ def damper(
         corners.append((rebound_limit / rebound_rate, rebound_limit))
         last = limit_slope
     return polyline(corners, first, last)
+
+
+def driving_rate(damper: Characteristic) -> float | None:
+    """Return a rate up to 100 m/s at which a damper adds energy; None if there is none.
+
+    Where a user-defined function raises an exception nothing is known.
+    """
+    for rate in (*damper.corners, *_RATES):
+        with suppress(Exception):
+            if damper.force(rate) * rate < 0.0:
+                return rate
+    return None
 
 
 def table(points: Sequence[tuple[float, float]], level: bool = False) -> Characteristic:

@@ -17,7 +17,7 @@ from itertools import pairwise
 from math import inf, isfinite
 from operator import mul
 
-from .characteristics import Characteristic
+from .characteristics import Characteristic, driving_rate
 from .elimination import Matrix, pivot_rows
 from .engine import Integrator
 from .reasons import why_stopped
@@ -306,10 +306,9 @@ def _element(element: Element) -> Iterator[str]:
 
 
 def _adds_energy(element: Element) -> Iterator[str]:
-    for v in (-3.0, -0.3, -1e-3, 1e-3, 0.3, 3.0):
-        if element.damper.force(v) * v < 0.0:
-            yield f"{element.name}.damper: adds energy at {v:g} m/s; it must oppose the motion"
-            break
+    rate = driving_rate(element.damper)
+    if rate is not None:
+        yield f"{element.name}.damper: adds energy at {rate:g} m/s; it must oppose the motion"
     for d in (-1.0, -0.1, 0.0, 0.1, 1.0, *element.modulation.corners):
         if element.modulation.force(d) < 0.0:
             yield f"{element.name}.modulation: negative at {d:g} m; the damper would add energy"

@@ -53,7 +53,6 @@ class blaming:  # noqa: N801  (a context, written as one)
             raise ParameterError(f"{self._name}: {error}") from None
 
 
-_FASTEST = 100.0  # m/s, up to which a damper is checked
 _STOPS = {"bump_stop": -1.0, "rebound_stop": 1.0}  # the sign of the deflection where they act
 _JOINED = {"linear": characteristics.table, "monotone": characteristics.monotone_table}
 
@@ -101,12 +100,12 @@ def _spring(p: Mapping[str, Value], of: str) -> Characteristic:
 
 def _braking(law: Characteristic, name: str) -> Characteristic:
     """Refuse a damper that adds energy at some rate."""
-    for rate in (*law.corners, -_FASTEST, _FASTEST):
-        if law.force(rate) * rate < 0.0:
-            raise ParameterError(
-                f"{name}: gives {law.force(rate):g} N at {rate:g} m/s, which adds energy; the force "
-                "must have the sign of the rate, also where the table is extrapolated"
-            )
+    rate = characteristics.driving_rate(law)
+    if rate is not None:
+        raise ParameterError(
+            f"{name}: gives {law.force(rate):g} N at {rate:g} m/s, which adds energy; the force "
+            "must have the sign of the rate, also where the table is extrapolated"
+        )
     return law
 
 

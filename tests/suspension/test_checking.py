@@ -169,6 +169,11 @@ STEEP_IN_REBOUND = Characteristic((
         (with_strut(direction=(1.0, nan)), "must have 2 finite numbers"),
         (with_strut(limit=-1.0), "limit = -1 must be positive"),
         (with_strut(damper=law.linear(-50.0)), "adds energy"),
+        (with_strut(damper=law.table([(0.0, 0.0), (4.0, 900.0), (8.0, 500.0)])), "at 100 m/s; it"),
+        (
+            with_strut(damper=law.function(lambda w: -sinh(500.0 * w), lambda w: -500.0 * cosh(w))),
+            "adds energy at -0.3 m/s",
+        ),
         (with_strut(modulation=law.table([(0.0, 1.0), (0.1, -1.0)])), "modulation: negative at"),
         (
             on_a_kerb(law.power(300.0, 1.5)),
