@@ -285,9 +285,10 @@ class Expressions:
 
     def _among(self, node: ast.Compare) -> C:
         choices, one = node.comparators[0], self._expression(node.left)
-        if not isinstance(choices, ast.Tuple | ast.List | ast.Set) or one.writes:
+        written = choices.elts if isinstance(choices, ast.Tuple | ast.List | ast.Set) else []
+        parts = [self._expression(choice) for choice in written]
+        if not parts or any(part.writes for part in (one, *parts)):
             raise self._wrong(node, "a value may be one among written constants")
-        parts = [self._expression(choice) for choice in choices.elts]
         is_in = isinstance(node.ops[0], ast.In)
         sign, join, level = ("==", " || ", _OR) if is_in else ("!=", " && ", _AND)
         text = join.join(f"{one.within(10)} {sign} {p.within(10)}" for p in parts)

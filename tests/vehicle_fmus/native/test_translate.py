@@ -159,6 +159,7 @@ REFUSED = {
     "a lambda": ("return (lambda: x)()", "cannot be called"),
     "a comprehension": ("return max(z for z in numbers)", "this expression"),
     "an order that C leaves open": ("return double(numbers) + numbers[0]", "order of evaluation"),
+    "one among changes": ("return 1.0 if x in (y, double(numbers)) else 2.0", "written constants"),
     "an expression alone": ("x + y\nreturn x", "only a call"),
     "more names than values": ("a, b = numbers\nreturn a", "as many targets"),
 }  # fmt: skip
