@@ -239,11 +239,7 @@ def _shapes(system: System) -> Iterator[str]:
     for name in dict.fromkeys(name for name in names if names.count(name) > 1):
         yield f"{name}: two elements have this name"
     for element in system.elements:
-        if (
-            len(element.direction) != n
-            or not any(element.direction)
-            or not all(abs(x) < inf for x in element.direction)
-        ):
+        if not _is_direction(element.direction, n):
             yield f"{element.name}: direction must have {n} finite numbers, not all 0"
         if element.road and element.road not in system.signals:
             yield f"{element.name}: its road {element.road!r} is not among the signals"
@@ -255,11 +251,15 @@ def _shapes(system: System) -> Iterator[str]:
             if not all(abs(x) < inf for x in numbers):
                 yield f"signal {name}: from {segment.start:g} s on it is not finite, {segment}"
     for load in system.loads:
-        if len(load.direction) != n:
-            yield f"load {load.signal}: direction must have {n} numbers"
+        if not _is_direction(load.direction, n):
+            yield f"load {load.signal}: direction must have {n} finite numbers, not all 0"
         if load.signal not in system.signals:
             yield f"load {load.signal}: is not among the signals"
     yield from _readings(system)
+
+
+def _is_direction(numbers: Sequence[float], n: int) -> bool:
+    return len(numbers) == n and any(numbers) and all(abs(x) < inf for x in numbers)
 
 
 def _readings(system: System) -> Iterator[str]:

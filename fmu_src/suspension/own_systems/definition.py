@@ -44,6 +44,7 @@ from ..parts import (
 )
 from ..signals import Segment, Signal
 from ..systems import Axle, Element, Load, System
+from ..units import nearest
 from ..variable import ParameterError, Value, Variable, number, parameter
 from .units import numbered
 from .values import refuse_others, table_at, value_of
@@ -194,13 +195,17 @@ class Definition:
             signals[f"{wheel}_road"] = self._road(said, p, where)
             axles.append(Axle(f"{wheel}_", strut, f"{wheel}_road", f"{wheel}_tyre", load))
         for name, said in self.elements.items():
-            elements.append(_element(name, said, names, p))
+            elements.append(_element(name, said, names, self.wheels, p))
         loads = []
         for name, said in self.loads.items():
             direction = _direction(
                 said.get("direction", {}), names, p, f"system.loads.{name}.direction"
             )
             for signal, course in _courses(name, said, p):
+                if signal in signals:
+                    raise ParameterError(
+                        f"system.loads.{name}: {signal!r} would be the name of two signals; rename one"
+                    )
                 signals[signal] = course
                 loads.append(Load(direction, signal))
         scale = max((signals[axle.road].scale for axle in axles), default=0.0) or SMALL
@@ -245,7 +250,11 @@ class Definition:
 
 
 def _element(
-    name: str, said: Mapping[str, Any], names: tuple[str, ...], p: Mapping[str, Value]
+    name: str,
+    said: Mapping[str, Any],
+    names: tuple[str, ...],
+    wheels: Mapping[str, object],
+    p: Mapping[str, Value],
 ) -> Element:
     where = f"system.elements.{name}"
     direction = _direction(said.get("direction", {}), names, p, f"{where}.direction")
@@ -293,7 +302,7 @@ def _element(
                     at("damper.rebound_rate", rate), at("damper.bump_rate", rate)
                 ),
             ),
-            road=_road_name(said, where),
+            road=_road_name(said, wheels, where),
             yield_force=at("spring.yield_force", inf),
             hardening=at("spring.hardening"),
             friction=at("friction"),
@@ -324,11 +333,14 @@ def _pairs(said: object, where: str) -> str:
     return said
 
 
-def _road_name(said: Mapping[str, Any], where: str) -> str:
-    wheel = said.get("road", "")
-    if not isinstance(wheel, str):
-        raise ParameterError(f"{where}.road = {wheel!r}: must be the name of a wheel")
-    return f"{wheel}_road" if wheel else ""
+def _road_name(said: Mapping[str, Any], wheels: Mapping[str, object], where: str) -> str:
+    if "road" not in said:
+        return ""
+    wheel = said["road"]
+    if not isinstance(wheel, str) or wheel not in wheels:
+        hint = nearest(str(wheel), wheels)
+        raise ParameterError(f"{where}.road = {wheel!r}: must be the name of a wheel{hint}")
+    return f"{wheel}_road"
 
 
 def _courses(

@@ -38,7 +38,7 @@ from ..variables import checked_parameters
 from .definition import Definition
 from .module import model_in, model_name
 from .units import check_units
-from .values import check_word, refuse_others, table_at
+from .values import check_switch, check_word, refuse_others, table_at
 
 _SECTIONS = (
     "name", "about", "source", "parameters", "coordinates", "couplings", "wheels", "elements", "loads",
@@ -159,6 +159,7 @@ def _read(content: Mapping[str, Any]) -> Definition:
                 table_at(said[inner], f"system.{key}.{part}.{inner}")
     for part, said in wheels.items():
         check_word(said.get("axle"), f"system.wheels.{part}.axle")
+        check_switch(said.get("level", False), f"system.wheels.{part}.level")
     coordinates = dict(_coordinates(tables["coordinates"]))
     couplings = {}
     for one, others in tables["couplings"].items():
@@ -188,10 +189,7 @@ def _coordinates(table: Mapping[str, Any]) -> Iterator[tuple[str, tuple[object, 
             raise ParameterError(f"system.coordinates.{name}: mass is missing")
         about = str(whole.get("about", name.replace("_", " ")))
         angle = whole.get("angle", False)
-        if not isinstance(angle, bool):
-            raise ParameterError(
-                f"system.coordinates.{name}.angle = {angle!r}: must be true or false"
-            )
+        check_switch(angle, f"system.coordinates.{name}.angle")
         yield name, (whole["mass"], about, angle)
 
 

@@ -86,6 +86,12 @@ def check_word(name: object, where: str) -> None:
         )
 
 
+def check_switch(said: object, where: str) -> None:
+    """Refuse what is neither true nor false."""
+    if not isinstance(said, bool):
+        raise ParameterError(f"{where} = {said!r}: must be true or false")
+
+
 def refuse_others(given: Any, allowed: tuple[str, ...], where: str) -> None:
     """Refuse keys that are not allowed."""
     for key in given:
