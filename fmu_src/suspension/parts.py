@@ -287,10 +287,13 @@ def tyre_element(
 def _tyre(p: Mapping[str, Value], of: str) -> Characteristic:
     """Return the tyre of one axle, measured from static equilibrium under the payload."""
     law, payload = _unloaded_tyre(p, of), number(p, f"{of}payload")
-    if payload == 0.0 or not law.corners:
+    if payload == 0.0:
         return law
     weight = payload * gravity(p)
-    return law.moved(law.argument(-weight), -weight).resting()
+    sink = law.argument(-weight)
+    if not abs(sink) < inf:
+        raise ParameterError(f"{of}payload = {payload:g}: the tyre never reaches {weight:g} N")
+    return law.moved(sink, -weight).resting()
 
 
 def _unloaded_tyre(p: Mapping[str, Value], of: str) -> Characteristic:

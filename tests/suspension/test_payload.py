@@ -31,6 +31,18 @@ def test_a_payload_is_a_mass_and_a_new_rest(payload):
     assert f"{1e3 * (sink - wheel):.4g} mm" in words
 
 
+def test_a_tyre_given_by_a_table_is_pressed_along_it():
+    given = {"tyre.table": "-0.02:-4000, -0.01:-3000, 0:0, 0.01:5000"}
+    tyre = build("QuarterCar", {**CAR, **given, "payload": 3500.0 / G}).elements[-1].spring
+    assert [tyre.force(x) for x in (-0.005, 0.015, 0.025)] == pytest.approx(
+        [-500.0, 3500.0, 8500.0]
+    )
+    assert tyre.force(0.0) == 0.0
+    level = {"tyre.table": "-0.02:-4000, -0.01:-3990, 0:0", "tyre.interpolation": "monotone"}
+    with pytest.raises(ParameterError, match=r"payload = 500: the tyre never reaches 4903\.32 N"):
+        build("QuarterCar", {**level, "payload": 500.0})
+
+
 def test_stops_keep_their_distance_from_the_design_position():
     stops = {"bump_stop.gap": 0.06, "bump_stop.stiffness": 1e6, "rebound_stop.gap": 0.08,
              "rebound_stop.stiffness": 1e6, "spring.cubic": 0.0}  # fmt: skip
