@@ -161,6 +161,10 @@ def read_table_of_units(
     columns: dict[str, list[float]] = {name: [] for name in heading}
     kinds, scales = dict.fromkeys(heading, ""), [1.0] * len(heading)
     for number, (line, row) in enumerate(rows):
+        if len(row) != len(heading):
+            raise ValueError(
+                f"line {line} has {counted(len(row), 'cell')}, the heading {len(heading)}"
+            )
         units = [_bare(cell) for cell in row]
         if number == 0 and not any(cell[:1].isdigit() or cell[:1] in "+." for cell in row if cell):
             units = ["" if unit in ("-", "1") else unit for unit in units]
@@ -168,10 +172,6 @@ def read_table_of_units(
                 kinds = {n: _kind(unit) for n, unit in zip(heading, units, strict=True)}
                 scales = [_size(u, (_kind(u),)) if u else 1.0 for u in units]
                 continue
-        if len(row) != len(heading):
-            raise ValueError(
-                f"line {line} has {counted(len(row), 'cell')}, the heading {len(heading)}"
-            )
         for name, cell, scale in zip(heading, row, scales, strict=True):
             columns[name].append(_number(f"line {line}", name, cell, decimal) * scale)
     return columns, kinds

@@ -41,6 +41,7 @@ def tables(tmp_path: Path) -> Path:
     write_table({"time": time[::-1], "x": time}, {}, tmp_path / "back.csv")
     Path("twice.csv").write_text("time,x,x\n0,1,2\n")
     Path("ragged.csv").write_text("time,x\n0,1\n1\n")
+    Path("units.csv").write_text("time,x\ns\n0,1\n")
     Path("time.csv").write_text("time\n0\n1\n")
     write_table({"time": time, "x": time}, {"measures": {"a": 1}}, tmp_path / "other.parquet")
     parquet.write_table(pyarrow.table({"time": [0.0], "x": ["a"]}), "words.parquet")
@@ -130,6 +131,7 @@ def test_compare_counts_what_only_one_has(tables: Path) -> None:
         ("show a.csv --figure a.gif", "must end in .png"),
         ("show twice.csv", "cannot read twice.csv: 2 columns are called 'x'"),
         ("show ragged.csv", "line 3 has 1 cell, the heading 2\n"),
+        ("show units.csv", "line 2 has 1 cell, the heading 2\n"),
         ("show time.csv --figure f.png", "time.csv has no column but time to draw"),
         ("show other.parquet", "other.parquet: the summary is damaged, or is not that of a run"),
         ("show words.parquet", "column 'x' does not contain numbers"),

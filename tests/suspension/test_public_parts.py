@@ -72,6 +72,11 @@ def test_preload_finds_the_static_deflection() -> None:
     assert spring.force(0.05) == pytest.approx(
         2e4 * (static + 0.05) + 1e6 * (static + 0.05) ** 3 + 3000.0, rel=1e-9
     )
+    table = {"spring__table": "-0.2:-5000, -0.1:-2000, 0:0", "spring__preload": 2600.0}
+    spring = element("spring", **table).spring
+    assert [spring.force(x) for x in (-0.05, 0.0, 0.02, 0.12, 0.22)] == pytest.approx(
+        [-1500.0, 0.0, 600.0, 2600.0, 4600.0]
+    )
     with pytest.raises(ParameterError, match="never reaches"):
         build("QuarterCar", {"spring.table": "-0.1:-500, -0.05:-500, 0:0", "spring.preload": 600.0})
 
