@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 
 import numpy as np
@@ -79,6 +80,30 @@ def test_two_laws_side_by_side_add(
     tolerance = 1e-9 * (scale(one) + scale(other))
     assert both.force(x) == pytest.approx(one.force(x) + other.force(x), abs=tolerance)
     assert both.potential(x) == pytest.approx(one.potential(x) + other.potential(x), abs=tolerance)
+
+
+POWER, SATURATING = law.power(3.0, 2.0), law.saturating(3.0, 5.0)
+OWN = law.function(math.sinh, math.cosh)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [(POWER, POWER), (POWER, SATURATING), (OWN, POWER), (SATURATING, law.saturating(3.0, 4.0))],
+)
+def test_what_is_no_piece_together_is_two_elements(
+    one: law.Characteristic, other: law.Characteristic
+) -> None:
+    with pytest.raises(ValueError, match="use two elements"):
+        one + other
+
+
+@pytest.mark.parametrize("one", [POWER, SATURATING, OWN])
+def test_a_table_beside_a_curved_law_adds(one: law.Characteristic) -> None:
+    table = law.table([(-1.0, -7.0), (0.0, 0.0), (2.0, 5.0)])
+    for both in (one + table, table + one):
+        for x in (-2.0, -0.4, 0.3, 3.0):
+            assert both.force(x) == pytest.approx(one.force(x) + table.force(x), rel=1e-12)
+            assert both.potential(x) == pytest.approx(one.potential(x) + table.potential(x))
 
 
 def test_damper_blows_off_where_the_valve_opens() -> None:

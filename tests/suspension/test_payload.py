@@ -50,6 +50,8 @@ def test_stops_keep_their_distance_from_the_design_position():
     by_name = {element.name: element.spring for element in loaded.elements}
     assert by_name["bump_stop"].corners == pytest.approx((-0.04,))
     assert by_name["rebound_stop"].corners == pytest.approx((0.10,))
+    given = checked_parameters("QuarterCar", {**CAR, **stops, "payload": 20e3 * 0.02 / G})
+    assert format_payload(given).endswith("; bump stop 40 mm away; rebound stop 100 mm away")
 
 
 def test_a_payload_may_rest_on_the_bump_stop():

@@ -20,7 +20,9 @@ CONSTRUCTS = {
     "order of sums": "return x - (y - x) - y * (x + y) + (x + (y + 0.1))",
     "order of products": "return x * (y * 0.3) * x / (y * y + 1.0) / 7.0",
     "division of integers": "return (i + 1) / (j + 2) + x",
-    "whole division": "return (7 * i) // (j + 1) + (9 * i) % (j + 1)",
+    "whole division": (
+        "k = 3 * (7 * i // (j + 1)) * j\nm = 3 * (9 * i % (j + 1)) * j\nreturn k + 100 * m"
+    ),
     "signs": "return -x - -y + -(-x * y) - -(i - 7)",
     "constants": "return 1e300 * x + 0.1 + _FACTOR * y + _COUNT",
     "maths": "return sqrt(fabs(x)) + exp(-y * y) + tanh(x) + log1p(x * x) + sin(x) * cos(y)",
@@ -31,8 +33,11 @@ CONSTRUCTS = {
     "conditions": "return 1.0 if (x < y or i > j) and not (x > 0.5 and y > 0.5) else 2.0",
     "truth of numbers": "return 1.0 if x and i else 2.0",
     "nested choices": "return (x if x > y else y if i > 2 else 0.25) * (2.0 if x else 3.0)",
+    "choices of both types": (
+        "k = i if x > y else 2.5\nreturn k / 4 + numbers[i if x > y else j]"
+    ),
     "one among": "return 1.0 if i in (1, _COUNT, 5) else 2.0 if j not in (0, 2) else 3.0",
-    "integers that and joins": "k = i and j\nreturn k",
+    "integers that and joins": "k = i and j and i + 2\nreturn k",
     "loops": (
         "s = 0.0\nfor k in range(i):\n    for m in range(k, j + 3):\n"
         "        s = s * 0.7 + numbers[m] * x\nreturn s"
@@ -148,6 +153,7 @@ REFUSED = {
     "an unknown name": ("return z", "not declared"),
     "an unknown function": ("return len(numbers)", "not in the language"),
     "an argument too many": ("return square(x, y)", "1 arguments"),
+    "a number for an array": ("return double(i)", "a value of type int where double\\* is wanted"),
     "an argument by name": ("return square(x=y)", "by position"),
     "a slice": ("a = numbers[1:]\nreturn x", "this expression"),
     "an index from the end": ("return numbers[-1]", "from the end"),
