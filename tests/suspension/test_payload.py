@@ -12,22 +12,23 @@ TIMES = [0.01 * k for k in range(101)]
 CAR = {"sprung_mass": 300.0, "spring.rate": 20e3, "tyre.stiffness": 200e3, "spring.cubic": 1e6}
 
 
-@pytest.mark.parametrize("payload", [50.0, 200.0])
-def test_a_payload_is_a_mass_and_a_new_rest(payload):
+@pytest.mark.parametrize(("payload", "g"), [(50.0, G), (200.0, 1.62)])
+def test_a_payload_is_a_mass_and_a_new_rest(payload, g):
     """Against the unloaded car with the weight as a force, from its own equilibrium."""
-    loaded = build("QuarterCar", {**CAR, "payload": payload})
-    plain = build("QuarterCar", CAR)
+    given = {**CAR, "gravity": g}
+    loaded = build("QuarterCar", {**given, "payload": payload})
+    plain = build("QuarterCar", given)
     assert loaded.mass[0][0] == plain.mass[0][0] + payload
-    wheel = -payload * G / CAR["tyre.stiffness"]
+    wheel = -payload * g / CAR["tyre.stiffness"]
     spring = plain.elements[0].spring
-    sink = -spring.argument(-payload * G)
-    assert spring.force(-sink) == pytest.approx(-payload * G)
+    sink = -spring.argument(-payload * g)
+    assert spring.force(-sink) == pytest.approx(-payload * g)
     for x in (-0.03, 0.0, 0.02):
         moved = spring.force(x - sink) - spring.force(-sink)
         assert loaded.elements[0].spring.force(x) == pytest.approx(moved, abs=1e-9)
-    assert loaded.axles[0].static_load == pytest.approx(plain.axles[0].static_load + payload * G)
+    assert loaded.axles[0].static_load == pytest.approx(plain.axles[0].static_load + payload * g)
     assert static_equilibrium(loaded) == (0.0, 0.0)
-    words = format_payload(checked_parameters("QuarterCar", {**CAR, "payload": payload}))
+    words = format_payload(checked_parameters("QuarterCar", {**given, "payload": payload}))
     assert f"{1e3 * (sink - wheel):.4g} mm" in words
 
 
@@ -44,13 +45,15 @@ def test_a_tyre_given_by_a_table_is_pressed_along_it():
 
 
 def test_stops_keep_their_distance_from_the_design_position():
+    payload = {"payload": 20e3 * 0.02 / G}  # sinks by 20 mm
     stops = {"bump_stop.gap": 0.06, "bump_stop.stiffness": 1e6, "rebound_stop.gap": 0.08,
              "rebound_stop.stiffness": 1e6, "spring.cubic": 0.0}  # fmt: skip
-    loaded = build("QuarterCar", {**CAR, **stops, "payload": 20e3 * 0.02 / G})  # sinks by 20 mm
-    by_name = {element.name: element.spring for element in loaded.elements}
-    assert by_name["bump_stop"].corners == pytest.approx((-0.04,))
-    assert by_name["rebound_stop"].corners == pytest.approx((0.10,))
-    given = checked_parameters("QuarterCar", {**CAR, **stops, "payload": 20e3 * 0.02 / G})
+    on_road = {"spring.rate": 20e3, **stops, **payload}
+    for loaded in (build("QuarterCar", {**CAR, **stops, **payload}), build("OneDof", on_road)):
+        by_name = {element.name: element.spring for element in loaded.elements}
+        assert by_name["bump_stop"].corners == pytest.approx((-0.04,))
+        assert by_name["rebound_stop"].corners == pytest.approx((0.10,))
+    given = checked_parameters("QuarterCar", {**CAR, **stops, **payload})
     assert format_payload(given).endswith("; bump stop 40 mm away; rebound stop 100 mm away")
 
 

@@ -63,6 +63,22 @@ def test_friction_output_balances_the_body() -> None:
     assert np.abs(forces[2]).max() == 300.0
 
 
+def test_a_suspension_on_the_road_feels_it():
+    """All its elements deflect by the body's displacement minus that of the ground."""
+    stop = {"bump_stop.stiffness": 1e5, "bump_stop.gap": 0.01}
+    names = [
+        "suspension_deflection",
+        "suspension_deflection_rate",
+        "damper_force",
+        "bump_stop_force",
+    ]
+    found = simulate("OneDof", stop, TIMES, names)
+    deflection, rate, damper, bump = (np.array(found[name]) for name in names)
+    assert damper == pytest.approx(np.where(rate > 0.0, 200.0, 50.0) * 9.80665 * rate, abs=1e-9)
+    assert bump == pytest.approx(1e5 * np.minimum(deflection + 0.01, 0.0), abs=1e-9)
+    assert bump.min() < -1e3
+
+
 def test_preload_finds_the_static_deflection() -> None:
     """A progressive spring under 3 kN: from rest it has the slope of its curve there, and no force."""
     spring = element("spring", spring__preload=3000.0, spring__rate=2e4, spring__cubic=1e6).spring
