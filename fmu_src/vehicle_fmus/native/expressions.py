@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from phaseplane.suspension.kernel_types import NUMBERS
@@ -143,8 +143,7 @@ class Expressions:
         assert isinstance(found, C)
         return found
 
-    def _joined(self, text: str, kind: str, level: int, parts: Iterable[C]) -> C:
-        parts = list(parts)
+    def _joined(self, text: str, kind: str, level: int, parts: Sequence[C]) -> C:
         return C(
             text,
             kind,

@@ -64,6 +64,7 @@ CONSTRUCTS = {
     "items change places": (
         "numbers[i], numbers[j] = numbers[j], numbers[i]\nreturn numbers[i] * 3.0 + numbers[j]"
     ),
+    "values through another name": "a = numbers\nnumbers[i], b = x, a[i]\nreturn b",
     "a chain": "numbers[i] = a = x * y\nreturn a + numbers[i] + numbers[j]",
     "changes in place": (
         "a = x\na += y\na -= 0.3\na *= y\na /= 1.7\nk = i\nk += 2\nk *= 3\nk -= j\nk //= 2\nk %= 5\n"
@@ -165,6 +166,20 @@ REFUSED = {
     "a lambda": ("return (lambda: x)()", "cannot be called"),
     "a comprehension": ("return max(z for z in numbers)", "this expression"),
     "an order that C leaves open": ("return double(numbers) + numbers[0]", "order of evaluation"),
+    "an order among arguments": ("return pow(double(numbers), numbers[0])", "order of evaluation"),
+    "an index of a number": ("return x[0]", "one index, an integer"),
+    "an index that is no integer": ("return numbers[x]", "one index, an integer"),
+    "the truth of an array": ("return 1.0 if numbers else 2.0", "only a number is true"),
+    "a loop over what was no integer": ("k = x\nfor k in range(3):\n    pass\nreturn x", "before"),
+    "a chain of types": ("k = 0\na = 0.0\na = k = i\nreturn a", "targets of different types"),
+    "an inner loop before it": (
+        "m = 1\nfor k in range(3):\n    x += m\n    for m in range(3):\n        pass\nreturn x",
+        "no value",
+    ),
+    "a loop that need not assign": (
+        "for k in range(3):\n    pass\nfor m in range(i):\n    k = j\nreturn k", "no value"
+    ),
+    "a change among several": ("return 1.0 if double(numbers) in (x, y) else 2.0", "constants"),
     "one among changes": ("return 1.0 if x in (y, double(numbers)) else 2.0", "written constants"),
     "an expression alone": ("x + y\nreturn x", "only a call"),
     "more names than values": ("a, b = numbers\nreturn a", "as many targets"),
