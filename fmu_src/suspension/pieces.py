@@ -20,6 +20,8 @@ from typing import NamedTuple
 
 _FAST = 1e6  # m/s, where the slope of a user-defined function is that of ever larger rates
 _SLOW = 0.2  # m/s, where every function is to have a slope
+# the search for an argument, in m or m/s: its first step, how much farther each goes, and where it ends
+_REACH, _FARTHER, _MOST_REACH = 1e-3, 1.25, 1e30
 
 
 class Own(NamedTuple):
@@ -207,7 +209,8 @@ class Characteristic:
     def argument(self, force: float) -> float:
         """Return the smallest x at which a rising law has this force; infinite if there is none.
 
-        It is computed directly on straight pieces, by bisection on others.
+        It is computed directly on straight pieces, by bisection on others. A law that falls again far
+        out, such as that of a softening spring, has it where it rises.
         """
         for k, piece in enumerate(self.pieces):
             end = self.pieces[k + 1].start if k + 1 < len(self.pieces) else inf
@@ -309,21 +312,27 @@ def _about(piece: Piece, origin: float) -> tuple[float, float, float, float]:
 
 
 def _bisected(piece: Piece, force: float, low: float, high: float) -> float:
-    """Return where a piece that rises from low to high, which may be infinite, has this force."""
-    reach = piece.scale if piece.saturation else 1.0
-    while low == -inf:
-        low = (piece.origin if high == inf else high) - reach
-        if piece.force(low) > force:
-            low, reach = -inf, 2.0 * reach
-        if reach > 1e30:
-            return -inf
-    reach = 1.0
-    while high == inf:
-        high = low + reach
-        if piece.force(high) < force:
-            high, reach = inf, 2.0 * reach
-        if reach > 1e30:
-            return inf
+    """Return where a piece has this force between low and high, which may be infinite.
+
+    The search for a bound that is infinite goes outwards in short steps from the other one, or from the
+    origin of the piece, so that it finds what a softening spring carries before its force falls again.
+    """
+    reach = _REACH * (piece.scale if piece.saturation else 1.0)
+    near = high if high < inf else low if low > -inf else piece.origin
+    if low == -inf and (high < inf or piece.force(near) > force):
+        low, high = near - reach, near
+        while piece.force(low) > force:
+            reach *= _FARTHER
+            low, high = near - reach, low
+            if reach > _MOST_REACH:
+                return -inf
+    elif high == inf:
+        low, high = near, near + reach
+        while piece.force(high) < force:
+            reach *= _FARTHER
+            low, high = high, near + reach
+            if reach > _MOST_REACH:
+                return inf
     while low < (middle := 0.5 * (low + high)) < high:
         low, high = (middle, high) if piece.force(middle) < force else (low, middle)
     return high

@@ -12,10 +12,12 @@ TIMES = [0.01 * k for k in range(101)]
 CAR = {"sprung_mass": 300.0, "spring.rate": 20e3, "tyre.stiffness": 200e3, "spring.cubic": 1e6}
 
 
-@pytest.mark.parametrize(("payload", "g"), [(50.0, G), (200.0, 1.62)])
-def test_a_payload_is_a_mass_and_a_new_rest(payload, g):
+@pytest.mark.parametrize(
+    ("payload", "g", "cubic"), [(50.0, G, 1e6), (200.0, 1.62, 1e6), (100.0, G, -1e5)]
+)
+def test_a_payload_is_a_mass_and_a_new_rest(payload, g, cubic):
     """Against the unloaded car with the weight as a force, from its own equilibrium."""
-    given = {**CAR, "gravity": g}
+    given = {**CAR, "gravity": g, "spring.cubic": cubic}
     loaded = build("QuarterCar", {**given, "payload": payload})
     plain = build("QuarterCar", given)
     assert loaded.mass[0][0] == plain.mass[0][0] + payload

@@ -88,6 +88,12 @@ def test_preload_finds_the_static_deflection() -> None:
     assert spring.force(0.05) == pytest.approx(
         2e4 * (static + 0.05) + 1e6 * (static + 0.05) ** 3 + 3000.0, rel=1e-9
     )
+    softening = {"spring__preload": 2000.0, "spring__rate": 2e4, "spring__cubic": -1e5}
+    roots = np.sort(np.roots([-1e5, 0.0, 2e4, 2000.0]))  # it falls again beyond 0.258 m
+    carried = roots[np.abs(roots).argmin()]
+    assert element("spring", **softening).spring.tangent(0.0) == pytest.approx(
+        2e4 - 3e5 * carried**2
+    )
     table = {"spring__table": "-0.2:-5000, -0.1:-2000, 0:0", "spring__preload": 2600.0}
     spring = element("spring", **table).spring
     assert [spring.force(x) for x in (-0.05, 0.0, 0.02, 0.12, 0.22)] == pytest.approx(
