@@ -100,7 +100,7 @@ class Bends:
         for i in range(self.first[p], self.first[p + 1]):
             law = self.law[i]
             x = w if law == DAMPER else d
-            if not self.low[i] <= x < self.high[i]:
+            if self.joined and not self.low[i] <= x < self.high[i]:
                 self.piece[i] = self.laws.place(self.piece[i], x)
                 self._bound(i)
             self.laws.read_piece(self.piece[i], x)
