@@ -164,6 +164,12 @@ def test_a_road_is_read_beside_a_mass_at_rest(shape: str) -> None:
     assert list(session.integrator.sample_q) == [0.0]
 
 
+def test_a_road_that_moves_nothing_does_not_shorten_steps() -> None:
+    session = Session("Road", {"road.shape": "sine", "road.length": 0.2, "speed": 40.0})
+    session.advance(1.0)  # 200 waves
+    assert session.integrator.step_count < 20
+
+
 @pytest.mark.parametrize(
     "start",
     [

@@ -33,7 +33,7 @@ from ..layout import (
 if TYPE_CHECKING:
     from ...systems import Element, System
 
-_FORCE, _SLOPE, _INTEGRAL = 0, 1, 2  # the three functions in Python of a piece
+_FORCE, _SLOPE, _INTEGRAL, _FAR_SLOPE = 0, 1, 2, 3  # the functions in Python of a piece
 _SMOOTH = 1e-9  # relative difference of slopes that are the same to rounding
 # largest ratio of what the columns miss of jumps of the third and second derivative
 _OF_THIRD = 0.09
@@ -63,7 +63,9 @@ class Laws:
         self.piece = memory.zeros(PIECE * sum(count))
         self.straight = memory.integers([1] * sum(count))
         self.cubic = memory.integers([1] * sum(count))
-        self.functions = [own for element in system.elements for own in functions_of(element)]
+        self.functions = [
+            own and (*own, own.far_slope) for element in system.elements for own in functions_of(element)
+        ]
         self.failure = None  # the first exception raised by a function
         self.failed = False  # whether one was raised since the last attempt began
         # beyond its ends a cubic is continued by its tangent
@@ -187,19 +189,13 @@ class Laws:
 
     @takes_gil
     def own(self, p: int, what: int, s: float) -> float:
-        """Return force, slope or integral (`what`) of piece p by its function at s; NaN if that fails."""
+        """Return force, slope, integral or far slope (`what`) of piece p by its function at s.
+
+        It is NaN if the function fails; s is a side of zero, -1 or 1, for the far slope.
+        """
         try:
             return float(self.functions[p][what](s))
         except BaseException as error:  # an interrupt, too, as C cannot pass it on
-            self.note_failure(error)
-            return float("nan")
-
-    @takes_gil
-    def own_far_slope(self, p: int, side: float) -> float:
-        """Return the slope of the function of piece p for ever larger rates on a side of zero."""
-        try:
-            return float(self.functions[p].far_slope(side))
-        except BaseException as error:
             self.note_failure(error)
             return float("nan")
 
@@ -305,7 +301,7 @@ class Laws:
         """Return the slope of the outermost piece p far from zero, where saturated terms are level."""
         slope = self.piece[p * PIECE + C1]
         if self.piece[p * PIECE + OWN] != 0.0:
-            slope += self.own_far_slope(p, side)
+            slope += self.own(p, _FAR_SLOPE, side)
         return slope
 
     def intercept(self, p: int) -> float:

@@ -95,6 +95,8 @@ class Network:
     def _find_roads(self) -> None:
         """Find which signals are roads, and whether all roads and masses can be raised without effect."""
         self.can_rise = True
+        for m in range(self.loads):
+            self.signals.acts[self.load_signal[m]] = 1
         for r in range(self.elements.rows):
             s = self.elements.row_signal[r]
             rise = sum(
@@ -103,7 +105,7 @@ class Network:
             if rise != (1.0 if s >= 0 else 0.0):
                 self.can_rise = False
             if s >= 0:
-                self.signals.is_road[s] = 1
+                self.signals.is_road[s] = self.signals.acts[s] = 1
                 for m in range(self.loads):
                     if self.load_signal[m] == s:
                         self.can_rise = False

@@ -48,6 +48,7 @@ class Signals:
         self.level = memory.marks(max(sum(count), 1))  # whether a segment is constant
         # roads are measured from the datum, as all displacements are in the kernel
         self.is_road = memory.marks(max(self.count, 1))
+        self.acts = memory.marks(max(self.count, 1))  # whether it is a road or a load
         self.height = memory.zeros(max(sum(count), 1))  # c0 of each segment, measured from zero
         self.road = memory.zeros(4 * max(self.count, 1))  # value and three derivatives of each
 
@@ -198,11 +199,11 @@ class Signals:
         return joint
 
     def road_limit(self, t: float) -> float:
-        """Return the longest macro step that the sinusoids of the present segments allow."""
+        """Return the longest macro step that the sinusoids of roads and loads allow now."""
         limit = UNBOUNDED
         for s in range(self.count):
             at = (self.signal_first[s] + self.signal_now[s]) * SEGMENT
-            if self.segment[at + AMPLITUDE] != 0.0:
+            if self.acts[s] and self.segment[at + AMPLITUDE] != 0.0:
                 x = t - self.segment[at + ORIGIN]
                 speed = fabs(self.segment[at + SPEED] + 2.0 * self.segment[at + CHIRP] * x)
                 if speed * limit > ROAD_PHASE:
