@@ -363,6 +363,12 @@ def test_the_rules_held_against_the_exact_motion():
     assert worst["mean_normal"] == pytest.approx(1.02, abs=0.005)
     assert worst["osculating_circle"] == pytest.approx(0.88, abs=0.005)
     assert worst["delta"] < 0.03
+    slowly = "--set speed=2 --set duration=0.6 --set construction.duration=0.6"
+    rows = {row["rule"]: row for row in json.loads(printed(f"rules {slowly} --json"))["rules"]}
+    slow = {name: 1e3 * rows[name]["errors"]["suspension_deflection"] for name in RULES}
+    assert slow["tangent"] == pytest.approx(0.62, abs=0.005)  # mm
+    assert slow["mean_normal"] == pytest.approx(12.9, abs=0.05)
+    assert slow["delta"] == pytest.approx(0.21, abs=0.005)
     table = printed("rules van_der_pol --set 'construction.step=50 ms'")
     assert "largest error with steps of 50 ms over 20 s" in table
     assert "integrator" not in table
