@@ -59,7 +59,8 @@ def curves(
             went += way
             still = still + 1 if way < _STILL else 0
             over = not window.holds(x1, v1, margin) or went > length or still >= _REST
-            if over or _rests(step) or (sense < 0.0 and 0 in step.mode):
+            rests = step.first[1] == v1 == 0.0
+            if over or (0 in step.mode and (rests or sense < 0.0)):
                 break
             if count % _SLOW == 0:  # beside a pole of f, or to and fro between switches
                 if went - mark < _SLOWEST:
@@ -90,26 +91,22 @@ def turn(
     NaN for a crossing to which it does not come.
     """
     far, still = nan, 0
-    beyond = 1.0 if backwards else -1.0  # the sign of x' in the first half of the turn
-    mirrored = -1.0 if backwards else 1.0
-    for step in _steps(system, (start, 0.0), -1.0 if backwards else 1.0, max(tolerance, 1e-10)):
+    sense = -1.0 if backwards else 1.0
+    half = -1.0  # the sign of the velocity on record in this half of the turn, whatever the sense
+    for step in _steps(system, (start, 0.0), sense, max(tolerance, 1e-10)):
         (_, v0, _), (x1, v1, _) = step.first, step.last
         still = still + 1 if _way(step, window) < _CRAWL else 0
-        if not window.holds(x1, v1, 2.0) or _rests(step) or still >= _REST:
+        if not window.holds(x1, v1, 2.0) or still >= _REST:
             break
         if into is not None:
-            into.append((x1, mirrored * v1))
-        # in reversed time the velocity on record is -x'
-        if (mirrored * v1) * beyond < 0.0 and (mirrored * v0) * beyond >= 0.0 and step.start > 0.0:
-            at = root(step.velocity, step.start, step.end)
-            x = step.at(at)[0]
-        elif v1 == 0.0 and v0 != 0.0:
-            at, x = step.end, x1
-        else:
+            into.append((x1, sense * v1))
+        if v1 * half >= 0.0 or v0 * half < 0.0:
             continue
+        at = root(step.velocity, step.start, step.end)
+        x = step.at(at)[0]
         if not isnan(far):
             return far, x, at
-        far, beyond = x, -beyond
+        far, half = x, -half
     return far, nan, nan
 
 
@@ -154,7 +151,3 @@ def _way(step: Step, window: Window) -> float:
     """Return the distance between the ends of a step, in windows."""
     (x0, v0, _), (x1, v1, _) = step.first, step.last
     return hypot((x1 - x0) / window.width, (v1 - v0) / window.height)
-
-
-def _rests(step: Step) -> bool:
-    return 0 in step.mode and step.first[1] == step.last[1] == 0.0

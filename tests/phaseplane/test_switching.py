@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import islice, pairwise
-from math import acos, cos, exp, isnan, pi, sqrt
+from math import acos, cos, exp, isnan, nan, pi, sqrt
 
 import numpy as np
 import pytest
@@ -32,6 +32,7 @@ from phaseplane.portrait import (
     limit_cycles,
     of_coordinate,
 )
+from phaseplane.portrait.returns import turns
 
 number = st.floats(-3.0, 3.0)
 WINDOW = Window(-4.0, 4.0, -4.0, 4.0)
@@ -463,6 +464,31 @@ def test_backwards_a_curve_is_the_one_that_it_came_along():
     middle = there[len(there) // 4]
     (back,) = followed(system, WINDOW, [middle[0]], [middle[1]], -1.0)
     assert np.hypot(*(back - [1.0, 1.0]).T).min() < 0.06
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.parametrize("d", [0.15, -0.05])
+def test_half_turns_with_dry_friction_are_about_the_ends_of_the_stretch_of_rest(d, backwards):
+    """x'' - 2d x' + x + R sign(x') = 0: forwards about R first, where x' < 0, backwards about -R."""
+    friction, turned = 0.3, sqrt(1.0 - d * d)
+    q = exp((-d if backwards else d) * pi / turned)
+    centre = -friction if backwards else friction
+    x = np.array([0.25, 0.7, 1.5, 2.5])
+    far = centre - q * (x - centre)
+    back = -centre - q * (far + centre)
+    if not backwards:  # a motion that comes to the stretch of rest stays there
+        far[(x < friction) | (np.abs(far) < friction)] = nan
+        back[np.isnan(far) | (np.abs(back) < friction)] = nan
+    into = [[(float(start), 0.0)] for start in x]
+    system = portrayed("-2*d*v + x + R*sign(v)", d=d, R=friction)
+    made = turns(system, WINDOW, x, backwards=backwards, into=into)
+    assert made.far == pytest.approx(far, abs=1e-8, nan_ok=True)
+    assert made.back == pytest.approx(back, abs=1e-8, nan_ok=True)
+    assert made.time == pytest.approx(np.where(np.isnan(back), nan, 2.0 * pi / turned), nan_ok=True)
+    for start, points in zip(x, into, strict=True):
+        (x1, v1), *_ = points[1:] or [(start, 0.0)]
+        assert v1 * centre <= 0.0
+        assert x1 <= start
 
 
 def test_the_limit_cycle_of_negative_damping_and_dry_friction():
