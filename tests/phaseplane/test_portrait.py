@@ -10,6 +10,7 @@ from phaseplane.suspension import characteristics
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import Element, System
 from phaseplane.suspension.variables import checked_parameters
+from scipy.integrate import solve_ivp
 
 from phaseplane.portrait import (
     PhaseSystem,
@@ -180,6 +181,22 @@ def test_a_forced_linear_oscillator_settles_in_its_closed_form() -> None:
     assert seen.points == pytest.approx(np.tile(state, (len(seen.points), 1)), abs=5e-3)
     with pytest.raises(ValueError, match="has no period"):
         section(PENDULUM, WIDE, (0.0, 1.0))
+
+
+@pytest.mark.slow
+def test_all_five_periodic_motions_of_a_cubic_spring_are_told_apart() -> None:
+    """Y. Ueda, Ann. N.Y. Acad. Sci. 357 (1980) 422: two of period 1, two of period 2, one of period 3."""
+    system = PhaseSystem(lambda v, x, t: 0.08 * v + x**3 - 0.2 * np.cos(t), period=2.0 * pi)
+    found = section(system, Window(-1.5, 1.5, -1.5, 1.5), (0.1, 0.0), 110).attractors
+    assert sorted(map(len, found)) == [1, 1, 2, 2, 3]
+    for states in found:
+        times = 2.0 * pi * np.arange(len(states) + 1.0)
+        known = solve_ivp(
+            lambda t, y: [y[1], -system.function(y[1], y[0], t)], (0.0, times[-1]), states[-1],
+            "DOP853", times, rtol=1e-10, atol=1e-12,
+        )  # fmt: skip
+        assert known.y.T[1:] == pytest.approx(states, abs=1e-4)
+        assert len({round(float(x), 2) for x in known.y[0]}) == len(states)
 
 
 def test_sections_of_the_models() -> None:
