@@ -239,16 +239,15 @@ def _gathered(
         k for k, g in enumerate(system.guards) if abs(g(v, x, t, mode)) < _CREEP * (1.0 + abs(x))
     }
     mode = tuple(0 if k in near else sign for k, sign in enumerate(mode))
+    slow = abs(v) <= _CREEP * (1.0 + abs(x))
+    v, x = system.project(mode, v, x, t)
     if mode.count(0) == 1:
         # along a switch that holds the motion with just its whole jump, errors end the
         # sliding again and again: only larger ones still do
         rounding *= 1e3
         if rounding > _COARSEST or None in system.sides(mode, v, x, t):
             raise MotionError(t)
-        v, x = system.project(mode, v, x, t)
-    elif abs(v) <= _CREEP * (1.0 + abs(x)) and system.rests(mode, x, t):
-        v = 0.0
-    else:
+    elif not (slow and system.rests(mode, x, t)):
         raise MotionError(t)
     return mode, v, x, rounding
 

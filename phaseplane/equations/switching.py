@@ -138,31 +138,41 @@ class Switching:
                 continue
             low, high = self.sides(mode, v, x, t) if mode.count(0) == 1 else (None, None)
             if low is None or high is None:
-                found.append(self._firmness(mode, v, x, t))
+                found.append(self._firmness(k, mode, x, t))
             else:
                 found.append(min(low[1], -high[1]))
         return found
 
     def rests(self, mode: Mode, x: float, t: float) -> bool:
         """Return whether a motion on several guards, or on that of the velocity, can stay at rest."""
-        return 0 in mode and self._firmness(mode, 0.0, x, t) >= 0.0
+        return 0 in mode and all(
+            sign or self._firmness(k, mode, x, t) >= 0.0 for k, sign in enumerate(mode)
+        )
 
-    def _firmness(self, mode: Mode, v: float, x: float, t: float) -> float:
-        """Return the margin of 0 within the range of f over the free signs: above 0 the rest lasts."""
-        forces = [self.function(v, x, t, signs) for signs in _all(mode)]
-        return min(max(forces), -min(forces))
+    def _firmness(self, k: int, mode: Mode, x: float, t: float) -> float:
+        """Return the margin of a rest on several guards, of which one may move on with time.
+
+        Above 0 the rest lasts: 0 is within the range of f over the free signs, and the guard stays.
+        """
+        forces = [self.function(0.0, x, t, signs) for signs in _all(mode)]
+        return min(max(forces), -min(forces), self._nearness(k, mode, x, t))
+
+    def _nearness(self, k: int, signs: Signs, x: float, t: float) -> float:
+        """Return by how much a guard is close enough at rest, there and right after."""
+        size = _REST * (1.0 + abs(x)) * self._steepness(k, signs, 0.0, x, t)
+        return size - abs(self.guards[k](0.0, x, t + _PROBE, signs))
 
     def project(self, mode: Mode, v: float, x: float, t: float) -> tuple[float, float]:
-        """Return the velocity and displacement moved back onto the guard that a mode slides on."""
-        if mode.count(0) > 1:
-            return 0.0, x
-        if mode.count(0) == 1:
-            k = mode.index(0)
+        """Return the velocity and displacement moved back onto the guards on which a mode is 0."""
+        zeros = [k for k, sign in enumerate(mode) if not sign]
+        for k in zeros:
             g_v, g_x, _ = self.gradient(k, mode, v, x, t)
+            if zeros[1:]:
+                v, g_v = 0.0, 0.0
             size = g_v * g_v + g_x * g_x
             if size > 0.0:
                 off = self.guards[k](v, x, t, mode) / size
-                return v - off * g_v, x - off * g_x
+                v, x = v - off * g_v, x - off * g_x
         return v, x
 
     def settled(
@@ -191,12 +201,12 @@ class Switching:
             found[k] = self._side(k, tuple(found), v, x, t, before, loose=k in on)
         if len(free) > 1:  # each may depend on what the others have become
             for k in free:
-                found[k] = self._side(k, tuple(found), v, x, t, before)
-            # one of time alone goes on with it
-            held = [k for k in free if self._steepness(k, found, v, x, t)]
+                found[k] = self._side(k, tuple(found), v, x, t, tuple(found))
+            # one that moves with time goes on
+            held = [k for k in free if self._nearness(k, found, x, t) > 0.0]
             if len(held) > 1 and abs(v) <= _REST * (1.0 + abs(x)):
                 rest = tuple(0 if k in held else sign for k, sign in enumerate(found))
-                if self._held(rest, held, x, t):
+                if self.rests(rest, x, t) and self._held(rest, held, x, t):
                     return rest
         sliding = [k for k in free if not found[k]]
         for k in sliding[1:]:  # two guards that coincide: the first holds the motion

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import islice, pairwise
-from math import acos, cos, exp, isnan, nan, pi, sqrt
+from math import acos, cos, exp, isnan, nan, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -186,6 +186,23 @@ def test_a_mass_that_its_base_just_carries_along(amplitude: float):
     assert found.complaint == ""
     expected = [friction - amplitude * cos(t) for t in found.times]
     assert found.displacements == pytest.approx(expected, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("text", "velocity", "expected"),
+    [("0.1*x + 0.1*v*abs(v) + 3*sign(v - 0.5*cos(t))", 0.5, lambda t: 0.5 * sin(t)),
+     ("0.1*x + 0.2*sign(v) + 3*sign(v - 0.5*cos(t))", 0.5, lambda t: 0.5 * sin(t)),
+     ("0.1*x + 2*sign(v - 0.4*cos(t)) + 3*sign(v - 0.5*cos(t))", 0.5, lambda t: 0.5 * sin(t)),
+     ("x + 0.2*sign(v) + 3*sign(v - 0.1*(1 - cos(t)))", 0.0, lambda t: 0.1 * (t - sin(t))),
+     ("x + 2*sign(v) - 1.5*sign(v - 0.5*(1 - t)) - 1", 0.0,
+      lambda t: 0.5 - 0.5 * cos(max(t - 1.0, 0.0)))],
+)  # fmt: skip
+def test_a_mass_does_not_rest_where_the_velocity_of_its_base_passes_zero(text, velocity, expected):
+    """It is held by its base, with drag or friction that turn with it; or held until its base turns."""
+    times = np.linspace(0.0, 4.0, 81).tolist()
+    found = motion(Formula(text).switching, (0.0, velocity), times)
+    assert found.complaint == ""
+    assert found.displacements == pytest.approx([expected(t) for t in times], abs=1e-8)
 
 
 @pytest.mark.parametrize(
