@@ -224,8 +224,8 @@ class Switching:
         return True
 
     def _beside(self, signs: Mode, v: float, x: float, t: float) -> float:
-        """Return x'' on a side of a guard: along another switch, if that holds the motion."""
-        if signs.count(0) == 1:
+        """Return x'' on a side of a guard: along others, if they hold the motion."""
+        if 0 in signs:
             return self.acceleration(signs, v, x, t)
         return -self.function(v, x, t, signs)
 

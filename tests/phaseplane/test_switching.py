@@ -194,6 +194,7 @@ def test_a_mass_that_its_base_just_carries_along(amplitude: float):
      ("0.1*x + 0.2*sign(v) + 3*sign(v - 0.5*cos(t))", 0.5, lambda t: 0.5 * sin(t)),
      ("0.1*x + 2*sign(v - 0.4*cos(t)) + 3*sign(v - 0.5*cos(t))", 0.5, lambda t: 0.5 * sin(t)),
      ("x + 0.2*sign(v) + 3*sign(v - 0.1*(1 - cos(t)))", 0.0, lambda t: 0.1 * (t - sin(t))),
+     ("x + 2*sign(v) + sign(v - max(t - 5, 0)) + sign(v - 0.5*(1 - t))", 0.0, lambda t: 0.0),
      ("x + 2*sign(v) - 1.5*sign(v - 0.5*(1 - t)) - 1", 0.0,
       lambda t: 0.5 - 0.5 * cos(max(t - 1.0, 0.0)))],
 )  # fmt: skip
