@@ -187,16 +187,21 @@ def test_damping_is_followed_up_to_twice_the_velocity_in_a_step():
         construct_motion(beyond, step=1e-3, duration=0.5)
 
 
-def test_a_kerb_pushes_through_the_damper_like_a_ramp_that_is_ever_steeper():
+@pytest.mark.parametrize(
+    ("law", "impulse"),
+    [(damper(2000.0, 500.0), 5.0),
+     (lambda rate, y: 500.0 * (1.0 - 30.0 * y) * rate, 5.75)],  # stiffer the further it is closed
+)  # fmt: skip
+def test_a_kerb_pushes_through_the_damper_like_a_ramp_that_is_ever_steeper(law, impulse):
     """An upward kerb compresses: it meets the damper's bump rate, whatever the motion before."""
-    kerb, mass, bump = roads.step(0.01, 0.0323), 300.0, 500.0
-    one = OneDofPlane(mass, linear(15000.0), damper(2000.0, bump), kerb)
+    kerb, mass = roads.step(0.01, 0.0323), 300.0
+    one = OneDofPlane(mass, linear(15000.0), law, kerb)
     drawing = construct_motion(one, step=0.001, duration=0.25)
     at = next(f for f in drawing if f.event == "jolt")
     assert at.time == 0.0323
     assert at.readings["suspension_deflection"] == pytest.approx(-0.01)
     assert at.readings["body_displacement"] == pytest.approx(0.0, abs=1e-15)
-    assert at.readings["body_velocity"] == pytest.approx(bump * 0.01 / mass)
+    assert at.readings["body_velocity"] == pytest.approx(impulse / mass)
     ramp = roads.ramp(0.01, 0.0001, 20.0, 0.0323)
     steep = construct_motion(replace(one, road=ramp), step=0.001, duration=0.25)
     end = [d.frames[-1].readings["body_displacement"] for d in (drawing, steep)]

@@ -500,6 +500,11 @@ def test_while_the_strut_sticks_the_projection_backwards_is_that_forwards():
             c2, d1 = planes.axles[0].lines.to_plane_1(at["A1*"], at["B2"], at["Q2"])
             assert abs(c2 - at["C2"]) < 1e-12
             assert abs(d1 - at["D1"]) < 1e-12
+    slipping = [f for f in drawing.frames if f not in held and not f.event]
+    for frame in slipping:
+        states = (frame.points["P1"], frame.points["P2"])
+        assert planes.mode_at(states, frame.time) == frame.mode
+    assert {f.readings["suspension_deflection_rate"] > 0.0 for f in slipping} == {True, False}
     # the mean over a step may go a little beyond what an instant allows
     lienard = planes.axles[0].suspension
     for frame in held:
