@@ -6,12 +6,14 @@ import random
 import re
 
 import pytest
-from phaseplane.suspension.roads import table
+from phaseplane.suspension.characteristics import damper, linear
+from phaseplane.suspension.roads import step, table
 from worked_example import ap57
 
 from phaseplane.constructions import (
     ElastoplasticPlane,
     EquationPlane,
+    OneDofPlane,
     construct_motion,
     rule_named,
 )
@@ -323,6 +325,28 @@ def test_steps_that_end_on_a_switch_do_so_from_the_students_point():
     wrong = [m for m in marks.marks if m.verdict != RIGHT]
     assert wrong[0].number == 2
     assert max(m.distance for m in marks.marks if m.number > 2) < 1.0
+
+
+def test_at_a_kerb_the_point_jumps_and_the_wrong_branch_of_a_damper_is_named():
+    """A faultless student; and one who takes the damper's rebound for its bump in step 1."""
+    construction = OneDofPlane(
+        300.0, linear(15000.0), damper(2000.0, 500.0), step(0.01, 0.05),
+        initial_deflection=0.03, scale=4.0,
+    )  # fmt: skip
+    tangent = rule_named("tangent")
+    drawing = construct_motion(construction, tangent, step=0.02, steps=6)
+    assert "jolt" in [frame.event for frame in drawing.instants]
+    points = student(drawing, len(drawing.frames))
+    feet = [frame.points["D"] for frame in drawing.instants]
+    marks = judged(construction, drawing, points, tangent, feet)
+    assert marks.right == len(marks.marks) == 7
+    feet[1] *= -2000.0 / 500.0
+    turn = -0.02 * construction.planes[0].angular_frequency
+    points[2:] = [points[1] + 1j * turn * (points[1] - feet[1])]
+    first, second = judged(construction, drawing, points, tangent, feet).marks
+    assert first.verdict == RIGHT
+    assert second.said.startswith("D of point 1: A was found from the mirror image of P")
+    assert second.distance < 1e-9
 
 
 # Readings.
