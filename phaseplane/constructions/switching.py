@@ -94,7 +94,9 @@ def _end_of(
             if low == 0.0:
                 return duration if course[-1] < 0.0 else None
         return root(left, low, high)
-    return None
+    # what is reached with the end of the window would otherwise be missed by the next one
+    ends = course[-1] < course[-2] and 0.0 <= course[-1] <= _AT_ONCE * max(course)
+    return duration if ends else None
 
 
 def _descents(course: Sequence[float]) -> Iterator[tuple[float, float]]:

@@ -426,6 +426,16 @@ def test_the_construction_keeps_its_order_through_switches(text, start):
     assert errors[2] < 2e-3
 
 
+@pytest.mark.parametrize("at", [0.7, 1.0, 1.05])
+@pytest.mark.parametrize("step", [0.1, 0.05])
+def test_a_force_that_switches_at_the_end_of_a_step_does_so_there(at, step):
+    """The steps of a circle are exact; and the mass rests until then."""
+    formula = Formula("x + 0.3*sign(v) - 0.5*sign(t - t_on) - 0.5", {"t_on": at})
+    drawing = construct_motion(EquationPlane(formula.switching), step=step, duration=3.0)
+    expected = [0.7 * (1.0 - cos(max(f.time - at, 0.0))) for f in drawing]
+    assert [f.readings["displacement"] for f in drawing] == pytest.approx(expected, abs=1e-9)
+
+
 def test_a_car_with_dry_friction_sticks_and_slips_in_its_plane():
     """The body stays on the axle until the road's acceleration overcomes the friction."""
     from phaseplane.suspension import roads  # noqa: PLC0415
