@@ -247,6 +247,14 @@ class TimeRange(FiniteRange):
         return super().convert(value, param, ctx)
 
 
+def pair(text: str) -> tuple[str, ...]:
+    """Return the two names in the text of an option."""
+    names = tuple(name.strip() for name in text.split(","))
+    if len(names) != 2 or not all(names):
+        raise click.BadParameter(f"{text}: give two columns, such as x,y.")
+    return names
+
+
 def output_option(default: str) -> Callable[[Any], Any]:
     """Return the option `--output DIR`, with its default in the help."""
     return click.option(

@@ -22,7 +22,7 @@ from ..results.inspection import (
 )
 from ..results.plain import as_json
 from ..scene.names import meant
-from .console import DONE, FAILED, FiniteRange, complain, json_option
+from .console import DONE, FAILED, FiniteRange, complain, json_option, pair
 from .viewing import figure_options, save_option
 
 _columns = click.option(
@@ -38,8 +38,8 @@ _columns = click.option(
 @figure_options("all columns, or those chosen, over time")
 @click.option(
     "--plane",
+    type=pair,
     metavar="X,Y",
-    default="",
     help="Draw column Y over column X, such as a rate over its displacement.",
 )
 @save_option
@@ -49,7 +49,7 @@ def show(
     paths: tuple[Path, ...],
     columns: tuple[str, ...],
     figure: FigureFile | None,
-    plane: str,
+    plane: tuple[str, str] | None,
     save: Path | None,
     as_data: bool,
 ) -> None:
@@ -66,31 +66,15 @@ def show(
             "lists two of them side by side"
         )
     check_recording(save)
-    pair = _plane(plane, drawn=bool(figure or save))
-    data = contents(paths[0], columns, figure, pair, paths[1:])
+    if plane and not (figure or save):
+        raise InputError("--plane needs a file to write: --figure F.png or --save F.rrd")
+    data = contents(paths[0], columns, figure, plane, paths[1:])
     if save is not None:
-        found, units = timed(paths[0], columns, pair)
+        found, units = timed(paths[0], columns, plane)
         title = str(data["summary"].get("title") or paths[0].name)
-        recording.record(draw.recording_content.of_table(title, found, units, pair), save)
+        recording.record(draw.recording_content.of_table(title, found, units, plane), save)
         data["files"] = [*data.get("files", []), str(save)]
     click.echo(as_json(data) if as_data else format_contents(data, paths[0]))
-
-
-def _plane(names: str, *, drawn: bool) -> tuple[str, str] | None:
-    """Return the two columns of `--plane`.
-
-    Raises
-    ------
-    InputError : if they are not two, or there is no picture to draw.
-    """
-    if not names:
-        return None
-    pair = tuple(name.strip() for name in names.split(","))
-    if len(pair) != 2 or not all(pair):
-        raise InputError(f"--plane {names}: give two columns, such as x,y")
-    if not drawn:
-        raise InputError("--plane needs a file to write: --figure F.png or --save F.rrd")
-    return pair[0], pair[1]
 
 
 @click.command()

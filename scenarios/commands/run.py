@@ -37,6 +37,7 @@ from .console import (
     failed,
     json_option,
     output_option,
+    pair,
     progress_bar,
     set_option,
     warn,
@@ -62,7 +63,7 @@ ProgressBar = Callable[[str], AbstractContextManager[Progress]]
 @save_option
 @click.option("--realtime", is_flag=True, help="Run in real time.")
 @click.option(
-    "--plane", "planes", multiple=True, metavar="A,B",
+    "--plane", "planes", multiple=True, type=pair, metavar="A,B",
     help="Draw and record the plane of two outputs, a displacement and its rate. Repeatable.",
 )  # fmt: skip
 @json_option
@@ -75,7 +76,7 @@ def run(
     viewer: str,
     served: bool,
     address: str,
-    planes: tuple[str, ...],
+    planes: tuple[tuple[str, str], ...],
     as_data: bool,
     **how: Any,
 ) -> int:

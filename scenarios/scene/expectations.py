@@ -12,7 +12,7 @@ from phaseplane.suspension.variables import Variable
 
 from .. import results
 from ..errors import shown
-from ..measures import COUNT, Reading, has_sign
+from ..measures import COUNT, Measure, Reading, has_sign
 from .fields import (
     FACTOR,
     FLAG,
@@ -23,6 +23,7 @@ from .fields import (
     format_unit,
     names_of,
     one_of,
+    real,
 )
 
 if TYPE_CHECKING:
@@ -167,6 +168,14 @@ class Reference:
         }
 
 
+def unknown_measure(name: str, known: Mapping[str, Measure]) -> str:
+    """Return what is wrong with the name of a measure, or with the key of its bounds at its end."""
+    measure, _, bound = name.rpartition(".")
+    if measure in known:
+        return f"{measure}: {shown(bound)} is unknown; must be min and/or max"
+    return f"no measure {shown(name)}{nearest(name, known)}"
+
+
 def bounds_from(raw: object, unit: str) -> Bounds:
     """Return the bounds `{min, max}` in SI; for a count also one integer.
 
@@ -186,15 +195,10 @@ def bounds_from(raw: object, unit: str) -> Bounds:
     for name, value in raw.items():
         if name not in ("min", "max"):
             raise ValueError(f"{shown(name)} is unknown; must be min and/or max")
-        number = to_si(value, unit if unit != COUNT else "1") if isinstance(value, str) else value
-        if isinstance(number, bool) or not isinstance(number, int | float):
-            raise ValueError(f"{name} must be a number{format_unit(unit)}")
-        try:
-            bounds[name] = float(number)
-        except OverflowError:
-            bounds[name] = inf
+        si = unit if unit != COUNT else "1"
+        bounds[name] = to_si(value, si) if isinstance(value, str) else real(value)
         if not isfinite(bounds[name]):
-            raise ValueError(f"{name} must be finite")
+            raise ValueError(f"{name} must be a finite number{format_unit(unit)}")
     if bounds.get("min", -inf) > bounds.get("max", inf):
         raise ValueError("min is above max")
     return Bounds(**bounds)

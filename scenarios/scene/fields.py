@@ -10,7 +10,7 @@ import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import MISSING, Field
-from math import inf, isfinite
+from math import inf, isfinite, isnan, nan
 from typing import Any, NamedTuple, TypeVar
 
 from phaseplane.suspension.units import nearest, to_si
@@ -191,17 +191,32 @@ def table_of(table: type, key: str) -> Kind:
     return Kind(lambda value: read_table(table, value, key), schema_of(table))
 
 
+def real(value: object) -> float:
+    """Return a number, infinite if it is an integer that is too large; not a number if it is none."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return nan
+    try:
+        return float(value)
+    except OverflowError:
+        return inf
+
+
 def _finite(value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+    if not isfinite(number := real(value)):
         raise ValueError("must be a finite number")
-    return float(value)
+    return number
 
 
 NUMBER = Kind(_finite, {"type": "number"})
-NUMBER_OR_TEXT = Kind(
-    instance_of((int, float, str), "a number in SI or a string with a unit"),
-    {"type": ["number", "string"]},
-)
+
+
+def _number_or_text(value: object) -> object:
+    if not isinstance(value, str) and not isfinite(real(value)):
+        raise ValueError("must be a finite number in SI or a string with a unit")
+    return value
+
+
+NUMBER_OR_TEXT = Kind(_number_or_text, {"type": ["number", "string"]})
 
 
 def whole(least: int, most: int | None = None) -> Kind:
@@ -224,16 +239,11 @@ def quantity(unit: str, *, zero: bool = False) -> Kind:
     """Return the type of a positive number (or zero) in SI, or a string with a unit."""
 
     def read(value: object) -> float:
-        if isinstance(value, str):
-            value = to_si(value, unit)
-        if isinstance(value, bool) or not isinstance(value, int | float):
+        number = to_si(value, unit) if isinstance(value, str) else real(value)
+        if isnan(number):
             raise ValueError(
                 f"must be a number{format_unit(unit)} or a string such as '1.5 {unit}'"
             )
-        try:
-            number = float(value)
-        except OverflowError:
-            number = inf
         if not (isfinite(number) and (number > 0.0 or (zero and number == 0.0))):
             least = "at least" if zero else "greater than"
             raise ValueError(f"must be {least} 0{format_unit(unit)} and finite")

@@ -19,7 +19,7 @@ from ..results.signals import read_signals
 from ..results.tables import read_table as read_columns
 from .controller import read_controller
 from .equation import EQUATION, check_equation, outputs_of_starts
-from .expectations import Bounds, During, Reference, bounds_from
+from .expectations import Bounds, During, Reference, bounds_from, unknown_measure
 from .fields import RefusedError, read_table, refusing
 from .file import SceneFile
 from .fmus import Fmu, find_fmu
@@ -193,10 +193,7 @@ def _bounds(fmu: Fmu, given: Mapping[str, Any]) -> dict[str, Bounds | tuple[Boun
                 key, "expect.during must be a list: write [[expect.during]] for each"
             )
         if name not in known:
-            measure, _, bound = name.rpartition(".")
-            if measure in known:
-                raise RefusedError(key, f"{key}: {shown(bound)} is unknown; must be min and/or max")
-            raise RefusedError(key, f"expect: no measure {shown(name)}{nearest(name, known)}")
+            raise RefusedError(key, f"expect: {unknown_measure(name, known)}")
         try:
             if isinstance(raw, list) and raw:
                 expected[name] = tuple(bounds_from(one, known[name].unit) for one in raw)

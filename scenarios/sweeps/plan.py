@@ -19,8 +19,10 @@ from phaseplane.suspension.variables import Value, Variable
 
 from ..errors import InputError, blaming, shown
 from ..measures import catalogue
+from ..scene.expectations import unknown_measure
 from ..scene.fields import (
     NUMBER_OR_TEXT,
+    SECONDS,
     TEXT,
     Kind,
     RefusedError,
@@ -41,7 +43,7 @@ _OF_RANGE = ("from", "to", "count")
 _NOT_VARIED = {
     "extends": "only a scene's file can name its base",
     "expect": "a sweep checks no expectations",
-    **dict.fromkeys(("title", "source", "construction"), "no measure depends on it"),
+    **dict.fromkeys(("title", "source", "show", "construction"), "no measure depends on it"),
 }
 _MOST_RUNS = 1_000_000
 _QUANTITY = re.compile(r"^\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?")  # the number before a unit
@@ -133,7 +135,7 @@ class SweepFile:
         if self.method == "sobol" and self.runs and not log2(self.runs).is_integer():
             raise ValueError(f"runs = {self.runs}: must be a power of two for a Sobol sample")
         for key, values in self.vary.items():
-            if key.split(".")[0] in _NOT_VARIED:
+            if key.split(".")[0] in _NOT_VARIED and key not in _TIMES:
                 raise ValueError(f"{key}: {_NOT_VARIED[key.split('.')[0]]}")
             if isinstance(values, tuple):
                 for value in values:
@@ -268,9 +270,8 @@ class Plan:
         declared = self.scene.fmu.parameters()
         for point in self.points:
             given = dict(zip(self.keys, point, strict=True))
-            duration = given.get("duration", self.scene.duration)
-            seconds = to_si(duration, "s") if isinstance(duration, str) else float(duration)
-            yield {key: value for key, value in given.items() if key in declared}, seconds
+            varied = {key: value for key, value in given.items() if key in declared}
+            yield varied, float(given.get("duration", self.scene.duration))
 
     def scene_of(self, point: tuple[Value, ...]) -> Scene:
         """Return the scene of one run.
@@ -343,7 +344,7 @@ def plan_of(path: Path, content: Mapping[str, Any], keys: Mapping[str, str] | No
     for name in said.measures:
         where = f"{path}: {(keys or {}).get(name, 'measures')}"
         if name not in known:
-            raise InputError(f"{where}: no measure {shown(name)}{nearest(name, known)}")
+            raise InputError(f"{where}: {unknown_measure(name, known)}")
         if known[name].single:
             raise InputError(
                 f"{where}: {name} has several values; of each run one is needed: "
@@ -399,7 +400,7 @@ def _values(
     """Return the values of a key in SI, parameters checked; a range without count gives its ends."""
     variable = declared.get(key)
     varied = [name for name in KEYS if name not in _NOT_VARIED]
-    if variable is None and key.split(".", maxsplit=1)[0] not in varied:
+    if variable is None and key not in _TIMES and key.split(".", maxsplit=1)[0] not in varied:
         near = nearest(key, (*declared, *varied))
         raise InputError(f"{path}: vary: no parameter or scene key {shown(key)}{near}")
     unit = _unit_of(key, declared)
@@ -411,7 +412,7 @@ def _values(
             if variable is not None and isinstance(variable.start, int):
                 values = tuple(round(value) for value in values)
         if variable is None:
-            return [to_si(x, unit) if unit and isinstance(x, str) else x for x in values]
+            return [SECONDS.read(x) if unit else x for x in values]
         return [variable.checked(value) for value in values]
 
 

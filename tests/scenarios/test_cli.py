@@ -261,7 +261,7 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         ("replay ap57 --save x.rrd --construction detla", "'delta'?"),
         ("replay ap57 --save x.rrd --step fast", "--step 'fast': 'fast' is not a number"),
         ("run ap57 --plane body_displacment,x", "--plane: QuarterCar has no output"),
-        ("run ap57 --plane x", "--plane ['x']: must be two outputs, such as"),
+        ("run ap57 --plane x", "'--plane': x: give two columns, such as x,y"),
         ("replay ap57 --save x.rrd --step '1 s'", "at most a right angle"),
         ("replay ap57 --save x.rrd --over gone.csv", "cannot read gone.csv"),
         ("replay ap57 --save x.rrd --over bad.toml", "must end in"),

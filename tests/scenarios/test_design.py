@@ -356,6 +356,10 @@ def test_a_parameter_that_the_signals_do_not_depend_on_is_said_to_be_unknown():
             "constrain.peak.body_velocity: the magnitude of a peak counts",
         ),
         (
+            "minimise = 'suspension_travel'\n[constrain]\nsuspension_travel = { mim = 3 }",
+            "constrain: suspension_travel: 'mim' is unknown; must be min and/or max",
+        ),
+        (
             "minimise = 'suspension_travel'\n[constrain]\nsuspension_travel = {}",
             "constrain.suspension_travel: must be min and/or max in m",
         ),

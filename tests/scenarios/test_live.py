@@ -175,7 +175,7 @@ def test_any_fmu_with_a_plane_of_its_own() -> None:
     assert entities(path) == {
         f"/sheet/trail/{DEFLECTION}/{part}" for part in ("recent", "past", "here")
     }
-    for plane, message in (("a,b", "no output 'a'"), ("a", "must be two outputs, such as")):
+    for plane, message in (("a,b", "no output 'a'"), ("a", "give two columns, such as x,y")):
         assert message in complaint("run OneDof.fmu --plane", plane)
 
 

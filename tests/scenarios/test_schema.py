@@ -308,6 +308,7 @@ def test_a_file_in_utf_8_may_begin_with_a_mark() -> None:
         ("construction.step=1e-7", ["construction.step = 1e-07", "steps"]),
         ("construction.rule=detla", ["'detla'", "osculating_circle", "did you mean 'delta'?"]),
         ("construction.plane_scales=[1]", ["plane_scales = [1]", "two numbers"]),
+        ("construction.starts=[[1, 1" + "0" * 400 + "]]", ["starts", "must be a finite number"]),
         ("expect.lift_of_count=1", ["'lift_of_count'", "did you mean 'lift_off_count'?"]),
         ("expect.airborne_time=0.03", ["expect.airborne_time = 0.03", "min and/or max in s"]),
         ("expect.airborne_time={min='1 N'}", ["expect.airborne_time", "'N' does not fit"]),
