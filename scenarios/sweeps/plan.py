@@ -82,7 +82,8 @@ def _varied(content: object) -> dict[str, Range | tuple[Any, ...]]:
     if not isinstance(content, dict):
         raise ValueError("must be a table")
     varied: dict[str, Range | tuple[Any, ...]] = {}
-    for name, values in dotted(content, _OF_RANGE):
+    for key, values in dotted(content, _OF_RANGE):
+        name = key.removeprefix("parameters.")
         if isinstance(values, dict):
             varied[name] = read_table(Range, values, f"vary.{name}")
         elif isinstance(values, list):

@@ -255,7 +255,7 @@ def test_keys_of_the_scene_may_be_varied_too() -> None:
 
 def test_nested_tables_are_varied_as_they_are_given_to_a_scene() -> None:
     nested = """
-    damper.rebound_rate = [1000, 2000]
+    parameters.damper.rebound_rate = [1000, 2000]
     road = { height = { from = "1 cm", to = "3 cm", count = 2 } }
     """
     plan = load_plan(sweep_file(f"{GRID.partition('[vary]')[0]}[vary]\n{nested}"))
