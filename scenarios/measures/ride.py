@@ -122,8 +122,6 @@ def weighted(time: Column, acceleration: Column, velocity: Column | None = None)
         else np.diff(velocity) / np.diff(time) - 0.5 * (a0 + a1)
     )
     for r, p in _fractions():
-        if p.imag < 0.0:
-            continue  # with its conjugate
         x = np.zeros(len(time), complex)
         before = _after(p, step)
         x[1:] = lfilter(
@@ -132,17 +130,17 @@ def weighted(time: Column, acceleration: Column, velocity: Column | None = None)
         if len(time) > 2:
             decay, *gains = _after(p, last)
             x[-1] = decay * x[-2] + np.dot(gains, (a0[-1], a1[-1], bulge[-1]))
-        out += (r * x).real * (2.0 if p.imag > 0.0 else 1.0)
+        out += 2.0 * (r * x).real  # with its conjugate
     return out
 
 
 @cache
 def _fractions() -> list[tuple[complex, complex]]:
-    """Return residue and pole of each partial fraction of Wk."""
+    """Return residue and pole of the partial fractions of Wk, one of each conjugate pair."""
     from scipy.signal import residue  # noqa: PLC0415
 
     residues, poles, _ = residue(*_weighting())
-    return list(zip(residues, poles, strict=True))
+    return [(r, p) for r, p in zip(residues, poles, strict=True) if p.imag > 0.0]
 
 
 def _after(p: complex, step: float) -> tuple[complex, complex, complex, complex]:
