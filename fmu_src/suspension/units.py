@@ -70,8 +70,8 @@ _SPELLINGS = str.maketrans({
 
 
 def spelled(unit: str) -> str:
-    """Return a unit as it is spelled here: m/s^2 and m/s² are m/s2."""
-    return unit.strip().translate(_SPELLINGS)
+    """Return a unit as it is spelled here: m/s^2 and m/s² are m/s2, N s/m is N.s/m."""
+    return re.sub(r"(?<=\w)\s+(?=\w)", ".", unit.strip()).translate(_SPELLINGS)
 
 
 def to_si(quantity: str, unit: str) -> float:

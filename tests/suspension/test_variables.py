@@ -24,6 +24,7 @@ from scipy import constants as si
         ("0.3 kgf.s2/cm", "kg", 294.1995),
         ("1 kgf·s/cm", "N.s/m", 980.665),
         ("2 N*s/mm", "N.s/m", 2000.0),
+        ("3 kN s / m", "N.s/m", 3000.0),
         ("-2.5e1 mm", "m", -0.025),
         ("7", "m", 7.0),
         (".5ms", "s", 0.0005),
