@@ -11,7 +11,7 @@ import pytest
 from command_line import written
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.measures import Run, catalogue, take
-from phaseplane.scenarios.measures.ride import _weighting, response, weighted
+from phaseplane.scenarios.measures.ride import _weighting, weighted
 from phaseplane.scenarios.measures.road import roughness_index
 from phaseplane.scenarios.measures.solution import apart, instants, refinement, solved, stepped
 from phaseplane.scenarios.results.report import report
@@ -304,23 +304,6 @@ def test_a_sweep_through_fmus_says_how_far_their_rows_lie_apart(
 # -- weighting and roughness -----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("step", [5e-4, 1e-3, 2e-3])
-@pytest.mark.parametrize("frequency", [4.0, 16.0, 31.5])
-def test_with_its_velocity_a_sine_is_weighted_from_a_few_instants(
-    frequency: float, step: float
-) -> None:
-    time = np.arange(0.0, 30.0, step)
-    angle = 2.0 * pi * frequency
-    acceleration, velocity = np.sin(angle * time), -np.cos(angle * time) / angle
-    late = time >= 20.0
-    gain = float(abs(response(np.array([frequency])))[0])
-    out = weighted(time, acceleration, velocity)[late]
-    assert sqrt(2.0 * np.mean(out**2)) == pytest.approx(gain, rel=3e-4 if step > 1e-3 else 3e-5)
-    straight = weighted(time, acceleration)[late]
-    lost = (angle * step) ** 2 / 12.0
-    assert sqrt(2.0 * np.mean(straight**2)) == pytest.approx(gain * (1.0 - lost), rel=0.1 * lost)
-
-
 def test_a_jump_of_velocity_is_weighted_as_an_impulse() -> None:
     """Its acceleration lies between two instants, where no row shows it."""
     time = np.arange(0.0, 4.0, 1e-3)
@@ -330,15 +313,6 @@ def test_a_jump_of_velocity_is_weighted_as_an_impulse() -> None:
     pulse = np.where((fine > 0.5) & (fine <= 0.501), 300.0, 0.0)
     _, truth, _ = lsim(_weighting(), pulse, fine)
     assert abs(out - np.interp(time, fine, truth)).max() < 0.01 * abs(truth).max()
-
-
-def test_the_last_step_of_another_length_is_weighted_as_it_is() -> None:
-    time = np.append(np.arange(0.0, 1.0, 1e-3), 1.0003)
-    angle = 2.0 * pi * 8.0
-    even = np.arange(0.0, 1.0004, 1e-4)
-    out = weighted(time, np.sin(angle * time), -np.cos(angle * time) / angle)
-    truth = weighted(even, np.sin(angle * even), -np.cos(angle * even) / angle)
-    assert out[-1] == pytest.approx(truth[10003], rel=1e-6)
 
 
 def sayers(profile: np.ndarray, spacing: float) -> float:
