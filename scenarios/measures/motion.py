@@ -85,8 +85,7 @@ def square(column: Column) -> Column:
 def instants(name: str, run: Run) -> Reading:
     """Return the successive values of an output that holds times; -1 means none yet."""
     held = run.closely(name)[1]
-    before = np.concatenate(([-1.0], held[:-1]))
-    return Reading(tuple(held[(held != before) & (held != -1.0)].tolist()))
+    return Reading(tuple(held[np.diff(held, prepend=-1.0) != 0.0].tolist()))
 
 
 def first_instant(name: str, run: Run) -> Reading:

@@ -29,6 +29,7 @@ INTERVALS = ("0.5 ms", "1 ms", "5 ms", "10 ms", "50 ms")
 KNOWN = catalogue({v.name: v for v in MODELS["QuarterCar"] if v.causality == "output"})
 TAKEN = [
     "peak.body_acceleration", "peak.wheel_acceleration", "peak.tyre_deflection", "rms.contact_force",
+    "amplitude.wheel_acceleration",
     "suspension_travel", "smallest_contact_force", "dynamic_load_coefficient", "damper_power",
     "mean_height_shift", "bump_stop_hits", "lift_offs", "body_weighted_acceleration",
     "body_vibration_dose", "body_largest_transient", "roughness_index",
@@ -57,7 +58,7 @@ def test_measures_do_not_depend_on_the_output_interval(case: str) -> None:
         for name, value in other.items():
             assert value == pytest.approx(found[1][name], rel=1e-12), name
     for name, value in found[0].items():
-        close = 1e-4 if name.startswith("peak.") or "travel" in name else 1e-3
+        close = 1e-4 if name.startswith(("peak.", "amplitude.")) or "travel" in name else 1e-3
         if name != "roughness_index" or case == "iso8608_c":  # an index of long roads
             assert value == pytest.approx(found[1][name], rel=close), name
 
@@ -91,6 +92,8 @@ def test_against_a_solution_a_hundred_times_as_fine(case: str) -> None:
     for name in ("body_acceleration", "wheel_acceleration", "tyre_deflection"):
         peak = x[name][abs(x[name]).argmax()]
         assert value(f"peak.{name}") == pytest.approx(peak, rel=1e-4), name
+    late = np.ptp(x["wheel_acceleration"][fine >= 0.5 * scene.duration])
+    assert value("amplitude.wheel_acceleration") == pytest.approx(0.5 * late, rel=1e-4)
     assert value("suspension_travel") == pytest.approx(np.ptp(x["suspension_deflection"]), rel=1e-4)
     assert value("smallest_contact_force") == pytest.approx(x["contact_force"].min(), abs=1e-9)
     assert value("rms.contact_force") == pytest.approx(
