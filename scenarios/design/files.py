@@ -31,7 +31,11 @@ _MEASURE = Kind(instance_of(str, "the name of a measure"), TEXT.schema)
 class SearchOfOptimum:
     """The search of `phaseplane optimise`."""
 
-    population: int = entry(whole(1), "runs of each generation, for each parameter", 8)
+    population: int = entry(
+        whole(1),
+        "runs of each generation for each parameter, in all rounded up to a power of two",
+        8,
+    )
     generations: int = entry(whole(0), "generations of the differential evolution", 25)
     seed: int = entry(whole(0), "seed of its random numbers", 1)
     trade_offs: int = entry(whole(0), "points of the trade-off, if there is a second measure", 9)

@@ -144,7 +144,7 @@ def fit(task: Task, journal: Path, progress: Progress = silent) -> Fit:
         before = space.given()
         sampler = qmc.Sobol(count, rng=task.search.seed)
         power = int(np.ceil(np.log2(task.search.starts)))
-        starts = np.concatenate([before[None], sampler.random_base2(power)])
+        starts = np.concatenate([before[None], sampler.random_base2(power)[: task.search.starts]])
         apart = np.sum(np.square(weight * (runs.at(starts) - target)), axis=1)
         if not np.isfinite(apart).any():
             raise RunError(f"{space.plan.file}: no run succeeds")

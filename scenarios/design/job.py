@@ -75,7 +75,7 @@ def optimise(
     Raises
     ------
     InputError : if the file is not valid, or the folder must not be replaced.
-    RunError : if no run succeeds.
+    RunError : if no run has all measures.
     """
     path = _file(file)
     problem = read_problem(path)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import compress
 from pathlib import Path
@@ -57,8 +57,9 @@ class Problem:
         return abs(column) if has_sign(measure) else column
 
     def cost(self, numbers: Points) -> Points:
-        """Return the value to minimise, for each run; large where a run failed."""
-        return np.nan_to_num(self.sign * self.sizes(numbers, self.objective), nan=_WORST)
+        """Return the value to minimise, for each run; large where it failed or lacks a measure."""
+        size: Points = self.sign * self.sizes(numbers, self.objective)
+        return np.where(np.isfinite(numbers).all(axis=1), size, _WORST)
 
     def other(self) -> Problem:
         """Return the problem whose objective is the smallest magnitude of the second measure."""
@@ -159,7 +160,7 @@ def solve(problem: Problem, journal: Path, progress: Progress = silent) -> Optim
 
     Raises
     ------
-    RunError : if no run succeeds, or no measure depends on any of the parameters.
+    RunError : if no run has all measures, or no measure depends on any of the parameters.
     """
     search, space = problem.search, problem.space
     count = len(space.plan.keys)
@@ -181,12 +182,14 @@ def solve(problem: Problem, journal: Path, progress: Progress = silent) -> Optim
         if any(without_effect):  # perhaps it has one elsewhere
             elsewhere = _without_effect(runs, evolved)
             without_effect = [a and b for a, b in zip(without_effect, elsewhere, strict=True)]
-        starts = [evolved, *([before] if np.isfinite(at_start).all() else [])]
-        candidates = [start for s in starts for start in (s, _refined(problem, runs, s))]
-        best = _best(problem, runs, candidates)
+        for start in (evolved, *([before] if np.isfinite(at_start).all() else [])):
+            _refine(problem, runs, start)
+        best = _best(problem, runs)
         numbers = runs.at(best)
         if not np.isfinite(numbers).all():
-            raise RunError(f"{space.plan.file}: no run succeeds")
+            raise RunError(
+                f"{space.plan.file}: every run fails or lacks one of {', '.join(problem.measures)}"
+            )
         feasible = bool((problem.violations(numbers) <= _CLOSE).all())
         wanted = problem.against and feasible
         front = _trade_off(problem, runs, best) if wanted else (best[None][:0], numbers[:0])
@@ -201,9 +204,7 @@ def solve(problem: Problem, journal: Path, progress: Progress = silent) -> Optim
 def _measures_of(plan: Plan) -> list[tuple[float | None, ...]]:
     through = "process" if plan.scene.fmu.path is None else "fmu"
     rows = run_chunk(plan, range(len(plan.points)), through)
-    return [
-        tuple(None if row.reason or x is None else float(x) for x in row.values) for row in rows
-    ]
+    return [tuple(None if x is None else float(x) for x in row.values) for row in rows]
 
 
 def _without_effect(runs: Runs, point: Points) -> list[bool]:
@@ -240,8 +241,8 @@ def _evolved(problem: Problem, runs: Runs) -> Points:
     return best
 
 
-def _refined(problem: Problem, runs: Runs, start: Points) -> Points:
-    """Return the optimum nearest to a point, by sequential quadratic programming."""
+def _refine(problem: Problem, runs: Runs, start: Points) -> None:
+    """Make runs to the optimum nearest to a point, by sequential quadratic programming."""
     from scipy.optimize import minimize  # noqa: PLC0415
 
     size = float(abs(problem.cost(runs.at(start))[0])) or 1.0
@@ -263,14 +264,13 @@ def _refined(problem: Problem, runs: Runs, start: Points) -> Points:
         constraints=[constraint] if problem.bounds else [],
         options={"maxiter": _STEPS, "ftol": _TOLERANCE},
     )  # fmt: skip
+    runs.at(np.clip(found.x, 0.0, 1.0))
     runs.end_stage()
-    refined: Points = np.clip(found.x, 0.0, 1.0)
-    return refined
 
 
-def _best(problem: Problem, runs: Runs, candidates: Sequence[Points]) -> Points:
-    """Return the best of some points and of all runs: feasible first, then by cost."""
-    points = np.array([*candidates, *runs.points])
+def _best(problem: Problem, runs: Runs) -> Points:
+    """Return the best of all runs, the first of equals: feasible first, then by cost."""
+    points = np.array(runs.points)
     numbers = runs.at(points)
     broken = np.maximum(problem.violations(numbers), 0.0)
     broken = np.where(broken <= _CLOSE, 0.0, broken).sum(axis=1)
@@ -284,15 +284,15 @@ def _trade_off(problem: Problem, runs: Runs, best: Points) -> tuple[Points, Poin
     Between the two ends the second measure is bounded, step by step, and the objective optimised.
     """
     against, other = problem.against, problem.other()
-    end = _best(other, runs, [_refined(other, runs, _best(other, runs, [best]))])
+    _refine(other, runs, _best(other, runs))
+    end = _best(other, runs)
     first, last = (float(other.cost(runs.at(x))[0]) for x in (best, end))
-    found, start = [best], best
+    found = [best]
     for limit in np.linspace(first, last, max(problem.search.trade_offs, 2))[1:-1]:
         within = _within(problem.bounds.get(against, Bounds()), limit)
         limited = replace(problem, bounds={**problem.bounds, against: within})
-        start = _best(limited, runs, [start])
-        start = _best(limited, runs, [_refined(limited, runs, start)])
-        found.append(start)
+        _refine(limited, runs, _best(limited, runs))
+        found.append(_best(limited, runs))
     points = np.array([*found, end])
     numbers = runs.at(points)
     kept = _front(problem, numbers)

@@ -111,7 +111,7 @@ CASES = (
     Extreme("a bump of 1 m", {"road.height": 1.0}),
     Extreme("a bump of 1 m between hard stops", {**_STOPS, "road.height": 1.0}),
     Extreme("1 000 km/h", {"speed": 1000.0 / 3.6}),
-    Extreme("a kerb at 1 000 km/h", {"road.shape": "obstacle", "speed": 1000.0 / 3.6}),
+    Extreme("a kerb at 1 000 km/h", {"road.shape": "step", "speed": 1000.0 / 3.6}),
     Extreme("a million steps", {"road.shape": "sine"}, 500.0, options={"step": 5e-4}),
     Extreme(
         "a fixed step longer than the stable one", {}, 4.0,

@@ -9,7 +9,7 @@ from command_line import phaseplane as phaseplane_command
 from hypothesis import given
 from hypothesis import strategies as st
 from phaseplane.scenarios.design.job import _scene
-from phaseplane.scenarios.design.optimum import read_problem, undominated
+from phaseplane.scenarios.design.optimum import read_problem, solve, undominated
 from phaseplane.scenarios.design.space import Space, journaled
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.results.folder import read_summary
@@ -113,11 +113,11 @@ def test_bounds_are_kept_and_the_trade_off_falls():
 def test_a_bound_on_a_peak_is_one_on_its_magnitude():
     problem = read_problem(Path(study(
         'minimise = "suspension_travel"\n[vary]\ndamper.rebound_rate = { from = 300, to = 6000 }\n'
-        "[constrain]\npeak.body_acceleration = { max = 4 }\n"
+        "[constrain]\npeak.body_acceleration = { min = 2, max = 4 }\n"
     )))  # fmt: skip
     assert problem.measures == ("suspension_travel", "peak.body_acceleration")
-    broken = problem.violations(np.array([[0.1, -5.0], [0.1, 3.0]]))
-    np.testing.assert_allclose(broken, [[0.25], [-0.25]])
+    broken = problem.violations(np.array([[0.1, -5.0], [0.1, 3.0], [0.1, 1.0]]))
+    np.testing.assert_allclose(broken, [[-1.5, 0.25], [-0.5, -0.25], [0.5, -0.75]])
 
 
 @pytest.mark.parametrize(("most", "kept"), [(15, False), (40, True)])
@@ -192,6 +192,20 @@ def test_a_study_does_not_replace_the_scene_that_it_starts_from():
     with pytest.raises(InputError, match=r"scene\.toml: is within out"):
         phaseplane.optimise(written(f'scene = "{scene}"\n{SHORT}', "study.toml"))
     assert scene.read_text() == text
+
+
+def test_a_run_that_lacks_a_measure_is_not_the_best():
+    """Least accelerated is the car that does not lift off, which has no time at which it does."""
+    problem = read_problem(Path(study(
+        "minimise = 'rms.body_acceleration'\nagainst = 'first_lift_off'\n[vary]\n"
+        "road.height = { from = 0.01, to = 0.06 }\n"
+        "[search]\npopulation = 5\ngenerations = 1\ntrade_offs = 0\n"
+    )))  # fmt: skip
+    found = solve(problem, Path("journal"))
+    assert np.isfinite(found.numbers).all()
+    lacking = np.isnan(found.measured).any(axis=1)
+    assert lacking.any()
+    assert found.numbers[0] == found.measured[~lacking, 0].min()
 
 
 @pytest.mark.slow
@@ -304,6 +318,7 @@ def test_a_fit_finds_the_parameters_within_its_confidence(noise):
         assert width < (1e-2 if noise == 0.0 else 200.0)
     assert found.summary["residual"]["body_acceleration"] < (1e-6 if noise == 0.0 else 0.5)
     assert read_summary(found.folder)["values"] == found.values
+    assert found.summary["samples"] == 301
 
 
 @pytest.mark.parametrize("value", ["0", "1e200"])
