@@ -18,7 +18,7 @@ from ..progress import Progress, silent
 from ..results.signals import signals_in
 from ..scene.schema import Scene
 from ..simulate.controlling import controlled
-from ..sweeps.plan import Plan
+from ..sweeps.plan import Plan, scene_of_file
 from ..toml_files import read_content
 from .files import FitFile, SearchOfFit, read_study
 from .space import Points, Runs, Space, differences, journaled
@@ -90,11 +90,11 @@ def read_task(path: Path) -> Task:
     """
     content = read_content(path)
     said = read_study(FitFile, path, content)
-    space = Space.read(path, content, {"step_count": "measured"})
-    space.given()
-    scene = space.plan.scene
+    scene = scene_of_file(path, said.scene)
     if not scene.fmu.is_ours or scene.fmu.path is not None:
         raise InputError(f"{path}: scene: only models of this package can be fitted")
+    space = Space.read(path, content, {"step_count": "measured"})
+    space.given()
     outputs = scene.fmu.outputs()
     units = {name: variable.unit or "1" for name, variable in outputs.items()}
     columns = signals_in(path, content, units)

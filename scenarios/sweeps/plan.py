@@ -340,7 +340,7 @@ def plan_of(path: Path, content: Mapping[str, Any], keys: Mapping[str, str] | No
     """
     with blaming(path):
         said = read_table(SweepFile, content)
-    scene = _scene(path, said.scene)
+    scene = scene_of_file(path, said.scene)
     known = catalogue(scene.fmu.outputs())
     for name in said.measures:
         where = f"{path}: {(keys or {}).get(name, 'measures')}"
@@ -377,7 +377,13 @@ def _base(path: Path, reference: str) -> str | Path:
     return beside if reference.endswith(SCENE_FILES) and beside.is_file() else reference
 
 
-def _scene(path: Path, reference: str) -> Scene:
+def scene_of_file(path: Path, reference: str) -> Scene:
+    """Return the scene that a sweep or a study names.
+
+    Raises
+    ------
+    InputError : as `load_plan`.
+    """
     with blaming(f"{path}: scene", InputError):
         return load_scene(str(_base(path, reference)))
 

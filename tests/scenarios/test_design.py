@@ -321,14 +321,32 @@ def test_a_fit_finds_the_parameters_within_its_confidence(noise):
     assert found.summary["samples"] == 301
 
 
-@pytest.mark.parametrize("value", ["0", "1e200"])
-def test_a_signal_without_a_size_is_refused(value):
-    """It was fitted, with a difference of inf % or nan % and a warning of numpy."""
-    rows = "".join(f"{20 + t};{value}\n" for t in range(5))
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ("00000", "body_acceleration: its samples are all 0, or too large"),
+        (["1e200"] * 5, "body_acceleration: its samples are all 0, or too large"),
+        (
+            "12",
+            "2 samples within 0 and 0.6 s of the scene; a fit needs more samples than parameters",
+        ),
+    ],
+)
+def test_signals_to_which_nothing_can_be_fitted_are_refused(values, words):
+    rows = "".join(f"{20 + t};{value}\n" for t, value in enumerate(values))
     Path("rig.csv").write_text(f"t;acc_z\nms;m/s2\n{rows}")
     text = FIT.replace('offset = { body_acceleration = "-0.05 g" }\n', "")
-    with pytest.raises(InputError, match="body_acceleration: its samples are all 0, or too large"):
+    with pytest.raises(InputError, match=words):
         phaseplane.fit_parameters(study(text))
+
+
+def test_an_equation_is_not_fitted():
+    text = study(
+        "[vary]\ndisplacement_start = { from = 0, to = 1 }\n[measured]\nfile = 'rig.csv'\n"
+    )
+    Path(text).write_text(Path(text).read_text().replace("car.toml", "van_der_pol"))
+    with pytest.raises(InputError, match="scene: only models of this package can be fitted"):
+        phaseplane.fit_parameters(text)
 
 
 def test_parameters_that_do_the_same_are_said_to_be_alike():
