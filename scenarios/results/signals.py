@@ -149,5 +149,5 @@ def _refuse_others(key: str, given: Mapping[str, Any], known: Collection[str]) -
 
 def _si(given: Mapping[str, Any], key: str, unit: str) -> float:
     value = given.get(key, 0.0)
-    with blaming(f"{key} = {shown(value)}", (TypeError, ValueError)):
+    with blaming(f"{key} = {shown(value)}", (TypeError, ValueError, OverflowError)):
         return to_si(value, unit) if isinstance(value, str) else float(value)

@@ -28,6 +28,7 @@ from .fields import (
     entry,
     keys_of,
     read_table,
+    real,
     refusing,
     schema_of,
 )
@@ -45,7 +46,7 @@ def _constants(given: object) -> dict[str, float]:
         raise ValueError("must be a table, such as { gain = 1500 }")
     for name, value in given.items():
         key = f"controller.constants.{name}"
-        if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        if not isfinite(real(value)):
             raise RefusedError.value(key, value, "must be a number in SI")
         with refusing(key, f"{key}: "):
             equations.check_name(name)

@@ -198,7 +198,7 @@ def bounds_from(raw: object, unit: str) -> Bounds:
         si = unit if unit != COUNT else "1"
         bounds[name] = to_si(value, si) if isinstance(value, str) else real(value)
         if not isfinite(bounds[name]):
-            raise ValueError(f"{name} must be a finite number{format_unit(unit)}")
+            raise ValueError(f"{name} must be a finite number{format_unit(si)}")
     if bounds.get("min", -inf) > bounds.get("max", inf):
         raise ValueError("min is above max")
     return Bounds(**bounds)

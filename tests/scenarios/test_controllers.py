@@ -105,6 +105,7 @@ def test_a_sweep_varies_a_gain():
         ({"actuator_force": "1", "period": -1}, "controller.period = -1: must be greater than 0"),
         ({"actuator_force": "1", "events": "yes"}, "controller.events = 'yes': must be true"),
         ({"actuator_force": "c", "constants": {"c": "3 N"}}, "must be a number in SI"),
+        ({"actuator_force": "c", "constants": {"c": 10**400}}, "must be a number in SI"),
         ({"actuator_force": "t", "constants": {"t": 3}}, "controller.constants.t: 't' cannot name"),
         (
             {"actuator_force": "-body_velocity", "constants": {"body_velocity": 3}},

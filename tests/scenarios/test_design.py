@@ -473,6 +473,16 @@ def test_a_search_without_a_terminal_prints_its_report_alone():
         ({"file": "rig.csv", "sep": ";"}, "unknown key 'sep'"),
         ({"file": "rig.csv", "columns": 3}, "must be a table"),
         (
+            {
+                "file": "rig.csv",
+                "columns": {"body_acceleration": "acc_z"},
+                "time": "t",
+                "delimiter": ";",
+                "time_shift": 10**400,
+            },
+            "time_shift = 1000.*: int too large",
+        ),
+        (
             {"file": "rig.csv", "columns": {"body_acceleration": "acc_z"}, "units": {"acc": "g"}},
             r"units.acc: is not among what is read; did you mean 'acc_z'\?",
         ),

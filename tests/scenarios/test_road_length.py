@@ -89,9 +89,18 @@ def test_all_runs_of_a_sweep_go_over_one_road_that_is_long_enough(car: str, tmp_
     assert rows[1].values == (pytest.approx(alone, rel=1e-9),)
 
 
-def test_a_sweep_over_the_duration_counts_it(car: str) -> None:
-    text = SWEEP.replace('speed = ["40 km/h", "80 km/h"]', 'duration = ["1 s", "30 s"]')
-    assert load_plan(sweep_file(text)).road_length == 687.0
+@pytest.mark.parametrize(
+    ("shape", "varied", "length"),
+    [
+        ("random", 'duration = ["1 s", "30 s"]', 687.0),
+        ("bump", 'road.shape = ["bump", "random"]', 465.0),
+        ("bump", 'speed = ["40 km/h", "80 km/h"]', None),
+    ],
+)
+def test_a_sweep_over_other_keys_counts_them(shape: str, varied: str, length: float | None) -> None:
+    written(SCENE.replace("random", shape), "car.toml")
+    text = SWEEP.replace('speed = ["40 km/h", "80 km/h"]', varied)
+    assert load_plan(sweep_file(text)).road_length == length
 
 
 def test_a_sweep_says_how_many_roads_end(car: str, tmp_path: Path) -> None:
