@@ -10,6 +10,7 @@ from ..errors import RunError
 from ..results.plain import as_json
 from ..scene.loading import load_scene
 from ..studies import rules as study
+from ..studies.accuracy import REPEATS
 from ..studies.problems import PROBLEMS
 from ..studies.reports import study_accuracy, study_stability
 from .console import json_option, output_option, progress_bar, set_option, warn
@@ -27,7 +28,7 @@ from .console import json_option, output_option, progress_bar, set_option, warn
 @click.option(
     "--repeats",
     type=click.IntRange(1, 1000),
-    default=7,
+    default=REPEATS,
     show_default=True,
     help="Number of timings of each run.",
 )

@@ -257,12 +257,12 @@ def test_keys_of_the_scene_may_be_varied_too() -> None:
 def test_nested_tables_are_varied_as_they_are_given_to_a_scene() -> None:
     nested = """
     parameters.damper.rebound_rate = [1000, 2000]
-    road = { height = { from = "1 cm", to = "3 cm", count = 2 } }
+    road = { height = { from = "1 cm", to = "3 cm", count = 2 }, seed = { from = 1, to = 4, count = 3 } }
     """
     plan = load_plan(sweep_file(f"{GRID.partition('[vary]')[0]}[vary]\n{nested}"))
-    assert plan.keys == ("damper.rebound_rate", "road.height")
-    assert plan.points[0] == (1000.0, 0.01)
-    assert len(plan.points) == 4
+    assert plan.keys == ("damper.rebound_rate", "road.height", "road.seed")
+    assert plan.points[:3] == tuple((1000.0, 0.01, seed) for seed in (1, 2, 4))
+    assert len(plan.points) == 12
 
 
 def test_what_is_varied_without_effect_is_said_once() -> None:
