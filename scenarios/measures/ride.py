@@ -20,8 +20,6 @@ from phaseplane.suspension.variables import Variable
 from .reading import Measure, Reading, Run
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from .reading import Column
 
 _SOURCE = "ISO 2631-1:1997"
@@ -82,13 +80,6 @@ def largest_transient(acceleration: str, velocity: str, run: Run) -> Reading:
     return Reading(
         sqrt(max(0.0, float(total[row] - before[row])) / _TIME_CONSTANT), float(time[row])
     )
-
-
-def response(frequency: Column) -> npt.NDArray[np.complex128]:
-    """Return the weighting Wk at frequencies in Hz (ISO 2631-1 eqs. A.1 to A.4)."""
-    numerator, denominator = _weighting()
-    p = 2j * pi * np.asarray(frequency)
-    return np.polyval(numerator, p) / np.polyval(denominator, p)
 
 
 def _weighted(acceleration: str, velocity: str, run: Run) -> Column:

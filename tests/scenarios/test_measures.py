@@ -8,10 +8,11 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 from phaseplane.scenarios.measures import COUNT, Reading, Run, catalogue, default_measures, take
-from phaseplane.scenarios.measures.ride import response, weighted
+from phaseplane.scenarios.measures.ride import _weighting, weighted
 from phaseplane.scenarios.measures.road import roughness_index
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.suspension.variables import MODELS, Variable, checked_parameters
+from scipy.signal import freqs, lsim
 
 COLUMNS = {
     "time": np.array([0.0, 0.1, 0.2, 0.3, 0.4]),
@@ -131,6 +132,11 @@ WK = """0.1 31.2  0.125 48.6  0.16 79.0  0.2 121  0.25 182  0.315 263  0.4 352  
 TABLE = np.array(WK.split(), dtype=float).reshape(-1, 2)
 
 
+def response(frequency: np.ndarray) -> np.ndarray:
+    """The weighting at frequencies in Hz."""
+    return freqs(*_weighting(), 2.0 * pi * frequency)[1]
+
+
 def test_the_weighting_is_that_of_the_standard() -> None:
     """Every published value, to its three digits, at the frequency the table means or its name."""
     named, published = TABLE.T
@@ -161,9 +167,6 @@ def test_a_weighted_sine_comes_to_rest_at_its_weight(frequency: float, step: flo
 
 
 def test_weighting_equals_scipys_integration_of_the_filter() -> None:
-    from phaseplane.scenarios.measures.ride import _weighting  # noqa: PLC0415
-    from scipy.signal import lsim  # noqa: PLC0415
-
     rng = np.random.default_rng(7)
     time = np.arange(0.0, 4.0, 2e-3)
     acceleration = np.convolve(rng.normal(size=len(time)), np.ones(9) / 9, "same")
