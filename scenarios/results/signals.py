@@ -67,6 +67,9 @@ def read_signals(
         tables[key] = said.get(key, {})
         if not isinstance(tables[key], Mapping):
             raise InputError(f"{key} = {shown(tables[key])}: must be a table")
+        for name, value in tables[key].items():
+            if key != "offset" and not isinstance(value, str):
+                raise InputError(f"{key}.{name} = {shown(value)}: must be a string")
     path, delimiter = folder / said["file"], str(said.get("delimiter", ","))
     heading = str(said.get("time", "time"))
     if path.suffix != ".csv":

@@ -472,6 +472,8 @@ def test_a_search_without_a_terminal_prints_its_report_alone():
         ({"file": "rig.csv", "columns": {"body_acc": "acc_z"}}, "no output 'body_acc'"),
         ({"file": "rig.csv", "sep": ";"}, "unknown key 'sep'"),
         ({"file": "rig.csv", "columns": 3}, "must be a table"),
+        ({"file": "rig.csv", "columns": {"a": ["x"]}}, r"columns.a = \['x'\]: must be a string"),
+        ({"file": "rig.csv", "units": {"t": 3}}, "units.t = 3: must be a string"),
         (
             {
                 "file": "rig.csv",

@@ -14,7 +14,7 @@ from phaseplane.scenarios.sweeps.plan import load_plan
 from phaseplane.scenarios.sweeps.report import format_sweep, summary_of
 from phaseplane.scenarios.sweeps.running import sweep
 from phaseplane.suspension.parts import road_from
-from phaseplane.suspension.roads.extent import LENGTH
+from phaseplane.suspension.roads.extent import LENGTH, LONGEST
 from small_sweep import sweep_file
 
 SCENE = """
@@ -93,6 +93,7 @@ def test_all_runs_of_a_sweep_go_over_one_road_that_is_long_enough(car: str, tmp_
     ("shape", "varied", "length"),
     [
         ("random", 'duration = ["1 s", "30 s"]', 687.0),
+        ("random", "duration = [1, 1e308]", LONGEST),
         ("bump", 'road.shape = ["bump", "random"]', 465.0),
         ("bump", 'speed = ["40 km/h", "80 km/h"]', None),
     ],

@@ -310,7 +310,7 @@ def test_a_file_in_utf_8_may_begin_with_a_mark() -> None:
         ("construction.plane_scales=[1]", ["plane_scales = [1]", "two numbers"]),
         ("construction.starts=[[1, 1" + "0" * 400 + "]]", ["starts", "must be a finite number"]),
         ("expect.lift_of_count=1", ["'lift_of_count'", "did you mean 'lift_off_count'?"]),
-        ("expect.airborne_time=0.03", ["expect.airborne_time = 0.03", "min and/or max in s"]),
+        ("expect.airborne_time=1", ["expect.airborne_time = 1", "min and/or max in s"]),
         ("expect.airborne_time={min='1 N'}", ["expect.airborne_time", "'N' does not fit"]),
         ("expect.airborne_time={most=3}", ["'most' is unknown; must be min and/or max"]),
         ("expect.lift_off_count={min=3, max=1}", ["min is above max"]),

@@ -33,8 +33,8 @@ def length_for(parameters: Mapping[str, Value], duration: float) -> float | None
     if parameters.get("road.shape") != "random":
         return None
     way = (duration - number(parameters, "road.start")) * number(parameters, "speed")
-    whole = max(ceil(way + fade_length(max(way, DEFAULT_LENGTH))), DEFAULT_LENGTH)
-    return min(float(whole), LONGEST)
+    length = max(way + fade_length(max(way, DEFAULT_LENGTH)), DEFAULT_LENGTH)
+    return min(float(ceil(min(length, LONGEST))), LONGEST)
 
 
 def road_end(parameters: Mapping[str, Value]) -> tuple[float, float] | None:
