@@ -214,7 +214,7 @@ def _format_optimum(found: Optimum) -> list[str]:
         rows.append((key, *(_value(space, k, float(x)) for x in points)))
     measured: list[tuple[str, ...]] = [("measure", "before", "found", "bound")]
     for k, name in enumerate(problem.measures):
-        unit = known[name].unit
+        unit = known[name].unit_of_one
         bound = problem.bounds.get(name)
         limits = [] if bound is None else [
             f"{word} {quantity(limit, unit)}"
@@ -263,7 +263,7 @@ def _draw_optimum(found: Optimum, columns: Mapping[str, Any]) -> Figure:
         points = space.values(found.points).tolist()
         return picture_of(space.plan, points, {problem.objective: columns[problem.objective]})
     pair = (problem.objective, others[0])
-    shown = [shown_in(known[name].unit) for name in pair]
+    shown = [shown_in(known[name].unit_of_one) for name in pair]
     labels = [
         "magnitude of " * has_sign(name) + in_words(name) + bracketed(unit)
         for name, (unit, _) in zip(pair, shown, strict=True)

@@ -137,7 +137,7 @@ def read_problem(path: Path) -> Problem:
     bounds = {}
     for name, raw in flat.items():
         with blaming(f"{path}: constrain.{name}"):
-            bounds[name] = bounds_from(raw, known[name].unit)
+            bounds[name] = bounds_from(raw, known[name].unit_of_one)
         if has_sign(name) and min(bounds[name].min or 0.0, bounds[name].max or 0.0) < 0.0:
             raise InputError(
                 f"{path}: constrain.{name}: the magnitude of a peak counts; give a bound that is not "

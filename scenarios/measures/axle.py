@@ -37,7 +37,7 @@ def _of_axle(prefix: str) -> Iterator[Measure]:
         needs = tuple(f"{prefix}{need}" for need in needs)
         return Measure(
             f"{prefix}{name}", unit, needs, partial(take, *needs), about, source, take is last,
-            details=details,
+            counted=take is instants, details=details,
         )  # fmt: skip
 
     yield measure("lift_off_count", COUNT, ("lift_off_count",), last,

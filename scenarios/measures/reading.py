@@ -95,6 +95,7 @@ class Measure:
     at_end : whether the last row is enough
     at_rows : whether it is taken from the rows of the run as driven
     longest_interval : largest allowed time between points, s
+    counted : whether it lists times, of which sweeps and studies take the number
     single : if it has several values for other things than times, measures with one of them
     details : where to refine the first output it needs: at its `peak` (largest magnitude), where it is
         `least`, at both ends of its `range`, or of its `late range` in the second half of the run, or
@@ -110,8 +111,14 @@ class Measure:
     at_end: bool = False
     at_rows: bool = False
     longest_interval: float = inf
+    counted: bool = False
     single: tuple[str, ...] = ()
     details: str = ""
+
+    @property
+    def unit_of_one(self) -> str:
+        """The unit of the one number that sweeps and studies take."""
+        return COUNT if self.counted else self.unit
 
     @property
     def over_time(self) -> bool:

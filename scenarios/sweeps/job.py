@@ -17,7 +17,7 @@ from ..progress import Progress, silent
 from ..results.folder import Place, replace_folder, write_summary
 from ..results.quantities import shown_in
 from .plan import Plan, load_plan
-from .report import check_table, summary_of, table_of, unit_of, write_rows
+from .report import check_table, summary_of, table_of, write_rows
 from .running import Row, journal_key, sweep
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ def picture_of(
     known = catalogue(plan.scene.fmu.outputs())
     taken = {}
     for name, found in measured.items():
-        in_si = unit_of(known[name], [x for x in found if x is not None])
+        in_si = known[name].unit_of_one
         unit, factor = shown_in(in_si)
         values = factor * np.array(found, float)  # None becomes not a number
         if np.isfinite(values).any():

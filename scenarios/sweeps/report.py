@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,7 @@ from phaseplane.suspension.units import counted
 from phaseplane.suspension.variables import Value
 
 from ..errors import InputError, shown
-from ..measures import COUNT, Measure, catalogue, has_sign
+from ..measures import catalogue, has_sign
 from ..results.quantities import quantity
 from ..results.report import UNCOMPILED, aligned
 from .plan import Plan
@@ -71,7 +71,7 @@ def summary_of(plan: Plan, rows: Sequence[Row], more: Mapping[str, Any]) -> dict
             size = _magnitude if has_sign(name) else None
             (low, first), (high, last) = min(found, key=size), max(found, key=size)
             extent[name] = {
-                "unit": unit_of(known[name], [x for x, _ in found]),
+                "unit": known[name].unit_of_one,
                 "min": low, "run_of_min": first, "max": high, "run_of_max": last,
             }  # fmt: skip
     return {
@@ -88,11 +88,6 @@ def summary_of(plan: Plan, rows: Sequence[Row], more: Mapping[str, Any]) -> dict
         "warnings": plan.warnings,
         **more,
     }
-
-
-def unit_of(measure: Measure, values: Iterable[object]) -> str:
-    """Return the unit of a measure in a sweep, in which times are counted."""
-    return COUNT if all(isinstance(x, int) for x in values) else measure.unit
 
 
 def _magnitude(found: tuple[float, int]) -> float:

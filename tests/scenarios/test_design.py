@@ -553,6 +553,16 @@ def test_runs_that_lack_a_measure_are_counted():
 
 
 @pytest.mark.slow
+def test_a_measure_that_lists_times_is_their_number():
+    found = phaseplane.optimise(study(
+        'minimise = "lift_offs"\n[vary]\nroad.height = { from = "2 cm", to = "8 cm" }\n'
+        "[constrain]\ntouchdowns = 1\n[search]\npopulation = 1\ngenerations = 0\n"
+    ))  # fmt: skip
+    (row,) = [line for line in found.report.splitlines() if line.startswith("lift_offs  ")]
+    assert row.split()[2:] == ["1", "least"]
+
+
+@pytest.mark.slow
 def test_a_scene_outside_the_range_is_not_taken_for_what_was_before():
     found = phaseplane.optimise(study(
         'minimise = "suspension_travel"\n[vary]\nspring.rate = { from = "20 N/mm", to = "30 N/mm" }\n'
