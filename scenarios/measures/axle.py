@@ -11,17 +11,16 @@ from phaseplane.suspension.variables import Variable
 from .motion import first_instant, instants, last, smallest, square
 from .reading import COUNT, Measure, Reading, Run, late
 
+_OF_AXLE = "suspension_deflection"  # behind the prefix of an axle
 _MITSCHKE = "M. Mitschke, H. Wallentowitz, Dynamik der Kraftfahrzeuge, Springer 2004"
 
 
 def of_axles(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
     """Yield the measures of every axle of the model; their names begin with its prefix."""
     for deflection in outputs:
-        prefix, found, rest = deflection.partition("suspension_deflection")
-        if found and not rest:
-            for measure in _of_axle(prefix):
-                if all(name in outputs for name in measure.needs):
-                    yield measure
+        if deflection.endswith(_OF_AXLE):
+            of_axle = _of_axle(deflection.removesuffix(_OF_AXLE))
+            yield from (one for one in of_axle if outputs.keys() >= {*one.needs})
 
 
 def _of_axle(prefix: str) -> Iterator[Measure]:

@@ -135,14 +135,16 @@ def test_the_peak_at_a_kerb_between_two_rows_has_its_closed_form() -> None:
 
 def test_stops_met_for_less_than_a_millisecond_are_counted() -> None:
     scene = load_scene("stiff_stop", ["show.output_interval=10 ms"])
-    names = ["bump_stop_hits", "rebound_stop_hits", "peak.bump_stop_force"]
-    summary = run(scene.only(names)).summary
+    found = {
+        name: run(scene.only([name])).summary["measures"][name]["value"]
+        for name in ("bump_stop_hits", "rebound_stop_hits", "peak.bump_stop_force")
+    }
     session = Session(scene.fmu.model, scene.start_values)
     session.advance(scene.duration)
     for stop, sign in (("bump_stop", -1), ("rebound_stop", 1)):
         met = sum(e.element == stop and (e.after - e.before) * sign > 0 for e in session.events)
-        assert summary["measures"][f"{stop}_hits"]["value"] == met > 0
-    assert summary["measures"]["peak.bump_stop_force"]["value"] < -1e5
+        assert found[f"{stop}_hits"] == met > 0
+    assert found["peak.bump_stop_force"] < -1e5
 
 
 def test_what_comes_by_default_does_not_contradict_itself(tmp_path: Path) -> None:
