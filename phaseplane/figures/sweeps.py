@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from phaseplane.picture.paper import Reals
 from phaseplane.picture.styles import BLUE, GREY, ORANGE, RED, SERIES
 from phaseplane.picture.text import bracketed, in_words
 
@@ -34,7 +35,8 @@ def sweep(varied: Quantities, measured: Quantities, *, title: str = "") -> Figur
     """Draw the measures of a sweep over the varied parameters.
 
     Curves over one number, a family of curves if other parameters take few values, maps over two
-    numbers; otherwise every measure over every number. If all parameters are texts, they are ticks.
+    numbers alone; otherwise every measure over every number. If all parameters are texts, they are ticks.
+    A measure that no run has is left out.
 
     Parameters
     ----------
@@ -45,15 +47,16 @@ def sweep(varied: Quantities, measured: Quantities, *, title: str = "") -> Figur
     ------
     ValueError : if there are no parameters or no measures.
     """
-    if not varied or not measured:
+    known = [name for name, (_, values) in measured.items() if np.isfinite(values).any()]
+    if not varied or not known:
         raise ValueError("a picture of a sweep needs at least one parameter and one measure")
-    shown = dict(list(measured.items())[:_MOST])
+    shown = {name: measured[name] for name in known[:_MOST]}
     abscissa = _abscissa(varied)
     if abscissa:
         figure = _lines(abscissa, varied, shown)
     else:
         numbers = {key: column for key, column in varied.items() if not _are_texts(column[1])}
-        figure = (_maps if len(numbers) == 2 else _matrix)(numbers, shown)
+        figure = (_maps if len(numbers) == len(varied) == 2 else _matrix)(numbers, shown)
     return figure.finished(title)
 
 
@@ -135,7 +138,7 @@ def _maps(varied: Quantities, measured: Quantities) -> Printed:
         words = _words(name, unit, broken=False)
         if np.ptp(pz) == 0.0:
             words = f"{words}: {pz[0]:.5g} everywhere"
-        elif len(np.unique(px)) > 1 and len(np.unique(py)) > 1 and len(pz) > 2:
+        elif _cover(px, py):
             counts = unit == "count" and np.ptp(pz) < _LEVELS  # a band for each integer
             levels = np.arange(pz.min() - 0.5, pz.max() + 1.0) if counts else _LEVELS
             filled = axes.tricontourf(px, py, pz, levels=levels, cmap=_MAP)
@@ -154,6 +157,12 @@ def _maps(varied: Quantities, measured: Quantities) -> Printed:
     for axes in panels[len(measured) :]:
         axes.set_axis_off()
     return figure
+
+
+def _cover(*places: Reals) -> bool:
+    """Return whether points are not collinear."""
+    apart = [(v - v[0]) / (np.ptp(v) or 1.0) for v in places]
+    return bool(np.linalg.matrix_rank(apart, tol=1e-6) == len(places))
 
 
 def _matrix(varied: Quantities, measured: Quantities) -> Printed:

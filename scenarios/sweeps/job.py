@@ -113,10 +113,9 @@ def picture_of(
         in_si = known[name].unit_of_one
         unit, factor = shown_in(in_si)
         values = factor * np.array(found, float)  # None becomes not a number
-        if np.isfinite(values).any():
-            signed = has_sign(name)
-            size = (abs(values) if signed else values).tolist()
-            taken[f"magnitude of {name}" if signed else name] = (unit or in_si, size)
+        signed = has_sign(name)
+        size = (abs(values) if signed else values).tolist()
+        taken[f"magnitude of {name}" if signed else name] = (unit or in_si, size)
     return figures.sweep(varied, taken, title=plan.title or plan.name)
 
 

@@ -48,6 +48,21 @@ def test_a_few_values_of_a_second_number_are_a_family_too_and_many_a_map() -> No
     figure = sweep(quantities, {"travel": ("mm", speed)})
     assert not figure.legends
     assert len(figure.axes) == 2  # the map and its scale
+    doubled = {key: (unit, 2 * values) for key, (unit, values) in quantities.items()}
+    lift = ["true"] * len(speed) + ["false"] * len(speed)
+    figure = sweep({**doubled, "lift_off": ("", lift)}, {"travel": ("mm", 2 * speed)})
+    drawn = [len(axes.lines[0].get_xdata()) for axes in figure.axes]
+    assert drawn == [180, 180]  # not a map through both
+
+
+@pytest.mark.parametrize("values", [[1.0, 2.0, 4.0], [1.0, np.nan, 4.0], [np.nan] * 3])
+def test_a_list_of_runs_along_a_line_is_drawn_as_points(values: list[float]) -> None:
+    """Which no map can be drawn through; a measure that no run has is left out."""
+    varied = {"speed": ("m/s", [10.0, 20.0, 30.0]), "rate": ("N/m", [1e5, 2e5, 3e5])}
+    figure = sweep(varied, {"peak": ("m", values), "travel": ("mm", [1.0, 2.0, 3.0])})
+    panels = [axes for axes in figure.axes if axes.get_title()]
+    drawn = [len(axes.lines[0].get_xdata()) for axes in panels]
+    assert drawn == [n for n in (np.isfinite(values).sum(), 3) if n]
 
 
 def test_texts_alone_stand_side_by_side() -> None:
