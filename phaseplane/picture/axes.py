@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -73,13 +74,16 @@ def draw_axes(page: Page, clear: Points = NOTHING) -> None:
          _graduation_up(page, plane))
         for plane in page.drawing.planes for motion in (page.motion(plane),)
     ]  # fmt: skip
-    beside = _in_columns(page)
+    beside, shared = _in_columns(page), Counter(plane.name for plane in page.drawing.planes)
     for plane, _, along, up in known if beside else ():
         words = plane.name.split("_")
+        above = " ".join(words[:-1] or words)
+        if shared[plane.name] > 1:  # they differ in what is upwards
+            above = plane.scaled_velocity.label
         units = ", ".join(filter(None, (bracketed(of.unit).strip() for of in (along, up))))
         tip = _upright(page, plane)[1]
         # two texts: of many with two rows, the viewer shows only the first
-        for row, text in enumerate(filter(None, (units, " ".join(words[:-1] or words)))):
+        for row, text in enumerate(filter(None, (units, above))):
             page.write(Text("axis", text, tip + (1.0 + _ROW * row) * 1j * page.em, kind="name"))
     names, values = [], []
     for plane, motion, along, up in known:

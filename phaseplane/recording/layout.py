@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
@@ -139,7 +140,8 @@ def _time_panel(recorder: Recorder) -> rrb.TimePanel:
 def _sheets(content: Content, pages: Sequence[Page]) -> rrb.View | rrb.Container:
     """Return the view of the whole sheet, and with several planes one of each, or a grid of them."""
     together = is_narrow(content)  # one below the other on the sheet, they are small
-    names = [in_words(displacement) for displacement, _ in content.pairs]
+    shared = Counter(displacement for displacement, _ in content.pairs)
+    names = [in_words(f"{y}, {rate}" if shared[y] > 1 else y) for y, rate in content.pairs]
     if content.constructed is not None:
         names = [
             typeset(plane.displacement.label) + f", {in_words(plane.name)}" * together
