@@ -80,10 +80,10 @@ def arms_page(drawing: Drawing, frames: StoredFrames | None = None) -> Page:
     names = [words_at_end(curve, curves) for curve in curves if curve.role != "axis"]
     room = max((2.0 * text_box(0j, name, 1.0).half.real for name in names), default=0.0) + 0.5
     size = 2.0 * arms.half
-    em = max(size.real / (_ARMS.real - room - 1.0), size.imag / (_ARMS.imag - 3.6))
+    em = max(size.real / (_ARMS.real - room - 1.0), size.imag / (_ARMS.imag - 3.8))
     # room for the names beside the arms, and for the values below them
     low, high = arms.corners
-    low, high = low - (0.5 + 1.6j) * em, high + (room + 0.5 + 2j) * em
+    low, high = low - (0.5 + 1.8j) * em, high + (room + 0.5 + 2j) * em
     page = Page(Subject(drawing), Box((low + high) / 2.0, (high - low) / 2.0), em)
     draw_curves(page, list(dict.fromkeys(c.role for c in curves)))
     return page
