@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import rerun as rr
 import rerun.blueprint as rrb
 from recorded import Recorded, content, drawing, paper, read_back
 
@@ -203,17 +204,22 @@ def test_the_body_of_a_half_car_pitches(tmp_path: Path) -> None:
             assert middle + place * np.tan(turn) == pytest.approx(floor, abs=1e-6)
 
 
-def test_the_phase_plane_of_two_columns(tmp_path: Path) -> None:
-    pair = ("body_displacement", "body_velocity")
-    shown = Content("a run", histories=MOTION, pairs=(pair,), views=("planes",))
+@pytest.mark.parametrize("name", ["body_displacement", "body travel/2"])
+def test_the_phase_plane_of_two_columns(
+    name: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """An FMU may give its variables any names."""
+    pair, columns = (name, "body_velocity"), {**MOTION, name: MOTION["body_displacement"]}
+    shown = Content("a run", None, columns, {name: "m"}, (pair,), views=("planes",))
     made = read_back(shown, tmp_path)
-    path = f"/sheet/trail/{pair[0]}"
+    assert "WARN" not in capfd.readouterr().err
+    path = f"/sheet/trail/{rr.escape_entity_path_part(name)}"
     assert {f"{path}/recent", f"{path}/past", f"{path}/here"} == {
         p for p in made.rows if p.startswith("/sheet")
     }
     rows = made.rows[f"{path}/recent"]
     ends = [paper(row["LineStrips2D:strips"][0]) for row in rows]
-    expected = MOTION[pair[0]] + 1j * MOTION[pair[1]]
+    expected = columns[name] + 1j * MOTION[pair[1]]
     np.testing.assert_allclose([end for _, end in ends], expected[1:], atol=1e-6)
     assert all(a[1] == b[0] for a, b in pairwise(ends))
     static = made.static[path]["Transform3D:mat3x3"][0]
@@ -221,7 +227,7 @@ def test_the_phase_plane_of_two_columns(tmp_path: Path) -> None:
     assert 0.04 * a == pytest.approx(0.1, rel=0.4)
     assert 0.8 * b == pytest.approx(0.1, rel=0.4)
     labels = made.static["/sheet/paper/letters"]["Points2D:labels"]
-    assert any("body\ndisplacement" in label and "[cm]" in label for label in labels)
+    assert any(name.replace("_", "\n") in label and "[cm]" in label for label in labels)
     assert any("body velocity" in label and "m/s" in label for label in labels)
 
 
