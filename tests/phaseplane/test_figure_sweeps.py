@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from on_figures import legend
 
-from phaseplane.figures import sweep
+from phaseplane.figures import pareto, sweep
 
 SPEEDS = [10.0, 30.0, 20.0, 40.0]
 TABLES = ["", "-1:0.5, 1:0.5", "-1:2, 0:1, 0.1:2, 0.2:3, 0.3:4, 0.4:5"]
@@ -38,10 +38,11 @@ def test_a_number_and_a_text_are_a_family_of_curves() -> None:
 
 @pytest.mark.slow
 def test_a_few_values_of_a_second_number_are_a_family_too_and_many_a_map() -> None:
-    speed, few = gridded(SPEEDS, [500.0, 1000.0])
+    rates = [500.0 * k for k in range(1, 9)]
+    speed, few = gridded(list(np.linspace(10.0, 40.0, 16)), rates)
     quantities = {"speed": ("m/s", speed), "rate": ("N.s/m", few)}
     figure = sweep(quantities, {"travel": ("mm", speed)})
-    assert legend(figure) == ["500", "1000"]
+    assert legend(figure) == [f"{rate:g}" for rate in rates]
     assert figure.legends[0].get_title().get_text() == "rate [N·s/m]"
     speed, many = gridded(list(np.linspace(10.0, 40.0, 10)), list(np.linspace(500.0, 1000.0, 9)))
     quantities = {"speed": ("m/s", speed), "rate": ("N.s/m", many)}
@@ -55,7 +56,7 @@ def test_a_few_values_of_a_second_number_are_a_family_too_and_many_a_map() -> No
     assert drawn == [180, 180]  # not a map through both
 
 
-@pytest.mark.parametrize("values", [[1.0, 2.0, 4.0], [1.0, np.nan, 4.0], [np.nan] * 3])
+@pytest.mark.parametrize("values", [[1.0, 2.0, 4.0], [np.nan] * 3])
 def test_a_list_of_runs_along_a_line_is_drawn_as_points(values: list[float]) -> None:
     """Which no map can be drawn through; a measure that no run has is left out."""
     varied = {"speed": ("m/s", [10.0, 20.0, 30.0]), "rate": ("N/m", [1e5, 2e5, 3e5])}
@@ -85,6 +86,11 @@ def test_no_tick_label_overlaps_another_and_no_point_is_cut(parameters: int) -> 
     }
     figure = sweep(varied, measured, title="a title")
     figure.draw_without_rendering()
+    if parameters == 3:  # every measure against every number, named at the edges
+        *names, _, _ = [axes.get_ylabel().replace("\n", " ") for axes in figure.axes]
+        assert names == ["body displacement [m]", "", "", "lift off count"]
+        below = [axes.get_xlabel() for axes in figure.axes]
+        assert below == [""] * 3 + [f"rate {k} [N/m]" for k in range(3)]
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
             boxes = [
@@ -96,6 +102,39 @@ def test_no_tick_label_overlaps_another_and_no_point_is_cut(parameters: int) -> 
                 assert not any(box.overlaps(other) for other in boxes[k + 1 :])
         for line in axes.lines:
             assert not line.get_clip_on()
+
+
+def test_a_map_has_words_on_its_axes_and_a_band_for_each_count() -> None:
+    varied = {
+        "speed": ("m/s", [10.0, 20.0, 10.0, 20.0, 15.0]),
+        "damper.rebound_rate": ("N.s/m", [1.0, 1.0, 2.0, 2.0, 1.5]),
+    }
+    values = [0.0, 1.0, 2.0, 3.0, 1.0]
+    figure = sweep(varied, {"lift_off_count": ("count", values), "travel": ("mm", values)})
+    counts, travel, scale, _ = figure.axes
+    assert (counts.get_title(), travel.get_title()) == ("lift off count", "travel [mm]")
+    for axes in (counts, travel):
+        assert axes.get_xlabel() == "speed [m/s]"
+        assert axes.get_ylabel() == "damper rebound rate [N·s/m]"
+    for drawn in counts.collections:
+        assert drawn.levels.tolist() == [-0.5, 0.5, 1.5, 2.5, 3.5]
+    assert scale.get_yticks().tolist() == [0.0, 1.0, 2.0, 3.0]
+    assert len(travel.collections[0].levels) > 10
+
+
+def test_a_trade_off_shows_most_runs_and_all_that_is_marked() -> None:
+    """What is far off does not flatten the rest."""
+    runs = [*np.arange(1.0, 20.0), 1e3]
+    figure = pareto(
+        (runs, runs), ("a", "b"), front=([-3.0, 1.0], [1.0, 0.5]), marked={"chosen": (30.0, 40.0)},
+        limits=([50.0], [-2.0]),
+    )  # fmt: skip
+    (axes,) = figure.axes
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    assert -10.0 < left < -3.0 < 50.0 < right < 60.0
+    assert -6.0 < low < -2.0 < 40.0 < high < 50.0
+    with pytest.raises(ValueError, match="no run has both measures"):
+        pareto(([1.0, np.nan], [np.nan, 1.0]), ("a", "b"))
 
 
 def test_axes_have_words_and_units_as_they_are_printed() -> None:
