@@ -113,13 +113,12 @@ class Chart:
         for i in shown:
             text = number(i * step)
             mark(self.at(self.start, i * step), 1.0, text, 0.3 + 0.27 * len(text))
-        span = self.end - self.start
-        unit, factor = ("s", 1.0) if span >= 1.0 else ("ms", 1e3)
-        step = round_step(factor * span or 1.0, 5)
-        last = int(factor * span / step)
-        for i in range(last, 0, -1):  # the last one has the unit
+        unit, factor = ("s", 1.0) if self.end >= 1.0 else ("ms", 1e3)
+        step = round_step(factor * (self.end - self.start) or 1.0, 5)
+        first, last = (floor(factor * time / step) for time in (self.start, self.end))
+        for i in range(last, first, -1):  # the last one has the unit
             text = number(i * step) + (f" {unit}" if i == last else "")
-            mark(self.at(self.start + i * step / factor, self.low), 1j, text, 0.8)
+            mark(self.at(i * step / factor, self.low), 1j, text, 0.8)
 
     def upto(self, step: int) -> Page:
         """Return a page with what was read off the planes up to a step, and a line at its time."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -12,6 +13,7 @@ from recorded import drawing
 from worked_example import ap57
 
 from phaseplane.constructions import EquationPlane, construct_motion, delta
+from phaseplane.constructions.storage import StoredFrames
 from phaseplane.picture.chart import Chart
 from phaseplane.picture.page import Dots, Lines
 from phaseplane.picture.quantities import QUANTITIES
@@ -111,11 +113,20 @@ def test_the_values_of_the_time_stand_below_the_curves_of_a_chart() -> None:
         assert chart.stays.view.contains(box)
 
 
-@given(end=st.floats(0.01, 4.0))
-def test_the_unit_of_time_stands_in_every_chart(*, end: float) -> None:
-    made = construct_motion(EquationPlane(lambda v, x, t: x, True), delta, step=end / 4, steps=4)
-    texts = Chart(made, {"time": [0.0, end], "y": [0.0, 1.0]}, ("y",), QUANTITIES[0]).stays.texts
-    assert [text.text.split()[-1] for text in texts if text.text.endswith("s")] in (["s"], ["ms"])
+@given(start=st.floats(0.0, 9.0), span=st.floats(0.01, 4.0))
+def test_times_stand_at_their_places_in_every_chart_with_a_unit(
+    *, start: float, span: float
+) -> None:
+    """Also in one of a construction that is laid over a part of a motion."""
+    made = construct_motion(EquationPlane(lambda v, x, t: x, True), delta, step=span / 4, steps=4)
+    frames = StoredFrames([replace(frame, time=start + frame.time) for frame in made.frames])
+    shown = {"time": [start, start + span], "y": [0.0, 1.0]}
+    chart = Chart(replace(made, frames=frames, end=None), shown, ("y",), QUANTITIES[0])
+    named = {t.text: t.centre for t in chart.stays.texts if t.centre.imag < chart.at(0, 0.0).imag}
+    (unit,) = {words[1] for text in named if (words := text.split())[1:]}
+    for text, centre in named.items():
+        time = float(text.split()[0]) / {"s": 1.0, "ms": 1e3}[unit]
+        assert centre.real == pytest.approx(chart.at(time, 0.0).real, abs=1e-6)
 
 
 @given(low=st.floats(-100.0, 0.0), span=st.floats(0.01, 200.0))
