@@ -15,7 +15,7 @@ from phaseplane.picture.curves import draw_trails
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, arcs, around, bounds
 from phaseplane.picture.step import write_letters
-from phaseplane.picture.text import format_time
+from phaseplane.picture.text import format_time, number
 from phaseplane.picture.views import frame_at, motion_points, name_room
 
 from .canvas import as_figure, new_page
@@ -86,7 +86,8 @@ def figure8(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[
 
 
 def _which(frame: Frame) -> str:
-    return f"step {frame.step}, {format_time(frame.time)}, {1e3 * frame.duration:.4g} ms long"
+    lasts = number(1e3 * frame.duration, 4)
+    return f"step {frame.step}, {format_time(frame.time)}, {lasts} ms long"
 
 
 def _points(frame: Frame, plane: Plane, named: Sequence[Named]) -> list[complex]:

@@ -264,7 +264,9 @@ def _introduction(drawing: Drawing, title: str) -> str:
     said = " ".join(stage for scheme in drawing.schemes.values() for stage in scheme.stages)
     letters = (" (a)", " (b)") if "by b " in said else repeat("")  # as the instructions call them
     scales = ", ".join(map(add, map(_scale, drawing.planes), letters))
-    rates = ", ".join(f"Ω{p.number} = {p.angular_frequency:.4g} rad/s" for p in drawing.planes)
+    rates = ", ".join(
+        f"Ω{p.number} = {text.number(p.angular_frequency, 4)} rad/s" for p in drawing.planes
+    )
     words.append(f"Scales: {scales}; {typeset(rates)}.")
     return "\n\n".join([*filter(None, words), _HELP])
 
@@ -274,8 +276,8 @@ def _scale(plane: Plane) -> str:
     axis = plane.displacement
     letter = typeset(axis.label)
     if axis.unit == "m":
-        return f"{letter} {axis.scale:.4g} : 1"
-    return f"{letter} {100.0 * axis.scale:.4g} cm for 1 {axis.unit}".rstrip()
+        return f"{letter} {text.number(axis.scale, 4)} : 1"
+    return f"{letter} {text.number(100.0 * axis.scale, 4)} cm for 1 {axis.unit}".rstrip()
 
 
 def _page(stays: Page, index: int) -> Page:

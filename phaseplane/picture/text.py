@@ -91,7 +91,7 @@ def bracketed(unit: str) -> str:
 
 def format_time(time: float) -> str:
     """Return a time in s as text."""
-    return f"t = {time:.4g} s" if time >= 1.0 else f"t = {1e3 * time:.4g} ms"
+    return f"t = {number(time, 4)} s" if time >= 1.0 else f"t = {number(1e3 * time, 4)} ms"
 
 
 def event_text(event: Event) -> str:
@@ -180,7 +180,7 @@ def step_head(drawing: Drawing, frame: Frame) -> str:
     mode = f", {_row(scheme)}" if len(drawing.schemes) > 1 else ""
     return (
         f"**Step {frame.step} (0 to {len(drawing.frames) - 1}){mode}**: "
-        f"t = {frame.time:.5f} s, lasts {1e3 * frame.duration:.4g} ms. {markdown(events)}"
+        f"t = {frame.time:.5f} s, lasts {number(1e3 * frame.duration, 4)} ms. {markdown(events)}"
     ).rstrip()
 
 
@@ -197,7 +197,7 @@ def end_text(drawing: Drawing, quantities: Mapping[str, Quantity | None], run: f
     last = drawing.frames[-1]
     end = last.time + last.duration
     longer = run > end + 0.5 * drawing.frames[0].duration
-    more = f"; the run goes on to {run:.4g} s, in violet" if longer else ""
+    more = f"; the run goes on to {number(run, 4)} s, in violet" if longer else ""
     told = f"**The construction ends** at t = {end:.5f} s{more}."
     read = readings_table((drawing.end or last).readings, quantities, is_laid_over(drawing))
     return "\n\n".join(filter(None, (told, read, control_text(drawing, quantities))))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,6 +25,7 @@ from phaseplane.picture.text import (
     number,
     protocol,
     readings_table,
+    step_text,
 )
 from phaseplane.recording import Content
 from phaseplane.recording.canvas import legible
@@ -108,6 +110,17 @@ def test_numbers_are_printed_without_exponents(value: float, text: str) -> None:
     assert number(value, 4) == text
     (force,) = (q for q in QUANTITIES if q.name == "force")
     assert f"| {text} " in readings_table({"contact_force": value}, {"contact_force": force})
+
+
+@pytest.mark.parametrize("pace", [1e-5, 1e6])
+def test_no_number_of_a_slow_or_a_quick_motion_has_an_exponent(pace: float) -> None:
+    law = EquationPlane(
+        lambda v, x, t: pace**2 * x, True, pace, scale=1e-6, initial_displacement=1e4, unit="kg"
+    )  # fmt: skip
+    made = replace(construct_motion(law, delta, step=0.1 / pace, steps=20), title="an equation")
+    told = [told for tick in sheet_and_story(made)[1] for told in (tick.text, tick.caption)]
+    told += [step_text(made, frame, {}) for frame in made.frames]
+    assert re.findall(r"\S*\de[+-]?\d\S*", " ".join(told)) == []
 
 
 def test_rounding_is_read_off_as_zero() -> None:
