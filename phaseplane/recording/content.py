@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from hashlib import blake2b
 from typing import Literal, get_args
 
@@ -132,7 +132,8 @@ class Content:
 
     def digest(self) -> str:
         """Return a hash of the content, by which equal recordings replace each other in a viewer."""
-        digest = blake2b(repr((self.title, self.detail, self.views)).encode(), digest_size=8)
+        settings = replace(self, drawing=None, histories={})
+        digest = blake2b(repr(settings).encode(), digest_size=8)
         if self.drawing is not None:
             digest.update(self.drawing.title.encode())
             digest.update(np.array(self.drawing.frames.times).tobytes())

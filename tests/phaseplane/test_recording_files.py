@@ -70,6 +70,8 @@ def test_identity_comes_from_the_drawing(recorded: Recorded) -> None:
         replace(shown, drawing=drawing(59)),
         replace(shown, histories={**HISTORIES, "body_displacement": np.zeros(401)}),
         replace(shown, detail="steps"),
+        replace(shown, staged=(3,)),
+        replace(shown, pairs=(("body_displacement", "wheel_acceleration"),)),
     ):
         assert recorded.entry.recording_id != new_recording(other).get_recording_id()
     assert recorded.static["/__properties"]["RecordingInfo:name"] == ["two planes"]
