@@ -15,7 +15,7 @@ from worked_example import ap57
 from phaseplane.constructions import EquationPlane, construct_motion, delta
 from phaseplane.constructions.storage import StoredFrames
 from phaseplane.picture.chart import Chart
-from phaseplane.picture.page import Dots, Lines
+from phaseplane.picture.page import Arrow, Dots, Lines
 from phaseplane.picture.quantities import QUANTITIES
 from phaseplane.picture.styles import PARTS, strength_of
 from phaseplane.recording import Content, new_recording
@@ -56,6 +56,7 @@ def test_the_texts_of_a_chart_fit_their_pane_with_type_of_its_size() -> None:
     boxes = [text.box(page.em) for text in page.texts]
     assert not any(one.overlap(other) for one, other in combinations(boxes, 2))
     assert all(page.view.contains(box) for box in boxes)
+    assert len([arrow for arrow in page.of(Arrow) if arrow.role == "axis"]) == 2
     # the names are one column in larger windows, too, and the plates of the viewer have gaps
     centres = [text.centre for text in page.texts if text.role in PARTS]
     assert len({z.real for z in centres}) == 1
@@ -91,6 +92,8 @@ def test_what_was_read_off_is_points_while_they_can_be_told_apart(steps: int, ki
     times = [z.real for z in (drawn.points if isinstance(drawn, Dots) else drawn.strips[0])]
     assert times == sorted(times)
     middle = chart.at(0.1 * (steps // 2), 0.0).real
+    (cursor,) = (strip for i in page.of(Lines) if i.role == "value" for strip in i.strips)
+    assert [z.real for z in cursor] == pytest.approx([middle] * 2)
     assert times[0] == 0.0
     assert abs(times[-1] - middle) < 0.01 * middle
     assert any(isinstance(i, Dots) for i in chart.upto(0).items)  # one reading is no curve

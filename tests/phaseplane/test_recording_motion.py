@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 from itertools import combinations, pairwise
 from pathlib import Path
@@ -90,7 +91,10 @@ def test_a_live_run_shows_nothing_that_is_still_to_come(tmp_path: Path) -> None:
     for path, rows in made.rows.items():
         assert max(row.get("t", 0.0) for row in rows) <= TIME[80] + 1e-9, path
     steps = {row["step"] for row in made.rows["/vehicle/axle/wheel"] if row.get("step") is not None}
+    times = [row["t"] for row in made.rows["/vehicle/axle/wheel"] if row.get("t", 0.0) > 0.0]
     assert steps == set(range(33))
+    (again,) = (t for t, rows in Counter(times).items() if rows > 1)
+    assert again == pytest.approx(TIME[39])  # where one part goes on from the other
     panel = {name: value for _, row in made.layout for name, value in row.items()}
     (speed,), (fps,) = (panel[f"TimePanelBlueprint:{n}"] for n in ("playback_speed", "fps"))
     assert fps * speed == speed == 1.0  # the story, once it is there, is not over in two seconds
