@@ -51,6 +51,7 @@ def serving(
     OSError : if the server cannot listen at the address, or a file is not a recording.
     """
     host = f"[{_host(address)}]" if ":" in _host(address) else _host(address)
+    address = _numeric(address)
     with TemporaryDirectory() as folder:
         for _ in range(_TRIES):
             data, page = free_port(address, _PORTS[0]), free_port(address, _PORTS[1])
@@ -155,19 +156,19 @@ def listens(url: str) -> bool:
     ------
     ValueError : if `url` is not the address of a viewer.
     """
-    parts = urlsplit(url)
     try:
+        parts = urlsplit(url)
         host, port = parts.hostname, parts.port
     except ValueError:
         host = port = None
     schemes = ("rerun", "rerun+http", "rerun+https")
-    if parts.scheme not in schemes or not host or not port or parts.path != "/proxy":
+    if not host or not port or parts.scheme not in schemes or parts.path != "/proxy":
         raise ValueError(
             f"{url} is not the address of a viewer; write it as rerun+http://127.0.0.1:9876/proxy"
         )
     try:
         socket.create_connection((host, port), 1.0).close()
-    except OSError:
+    except (OSError, UnicodeError):  # the latter of a host that cannot be a name
         return False
     return True
 
@@ -176,11 +177,22 @@ def _host(address: str) -> str:
     return socket.gethostname() if address in ("0.0.0.0", "::") else address
 
 
+def _numeric(address: str) -> str:
+    """Return an address in numbers, the only ones that rerun listens at."""
+    try:
+        return str(socket.getaddrinfo(address, None, _family(address))[0][4][0])
+    except OSError as error:
+        raise OSError(f"cannot listen at {address}: {error.strerror}") from None
+
+
+def _family(address: str) -> socket.AddressFamily:
+    return socket.AF_INET6 if ":" in address else socket.AF_INET
+
+
 def free_port(address: str, wanted: int) -> int:
     """Return the wanted port if it is free, else another one."""
-    family = socket.AF_INET6 if ":" in address else socket.AF_INET
     for port in (wanted, 0):
-        with socket.socket(family, socket.SOCK_STREAM) as trial:
+        with socket.socket(_family(address), socket.SOCK_STREAM) as trial:
             try:
                 trial.bind((address, port))
             except OSError as error:

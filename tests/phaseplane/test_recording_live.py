@@ -117,12 +117,17 @@ def test_a_fast_run_is_thinned(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_page_can_be_served_at_an_address_of_ipv6() -> None:
+@pytest.mark.parametrize(
+    ("address", "family"), [("::1", socket.AF_INET6), ("localhost", socket.AF_INET)]
+)
+def test_a_page_can_be_served_at_an_address_of_ipv6_and_at_a_name(
+    address: str, family: socket.AddressFamily
+) -> None:
     try:
-        socket.create_server(("::1", 0), family=socket.AF_INET6).close()
+        socket.create_server((address, 0), family=family).close()
     except OSError:
         pytest.skip("this machine has no IPv6")
-    with serving(address="::1") as server, urlopen(server.page) as page:
+    with serving(address=address) as server, urlopen(server.page) as page:
         assert b"Rerun Viewer" in page.read()
         assert listens(server.url)
 
@@ -188,10 +193,13 @@ def test_a_viewer_that_stands_still() -> None:
         assert live.problem
 
 
-@pytest.mark.parametrize("url", ["http://127.0.0.1:1/proxy", "rerun+http://here/proxy", "viewer"])
+@pytest.mark.parametrize("url", [
+    "http://127.0.0.1:1/proxy", "rerun+http://here/proxy", "viewer", "rerun+http://[::1:1/proxy"
+])  # fmt: skip
 def test_what_is_no_address(url: str) -> None:
     with pytest.raises(ValueError, match=r"write it as rerun\+http://127"):
         Live(BEFORE, url)
+    assert not listens("rerun+http://no..name:1/proxy")
 
 
 @pytest.mark.parametrize(
