@@ -27,7 +27,14 @@ from phaseplane.constructions import (
     tangent,
 )
 from phaseplane.constructions.letters import is_letter, typeset
-from phaseplane.figures import construction_sheet, phase_planes, runs, save, time_histories
+from phaseplane.figures import (
+    axle_histories,
+    construction_sheet,
+    phase_planes,
+    runs,
+    save,
+    time_histories,
+)
 from phaseplane.figures.histories import airborne_spans
 from phaseplane.figures.style import Look
 from phaseplane.picture.paper import Box
@@ -240,12 +247,28 @@ def test_three_panels_with_units():
     assert np.allclose(x, 1e3 * TIMES)
     assert np.allclose(y, 5.0 * np.sin(40.0 * TIMES))
     assert np.allclose(lines["body_velocity"].get_ydata(), np.sin(40.0 * TIMES))
+    assert {line.get_marker() for line in lines.values()} <= {"", "None"}
     for axes in figure.axes:
         (span,) = [patch for patch in axes.patches if patch.get_gid() == "airborne"]
         assert span.get_x() == pytest.approx(55.0)
         assert span.get_x() + span.get_width() == pytest.approx(100.0)
         legend = [text.get_text() for text in axes.get_legend().get_texts()]
         assert len(set(legend)) == len(legend) > 0
+
+
+def test_axles_stand_beside_each_other_with_equal_scales():
+    names = ("time", "body_displacement", "road_elevation", "airborne")
+    front = {name: histories()[name] for name in names}
+    rear = {**front, "body_displacement": 3.0 * front["body_displacement"], "airborne": 0.0 * TIMES}
+    left, right = axle_histories({"front": front, "rear": rear}).axes
+    assert [axes.get_title(loc="right") for axes in (left, right)] == ["front", "rear"]
+    assert left.get_ylim() == right.get_ylim()
+    assert np.ptp(left.get_ylim()) > np.ptp(100.0 * rear["body_displacement"])
+    flights = [[patch.get_gid() for patch in axes.patches] for axes in (left, right)]
+    assert flights == [["airborne"], []]
+    assert (left.get_ylabel(), right.get_ylabel()) == ("displacement [cm]", "")
+    assert left.get_legend() is None
+    assert len(right.get_legend().get_texts()) == 2
 
 
 def test_spans_at_both_ends():
