@@ -195,9 +195,7 @@ def free_port(address: str, wanted: int) -> int:
         with socket.socket(_family(address), socket.SOCK_STREAM) as trial:
             try:
                 trial.bind((address, port))
+                return int(trial.getsockname()[1])
             except OSError as error:
-                if port == 0:
-                    raise OSError(f"cannot listen at {address}: {error.strerror}") from None
-                continue
-            return int(trial.getsockname()[1])
-    raise AssertionError
+                why = error.strerror
+    raise OSError(f"cannot listen at {address}: {why}")
