@@ -45,6 +45,10 @@ def blueprint(recorder: Recorder) -> rrb.Blueprint:
 
     Beside a narrow sheet, the text of steps has a column of its own, with the plots, whose names need
     its width. During a live run the viewer stays at the latest time.
+
+    Raises
+    ------
+    ValueError : if there is nothing to see.
     """
     content, narrow = recorder.content, is_narrow(recorder.content)
     sheet: list[Part] = []
@@ -71,6 +75,9 @@ def blueprint(recorder: Recorder) -> rrb.Blueprint:
     if apart:
         beside = {_TEXT_WIDTH: text + plots, WINDOW_WIDTH - width - _TEXT_WIDTH: others}
     columns = {width: parts for width, parts in ({width: sheet} | beside).items() if parts}
+    if not columns:
+        views = ", ".join(content.views) or "none"
+        raise ValueError(f"nothing of {content.title!r} is to be seen in its views: {views}")
     return rrb.Blueprint(
         rrb.Horizontal(*map(_column, columns.values()), column_shares=list(columns)),
         _time_panel(recorder),

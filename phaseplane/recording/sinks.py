@@ -64,7 +64,8 @@ def record(content: Drawing | Content, path: str | os.PathLike[str]) -> None:
     Raises
     ------
     OSError : if the folder is missing or the file cannot be written.
-    ValueError : see `Content.check`; also if a frame lacks a point of its scheme.
+    ValueError : see `Content.check`; also if there is nothing to see, or a frame lacks a point of its
+        scheme.
     """
     if not isinstance(content, Content):
         content = Content(content.title, content)

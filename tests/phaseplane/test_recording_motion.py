@@ -296,6 +296,10 @@ def test_a_view_that_is_not_wanted_is_not_logged(tmp_path: Path, view: str) -> N
         ({"histories": {**MOTION, "time": np.full(301, np.nan)}}, "finite"),
         ({"pairs": (("body", "no"),)}, "no column 'no' for a phase plane"),
         (
+            {"views": ("vehicle",), "histories": {"time": TIME, "body": TIME}},
+            "nothing of 'a run' is to be seen in its views: vehicle",
+        ),
+        (
             {"drawing": drawing(5), "staged": (2, 5)},
             "step 5 cannot be staged: there are steps 0 to 4",
         ),
