@@ -64,7 +64,9 @@ class Laws:
         self.straight = memory.integers([1] * sum(count))
         self.cubic = memory.integers([1] * sum(count))
         self.functions = [
-            own and (*own, own.far_slope) for element in system.elements for own in functions_of(element)
+            own and (*own, own.far_slope)
+            for element in system.elements
+            for own in functions_of(element)
         ]
         self.failure = None  # the first exception raised by a function
         self.failed = False  # whether one was raised since the last attempt began
