@@ -223,6 +223,21 @@ def test_the_zero_of_the_road_does_not_matter(height: float, tolerance: float) -
     assert np.abs(found - height - truth).max() < 3.0 * tolerance * np.abs(truth).max()
 
 
+def test_a_mass_on_a_lever_rises_by_more_than_its_road() -> None:
+    """Heights cannot be measured from the road then, as they are if all masses rise with it."""
+    system = build("OneDof", {"road.height": 0.02})
+    levers = tuple(replace(e, direction=(0.5,)) for e in system.elements)
+    system = replace(system, elements=levers)
+    road = raised(system.signals["road"], 1000.0)
+    higher = replace(system, signals={**system.signals, "road": road})
+    times = np.linspace(0.0, 1.0, 41)
+    integrator = Integrator(higher)
+    integrator.set_state([2000.0], [0.0])
+    (found,) = filled(integrator, times, 1)
+    truth = motion(system, times)
+    assert np.abs(found - 2000.0 - truth).max() < 1e-5 * np.abs(truth).max()
+
+
 STIFF: dict[str, tuple[str, dict[str, Any]]] = {
     "a strong damper": ("OneDof", {
         "road.shape": "pothole", "road.length": 1.3, "damper.rebound_rate": 2.4e7,

@@ -67,13 +67,11 @@ class Motion:
         These are the one at its end and the mean velocity, as a step may go from rest to rest.
         """
         speed = self.state.speed
-        total = 0.0
         for i in range(self.outer):
             rounding = 1e-15 * (fabs(self.q[i]) + fabs(self.qb[i]))
-            x = max(fabs(self.vb[i]), (fabs(self.qb[i] - self.q[i]) - rounding) / h)
-            total += x
-            speed = max(speed, x)
-        return speed if total < UNBOUNDED else total
+            mean = (fabs(self.qb[i] - self.q[i]) - rounding) / h
+            speed = max(speed, fabs(self.vb[i]), mean)
+        return speed
 
     def foresee(self, h: float) -> None:
         """Set the end of an attempt to that of the Taylor series, with constant jerks."""

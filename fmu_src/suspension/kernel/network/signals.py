@@ -203,7 +203,7 @@ class Signals:
         limit = UNBOUNDED
         for s in range(self.count):
             at = (self.signal_first[s] + self.signal_now[s]) * SEGMENT
-            if self.acts[s] and self.segment[at + AMPLITUDE] != 0.0:
+            if self.segment[at + AMPLITUDE] != 0.0 and self.acts[s]:
                 x = t - self.segment[at + ORIGIN]
                 speed = fabs(self.segment[at + SPEED] + 2.0 * self.segment[at + CHIRP] * x)
                 if speed * limit > ROAD_PHASE:
