@@ -19,7 +19,7 @@ from ..toml_files import dotted, read_content
 from .files import OptimumFile, SearchOfOptimum, read_study
 from .space import Points, Runs, Space, differences, journaled
 
-_WORST = 1e30  # for a run that failed
+_WORST = 1e30  # for a run that failed or lacks a measure
 _CLOSE = 1e-6  # relative violation of a bound that counts as none
 _STEPS, _USUAL_STEPS = 12, 4  # of a local search, at most and as a rule
 _TOLERANCE = 1e-4  # relative to the objective
@@ -52,21 +52,24 @@ class Problem:
         return self.space.plan.measures
 
     def sizes(self, numbers: Points, measure: str) -> Points:
-        """Return a measure of each run; of a peak its magnitude."""
-        column: Points = numbers[:, self.measures.index(measure)]
-        return abs(column) if has_sign(measure) else column
+        """Return a measure of each run, of a peak its magnitude; NaN where the run lacks any measure."""
+        column = numbers[:, self.measures.index(measure)]
+        known = np.where(np.isfinite(numbers).all(axis=1), column, np.nan)
+        return abs(known) if has_sign(measure) else known
 
     def cost(self, numbers: Points) -> Points:
         """Return the value to minimise, for each run; large where it failed or lacks a measure."""
-        size: Points = self.sign * self.sizes(numbers, self.objective)
-        return np.where(np.isfinite(numbers).all(axis=1), size, _WORST)
+        return np.nan_to_num(self.sign * self.sizes(numbers, self.objective), nan=_WORST)
 
     def other(self) -> Problem:
         """Return the problem whose objective is the smallest magnitude of the second measure."""
         return replace(self, objective=self.against, sign=1.0)
 
     def violations(self, numbers: Points) -> Points:
-        """Return the relative violation of each bound, (runs, bounds); below 0 if it holds."""
+        """Return the relative violation of each bound, (runs, bounds); below 0 if it holds.
+
+        It is large where a run failed or lacks a measure, even one without bounds.
+        """
         rows = []
         for name, bound in self.bounds.items():
             column = self.sizes(numbers, name)
