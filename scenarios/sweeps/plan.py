@@ -83,7 +83,10 @@ def _varied(content: object) -> dict[str, Range | tuple[Any, ...]]:
         raise ValueError("must be a table")
     varied: dict[str, Range | tuple[Any, ...]] = {}
     for key, values in dotted(content, _OF_RANGE):
-        name = key.removeprefix("parameters.")
+        plain = key.removeprefix("parameters.")
+        name = plain if from_top(plain) == from_top(key) else key
+        if name in varied:
+            raise RefusedError(f"vary.{name}", f"vary: {shown(name)} is given twice")
         if isinstance(values, dict):
             varied[name] = read_table(Range, values, f"vary.{name}")
         elif isinstance(values, list):

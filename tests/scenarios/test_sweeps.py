@@ -91,6 +91,8 @@ def test_a_sample_of_whole_numbers_takes_each_as_often(method: str) -> None:
             "speed = 3: must be a list of values, or",
         ),
         ('["2 cm", 0.05]', "[[1]]", "[1]: a value must be a number, a string, true or false"),
+        ('"road.height"', "parameters.speed", "'speed' is given twice"),
+        ('"road.height" = ["2 cm", 0.05]', "parameters.duration = [1]", "no parameter 'duration'"),
         ('"road.height"', "extends", "extends: only a scene's file can name its base"),
         ('"road.height"', '"expect.lift_off_count"', "a sweep checks no expectations"),
         ('"road.height"', '"construction.step"', "construction.step: no measure depends on it"),
