@@ -12,8 +12,8 @@ import numpy as np
 from ..errors import InputError, RunError, blaming
 from ..measures import catalogue, has_sign
 from ..progress import Progress, silent
-from ..scene.expectations import Bounds, bounds_from
-from ..sweeps.plan import Plan
+from ..scene.expectations import Bounds, bounds_from, unknown_measure
+from ..sweeps.plan import Plan, scene_of_file
 from ..sweeps.running import run_chunk
 from ..toml_files import dotted, read_content
 from .files import OptimumFile, SearchOfOptimum, read_study
@@ -130,13 +130,16 @@ def read_problem(path: Path) -> Problem:
     said = read_study(OptimumFile, path, content)
     objective, against = said.minimise or said.maximise, said.against
     flat = dict(dotted(said.constrain or {}, ("min", "max")))
+    known = catalogue(scene_of_file(path, said.scene).fmu.outputs())
+    for name in flat:
+        if name not in known:
+            raise InputError(f"{path}: constrain: {unknown_measure(name, known)}")
     keys = {objective: "minimise" if said.minimise else "maximise"}
     keys |= {against: "against"} if against else {}
     space = Space.read(
         path, content, keys | {name: "constrain" for name in flat if name not in keys}
     )
     space.given()  # only parameters can be varied
-    known = catalogue(space.plan.scene.fmu.outputs())
     bounds = {}
     for name, raw in flat.items():
         with blaming(f"{path}: constrain.{name}"):

@@ -19,7 +19,6 @@ from phaseplane.suspension.variables import Value, Variable
 
 from ..errors import InputError, blaming, shown
 from ..measures import catalogue
-from ..scene.expectations import unknown_measure
 from ..scene.fields import (
     NUMBER_OR_TEXT,
     SECONDS,
@@ -348,7 +347,7 @@ def plan_of(path: Path, content: Mapping[str, Any], keys: Mapping[str, str] | No
     for name in said.measures:
         where = f"{path}: {(keys or {}).get(name, 'measures')}"
         if name not in known:
-            raise InputError(f"{where}: {unknown_measure(name, known)}")
+            raise InputError(f"{where}: no measure {shown(name)}{nearest(name, known)}")
         if known[name].single:
             raise InputError(
                 f"{where}: {name} has several values; of each run one is needed: "

@@ -80,6 +80,7 @@ def test_a_sample_of_whole_numbers_takes_each_as_often(method: str) -> None:
         ("scene.toml", "ap75", "did you mean 'ap57'?"),
         ("measures =", "measure =", "unknown key 'measure'; allowed: scene, title"),
         ("lift_off_count", "lift_of_count", "did you mean 'lift_off_count'?"),
+        ("lift_off_count", "lift_off_count.max", "measures: no measure 'lift_off_count.max'"),
         ("speed =", "spead =", "did you mean 'speed'?"),
         ("count = 3", "counts = 3", "did you mean 'count'?"),
         (", count = 3", "", "needs count"),
