@@ -33,7 +33,7 @@ class SearchOfOptimum:
 
     population: int = entry(
         whole(1),
-        "runs of each generation for each parameter, in all rounded up to a power of two",
+        "runs of each generation for each parameter; in all at least 8, and rounded up to a power of two",
         8,
     )
     generations: int = entry(whole(0), "generations of the differential evolution", 25)
