@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Collection, Iterator, Mapping
+from math import inf, nan
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,16 @@ def read_content(path: Path, name: str = "") -> dict[str, Any]:
         raise InputError(f"cannot read {name or path}: nested too deeply") from None
     except ValueError as error:
         raise InputError(f"cannot read {name or path}: not TOML: {error}") from None
+
+
+def real(value: object) -> float:
+    """Return a number, infinite if it is an integer that is too large; not a number if it is none."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return nan
+    try:
+        return float(value)
+    except OverflowError:
+        return inf
 
 
 def dotted(

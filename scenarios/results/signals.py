@@ -9,6 +9,7 @@ units = { t = "ms", acc_z = "g" }
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,7 @@ from phaseplane.suspension.measurement_files import Wanted, headings, read_colum
 from phaseplane.suspension.units import nearest, to_si
 
 from ..errors import InputError, blaming, read_errors, refuse_unknown_keys, shown
+from ..toml_files import real
 from .tables import read_table
 
 if TYPE_CHECKING:
@@ -72,8 +74,9 @@ def read_signals(
                 raise InputError(f"{key}.{name} = {shown(value)}: must be a string")
     path, delimiter = folder / said["file"], str(said.get("delimiter", ","))
     heading = str(said.get("time", "time"))
+    shift = _si("time_shift", said.get("time_shift", 0.0), "s")
     if path.suffix != ".csv":
-        return _from_table(path, heading, tables, said, known)
+        return _from_table(path, heading, tables, shift, known)
     with read_errors(path):
         columns = tables["columns"] or {
             name: name for name in headings(path, delimiter) if name in known and name != heading
@@ -87,10 +90,10 @@ def read_signals(
         _refuse_others("units", units, (heading, *columns.values()))
         _refuse_others("offset", offsets, columns)
         wanted = [
-            Wanted(heading, ("s",), str(units.get(heading, "")), _si(said, "time_shift", "s")),
+            Wanted(heading, ("s",), str(units.get(heading, "")), shift),
             *(
                 Wanted(column, (known[name],), str(units.get(column, "")),
-                       _si(offsets, name, known[name]))
+                       _si(f"offset.{name}", offsets.get(name, 0.0), known[name]))
                 for name, column in columns.items()
             ),
         ]  # fmt: skip
@@ -118,7 +121,7 @@ def signals_in(
 
 
 def _from_table(
-    path: Path, heading: str, tables: Mapping[str, Mapping[str, Any]], said: Mapping[str, Any],
+    path: Path, heading: str, tables: Mapping[str, Mapping[str, Any]], shift: float,
     known: Mapping[str, str],
 ) -> dict[str, npt.NDArray[np.float64]]:  # fmt: skip
     """Return the columns of a table of results, whose units are SI."""
@@ -132,9 +135,10 @@ def _from_table(
     _refuse_others("units", tables["units"], ())
     _refuse_others("offset", tables["offset"], columns)
     return {
-        "time": found[heading].astype(float) + _si(said, "time_shift", "s"),
+        "time": found[heading].astype(float) + shift,
         **{
-            name: found[column].astype(float) + _si(tables["offset"], name, known[name])
+            name: found[column].astype(float)
+            + _si(f"offset.{name}", tables["offset"].get(name, 0.0), known[name])
             for name, column in columns.items()
         },
     }
@@ -150,7 +154,9 @@ def _refuse_others(key: str, given: Mapping[str, Any], known: Collection[str]) -
             )
 
 
-def _si(given: Mapping[str, Any], key: str, unit: str) -> float:
-    value = given.get(key, 0.0)
-    with blaming(f"{key} = {shown(value)}", (TypeError, ValueError, OverflowError)):
-        return to_si(value, unit) if isinstance(value, str) else float(value)
+def _si(key: str, value: object, unit: str) -> float:
+    with blaming(f"{key} = {shown(value)}"):
+        number = to_si(value, unit) if isinstance(value, str) else real(value)
+        if not isfinite(number):
+            raise ValueError("must be a finite number in SI or a string with a unit")
+    return number

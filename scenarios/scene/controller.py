@@ -20,6 +20,7 @@ from phaseplane.suspension.units import nearest
 from phaseplane import equations
 
 from ..errors import shown
+from ..toml_files import real
 from .fields import (
     FLAG,
     SECONDS,
@@ -28,7 +29,6 @@ from .fields import (
     entry,
     keys_of,
     read_table,
-    real,
     refusing,
     schema_of,
 )

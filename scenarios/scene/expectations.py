@@ -13,6 +13,7 @@ from phaseplane.suspension.variables import Variable
 from .. import results
 from ..errors import shown
 from ..measures import COUNT, Measure, Reading, has_sign
+from ..toml_files import real
 from .fields import (
     FACTOR,
     FLAG,
@@ -23,7 +24,6 @@ from .fields import (
     format_unit,
     names_of,
     one_of,
-    real,
 )
 
 if TYPE_CHECKING:

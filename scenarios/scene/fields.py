@@ -10,12 +10,13 @@ import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import MISSING, Field
-from math import inf, isfinite, isnan, nan
+from math import isfinite, isnan
 from typing import Any, NamedTuple, TypeVar
 
 from phaseplane.suspension.units import nearest, to_si
 
 from ..errors import shown
+from ..toml_files import real
 
 Reader = Callable[[Any], Any]
 _Table = TypeVar("_Table")
@@ -189,16 +190,6 @@ FLAG = Kind(instance_of(bool, "true or false", true=True), {"type": "boolean"})
 def table_of(table: type, key: str) -> Kind:
     """Return the type of a table within a file, at the dotted key."""
     return Kind(lambda value: read_table(table, value, key), schema_of(table))
-
-
-def real(value: object) -> float:
-    """Return a number, infinite if it is an integer that is too large; not a number if it is none."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return nan
-    try:
-        return float(value)
-    except OverflowError:
-        return inf
 
 
 def _finite(value: object) -> float:

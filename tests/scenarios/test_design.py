@@ -481,14 +481,16 @@ def test_a_search_without_a_terminal_prints_its_report_alone():
         ({"file": "rig.csv", "columns": {"a": ["x"]}}, r"columns.a = \['x'\]: must be a string"),
         ({"file": "rig.csv", "units": {"t": 3}}, "units.t = 3: must be a string"),
         (
+            {"file": "rig.csv", "columns": {"body_acceleration": "acc_z"}, "time_shift": 10**400},
+            "time_shift = 1000.*: must be a finite number in SI",
+        ),
+        (
             {
                 "file": "rig.csv",
                 "columns": {"body_acceleration": "acc_z"},
-                "time": "t",
-                "delimiter": ";",
-                "time_shift": 10**400,
+                "offset": {"body_acceleration": True},
             },
-            "time_shift = 1000.*: int too large",
+            "offset.body_acceleration = True: must be a finite number in SI or a string with a unit",
         ),
         (
             {"file": "rig.csv", "columns": {"body_acceleration": "acc_z"}, "units": {"acc": "g"}},
