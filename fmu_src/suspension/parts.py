@@ -185,7 +185,7 @@ def _sink(p: Mapping[str, Value], axle: str, elements: Iterable[Element]) -> flo
     if payload == 0.0:
         return 0.0
     springs = reduce(add, (element.spring for element in elements), characteristics.linear(0.0))
-    sink = -springs.argument(-payload * gravity(p))
+    sink = 0.0 - springs.argument(-payload * gravity(p))  # 0, not -0, without gravity
     if not abs(sink) < inf:
         raise ParameterError(f"{of}payload = {payload:g}: no spring or stop carries it")
     return sink

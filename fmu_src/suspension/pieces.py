@@ -319,7 +319,7 @@ def _bisected(piece: Piece, force: float, low: float, high: float) -> float:
     """
     reach = _REACH * (piece.scale if piece.saturation else 1.0)
     near = high if high < inf else low if low > -inf else piece.origin
-    if low == -inf and (high < inf or piece.force(near) > force):
+    if low == -inf and (high < inf or piece.force(near) >= force):
         low, high = near - reach, near
         while piece.force(low) > force:
             reach *= _FARTHER

@@ -34,6 +34,13 @@ def test_a_payload_is_a_mass_and_a_new_rest(payload, g, cubic):
     assert f"{1e3 * (sink - wheel):.4g} mm" in words
 
 
+@pytest.mark.parametrize("cubic", [0.0, 1e6])
+def test_a_payload_without_gravity_lowers_nothing(cubic):
+    given = {**CAR, "gravity": 0.0, "payload": 50.0, "spring.cubic": cubic}
+    words = format_payload(checked_parameters("QuarterCar", given))
+    assert words == "payload of 50 kg lowers the body by 0 mm, 0 mm of it in the suspension"
+
+
 def test_a_tyre_given_by_a_table_is_pressed_along_it():
     given = {"tyre.table": "-0.02:-4000, -0.01:-3000, 0:0, 0.01:5000"}
     tyre = build("QuarterCar", {**CAR, **given, "payload": 3500.0 / G}).elements[-1].spring
