@@ -23,6 +23,7 @@ from .engine import Integrator
 from .reasons import why_stopped
 from .signals import GAUSS
 from .systems import Element, System
+from .units import counted
 
 _CLOSE = 1e-5  # relative difference that counts as agreement with a difference quotient
 
@@ -239,8 +240,7 @@ def _shapes(system: System) -> Iterator[str]:
     for name in dict.fromkeys(name for name in names if names.count(name) > 1):
         yield f"{name}: two elements have this name"
     for element in system.elements:
-        if not _is_direction(element.direction, n):
-            yield f"{element.name}: direction must have {n} finite numbers, not all 0"
+        yield from _direction(element.direction, n, element.name)
         if element.road and element.road not in system.signals:
             yield f"{element.name}: its road {element.road!r} is not among the signals"
         if not element.limit > 0.0:
@@ -251,15 +251,15 @@ def _shapes(system: System) -> Iterator[str]:
             if not all(abs(x) < inf for x in numbers):
                 yield f"signal {name}: from {segment.start:g} s on it is not finite, {segment}"
     for load in system.loads:
-        if not _is_direction(load.direction, n):
-            yield f"load {load.signal}: direction must have {n} finite numbers, not all 0"
+        yield from _direction(load.direction, n, f"load {load.signal}")
         if load.signal not in system.signals:
             yield f"load {load.signal}: is not among the signals"
     yield from _readings(system)
 
 
-def _is_direction(numbers: Sequence[float], n: int) -> bool:
-    return len(numbers) == n and any(numbers) and all(abs(x) < inf for x in numbers)
+def _direction(numbers: Sequence[float], n: int, name: str) -> Iterator[str]:
+    if not (len(numbers) == n and any(numbers) and all(abs(x) < inf for x in numbers)):
+        yield f"{name}: direction must have {counted(n, 'finite number')}, not all 0"
 
 
 def _readings(system: System) -> Iterator[str]:

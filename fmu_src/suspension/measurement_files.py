@@ -148,7 +148,8 @@ def read_table_of_units(
 
     Raises
     ------
-    ValueError : a cell that is not a number, a unit that is not known, or a column that is there twice.
+    ValueError : a row with more or fewer cells than the heading, a cell that is not a number, an unknown
+        unit, or two columns of one name.
     """
     first = next((line for line in lines if line.strip() and not line.startswith(_COMMENT)), "")
     delimiter = max(";\t,", key=first.count)

@@ -203,10 +203,17 @@ def test_an_fmu_of_others_is_not_packed_again():
             "[system.loads.f]\nsine = { amplitude = 1, frequency = 'turning' }\n[system.elements",
             "frequency = 'turning': is in rad/s; it must be in Hz",
         ),
+        (
+            "[system.elements",
+            "[system.loads.f]\nsine = { amplitude = 1, frequency = 'often + turning' }\n[system.elements",
+            r"frequency = 'often \+ turning': is in rad/s; it must be in Hz",
+        ),
     ],
 )
 def test_a_unit_that_cannot_be_right_is_refused(before, after, words):
-    more = 'stiffness = "800 N/m"\nheavy = "2 kg"\nwide = "1 m"\nturning = "9 rad/s"'
+    more = (
+        'stiffness = "800 N/m"\nheavy = "2 kg"\nwide = "1 m"\noften = "2 Hz"\nturning = "9 rad/s"'
+    )
     text = SYSTEM.replace('stiffness = "800 N/m"', more).replace(before, after)
     written(text, "mass.toml")
     with pytest.raises(InputError, match=words):

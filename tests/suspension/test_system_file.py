@@ -192,7 +192,7 @@ def test_a_file_that_changes_replaces_its_model():
          "[system.wheels.left]\naxle = 'left'\nlevel = 'no'\n[system.elements.spring]",
          "system.wheels.left.level = 'no': must be true or false"),
         ("[system.loads.push]", "[system.loads.pull]\n[system.loads.push]",
-         "load pull: direction must have 1 finite numbers, not all 0"),
+         "load pull: direction must have 1 finite number, not all 0"),
         ("[system.loads.push]",
          "[system.loads.push_table]\ndirection = { x = 1 }\n[system.loads.push]\ntable = '0:0, 1:2'",
          "'push_table' would be the name of two signals"),

@@ -44,7 +44,6 @@ from ..parts import (
 )
 from ..signals import Segment, Signal
 from ..systems import Axle, Element, Load, System
-from ..units import nearest
 from ..variable import ParameterError, Value, Variable, number, parameter
 from .units import numbered
 from .values import refuse_others, table_at, value_of
@@ -195,7 +194,7 @@ class Definition:
             signals[f"{wheel}_road"] = self._road(said, p, where)
             axles.append(Axle(f"{wheel}_", strut, f"{wheel}_road", f"{wheel}_tyre", load))
         for name, said in self.elements.items():
-            elements.append(_element(name, said, names, self.wheels, p))
+            elements.append(_element(name, said, names, p))
         loads = []
         for name, said in self.loads.items():
             direction = _direction(
@@ -250,11 +249,7 @@ class Definition:
 
 
 def _element(
-    name: str,
-    said: Mapping[str, Any],
-    names: tuple[str, ...],
-    wheels: Mapping[str, object],
-    p: Mapping[str, Value],
+    name: str, said: Mapping[str, Any], names: tuple[str, ...], p: Mapping[str, Value]
 ) -> Element:
     where = f"system.elements.{name}"
     direction = _direction(said.get("direction", {}), names, p, f"{where}.direction")
@@ -302,7 +297,7 @@ def _element(
                     at("damper.rebound_rate", rate), at("damper.bump_rate", rate)
                 ),
             ),
-            road=_road_name(said, wheels, where),
+            road=f"{said['road']}_road" if "road" in said else "",
             yield_force=at("spring.yield_force", inf),
             hardening=at("spring.hardening"),
             friction=at("friction"),
@@ -331,16 +326,6 @@ def _pairs(said: object, where: str) -> str:
             f"{where} = {said!r}: must be a string of pairs, such as '-0.1:-1500, 0:0, 0.1:1500'"
         )
     return said
-
-
-def _road_name(said: Mapping[str, Any], wheels: Mapping[str, object], where: str) -> str:
-    if "road" not in said:
-        return ""
-    wheel = said["road"]
-    if not isinstance(wheel, str) or wheel not in wheels:
-        hint = nearest(str(wheel), wheels)
-        raise ParameterError(f"{where}.road = {wheel!r}: must be the name of a wheel{hint}")
-    return f"{wheel}_road"
 
 
 def _courses(

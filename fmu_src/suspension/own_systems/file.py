@@ -32,7 +32,7 @@ from ..model import Model
 from ..models import ALL, outputs, register
 from ..outputs import reading_of
 from ..systems import System
-from ..units import UnitError, to_si, unit_of
+from ..units import UnitError, nearest, to_si, unit_of
 from ..variable import ParameterError, Variable, parameter
 from ..variables import checked_parameters
 from .definition import Definition
@@ -160,6 +160,13 @@ def _read(content: Mapping[str, Any]) -> Definition:
     for part, said in wheels.items():
         check_word(said.get("axle"), f"system.wheels.{part}.axle")
         check_switch(said.get("level", False), f"system.wheels.{part}.level")
+    for part, said in tables["elements"].items():
+        road = said.get("road")
+        if "road" in said and road not in tuple(wheels):
+            hint = nearest(str(road), wheels)
+            raise ParameterError(
+                f"system.elements.{part}.road = {road!r}: must be the name of a wheel{hint}"
+            )
     coordinates = dict(_coordinates(tables["coordinates"]))
     couplings = {}
     for one, others in tables["couplings"].items():

@@ -120,7 +120,7 @@ def _dimension(where: str, said: object, units: Mapping[str, Variable]) -> Dimen
                     raise ParameterError(
                         f"{where} = {said!r}: {_words(one)} and {_words(other)} cannot be added"
                     )
-                return one
+                return {**one, **other}  # with rad if either has it
         return None
 
     return of(tree.body)
