@@ -21,7 +21,7 @@ from typing import NamedTuple
 _FAST = 1e6  # m/s, where the slope of a user-defined function is that of ever larger rates
 _SLOW = 0.2  # m/s, where every function is to have a slope
 # the search for an argument, in m or m/s: its first step, how much farther each goes, and where it ends
-_REACH, _FARTHER, _MOST_REACH = 1e-3, 1.25, 1e30
+_REACH, _FARTHER, _MOST_REACH = 1e-3, 1.05, 1e30
 
 
 class Own(NamedTuple):
@@ -207,22 +207,23 @@ class Characteristic:
         )
 
     def argument(self, force: float) -> float:
-        """Return the smallest x at which a rising law has this force; infinite if there is none.
+        """Return the x nearest to 0 at which a law that rises there has this force; infinite if none.
 
-        It is computed directly on straight pieces, by bisection on others. A law that falls again far
-        out, such as that of a softening spring, has it where it rises.
+        It is computed directly on straight pieces, by bisection on others. The law may fall farther out,
+        as that of a softening spring does.
         """
-        for k, piece in enumerate(self.pieces):
-            end = self.pieces[k + 1].start if k + 1 < len(self.pieces) else inf
-            if end < inf and piece.force(end) < force:
-                continue
-            c0, c1, _, _ = piece.coefficients
-            if piece.is_straight:
-                if c0 == force:
-                    return piece.origin
-                return piece.origin + (force - c0) / c1 if c1 > 0.0 else inf
-            return _bisected(piece, force, piece.start, end)
-        return inf
+        here = bisect_right(self.corners, 0.0)
+        ends = (-inf, *self.corners, inf)
+        rest = self.pieces[here].force(0.0)
+        if force < rest:
+            for k in range(here, -1, -1):
+                if (x := _argument(self.pieces[k], force, min(ends[k + 1], 0.0), ends[k])) < inf:
+                    return x
+        if force > rest:
+            for k in range(here, len(self.pieces)):
+                if (x := _argument(self.pieces[k], force, max(ends[k], 0.0), ends[k + 1])) < inf:
+                    return x
+        return 0.0 if force == rest else inf
 
     def moved(self, x: float, force: float) -> Characteristic:
         """Return the same law measured from a new origin, at x and `force` of the old one."""
@@ -311,28 +312,31 @@ def _about(piece: Piece, origin: float) -> tuple[float, float, float, float]:
     return (cubic.force(origin), cubic.tangent(origin), c2 + 3.0 * c3 * s, c3)
 
 
-def _bisected(piece: Piece, force: float, low: float, high: float) -> float:
-    """Return where a piece has this force between low and high, which may be infinite.
+def _argument(piece: Piece, force: float, near: float, far: float) -> float:
+    """Return where a piece has this force between two ends; infinite if it is not reached.
 
-    The search for a bound that is infinite goes outwards in short steps from the other one, or from the
-    origin of the piece, so that it finds what a softening spring carries before its force falls again.
+    On a curved piece it goes outwards from the near end in short steps, so that it finds what a softening
+    spring carries before its force falls again. The far end may be infinite.
     """
+
+    def is_reached(x: float) -> bool:
+        return piece.force(x) >= force if near < far else piece.force(x) <= force
+
+    if piece.is_straight:
+        c0, c1, _, _ = piece.coefficients
+        if abs(far) < inf and not is_reached(far):
+            return inf
+        if c0 == force:
+            return piece.origin
+        return piece.origin + (force - c0) / c1 if c1 > 0.0 else inf
     reach = _REACH * (piece.scale if piece.saturation else 1.0)
-    near = high if high < inf else low if low > -inf else piece.origin
-    if low == -inf and (high < inf or piece.force(near) >= force):
-        low, high = near - reach, near
-        while piece.force(low) > force:
-            reach *= _FARTHER
-            low, high = near - reach, low
-            if reach > _MOST_REACH:
-                return -inf
-    elif high == inf:
-        low, high = near, near + reach
-        while piece.force(high) < force:
-            reach *= _FARTHER
-            low, high = high, near + reach
-            if reach > _MOST_REACH:
-                return inf
+    before, x = near, near
+    while not is_reached(x):
+        if x == far or reach > _MOST_REACH:
+            return inf
+        before, x = x, min(near + reach, far) if near < far else max(near - reach, far)
+        reach *= _FARTHER
+    low, high = min(before, x), max(before, x)
     while low < (middle := 0.5 * (low + high)) < high:
         low, high = (middle, high) if piece.force(middle) < force else (low, middle)
     return high

@@ -62,6 +62,24 @@ def test_argument_inverts_the_force(curve: law.Characteristic, x: float) -> None
     assert curve.force(curve.argument(force)) == pytest.approx(force, rel=1e-12, abs=1e-12)
 
 
+SOFTENING = law.cubic(2e4, -2.7e6) + law.bump_stop(0.08, 5e5)  # falls again from 50 mm on
+
+
+@pytest.mark.parametrize(
+    ("curve", "x"),
+    [
+        (SOFTENING, -0.015),
+        (SOFTENING, -0.045),
+        (SOFTENING, -0.09),
+        (law.table([(-0.3, -1000.0), (-0.1, -2000.0), (0.0, 0.0)]), -0.075),
+    ],
+)
+def test_a_law_that_falls_again_has_a_force_where_it_rises(
+    curve: law.Characteristic, x: float
+) -> None:
+    assert curve.argument(curve.force(x)) == pytest.approx(x, rel=1e-9)
+
+
 def test_a_force_that_is_never_reached_has_no_argument() -> None:
     assert law.saturating(1e3, 500.0).argument(501.0) == math.inf
     assert law.bump_stop(0.1, 1e4).argument(1.0) == math.inf
