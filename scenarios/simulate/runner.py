@@ -298,7 +298,9 @@ def _remarks(scene: Scene) -> Iterator[str]:
         alone = [n for n in scene.measures if not catalogue(scene.fmu.outputs())[n].needs]
         if scene.controller is not None and alone:
             yield f"without the controller: {', '.join(alone)}"
-        texts = (format_payload(scene.all_parameters, axle) for axle in ("", "front", "rear"))
+        given = scene.all_parameters
+        springs = (name for name in given if name.endswith("spring.table"))  # one for each axle
+        texts = (format_payload(given, name[: -len(".spring.table")]) for name in springs)
         yield from filter(None, texts)
 
 

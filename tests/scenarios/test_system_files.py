@@ -97,6 +97,15 @@ def test_parameters_of_any_axle_are_reported():
     ]
 
 
+def test_the_payload_of_any_axle_is_remarked_on_and_no_other_parameter_called_so():
+    own = SYSTEM.replace("[system.parameters]", "[system.parameters]\npayload = '2 kg'")
+    wheel = WHEEL.replace("spare", "middle")
+    written(own.replace("x = 2", 'x = "payload"') + wheel, "mass.toml")
+    run = phaseplane.run("mass.toml", ["middle.payload=30"])
+    (remark,) = run.summary["remarks"]
+    assert remark.startswith("middle payload of 30 kg lowers the body by")
+
+
 @pytest.mark.slow
 def test_its_fmu_gives_the_same_bits():
     (path, *_) = build_models(["mass.toml"], Path("fmus"))
