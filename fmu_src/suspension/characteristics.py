@@ -23,7 +23,6 @@ __all__ = [
     "constant",
     "cubic",
     "damper",
-    "driving_rate",
     "function",
     "hat",
     "linear",

@@ -34,8 +34,9 @@ _LONGEST = 36  # most characters of an entry in the legend
 def sweep(varied: Quantities, measured: Quantities, *, title: str = "") -> Figure:
     """Draw the measures of a sweep over the varied parameters.
 
-    Curves over one number, a family of curves if other parameters take few values, maps over two
-    numbers alone; otherwise every measure over every number. If all parameters are texts, they are ticks.
+    Curves over one number, a family of curves if other parameters take few values, maps if only two
+    numbers are varied; otherwise every measure over every number. If all parameters are texts, they are
+    ticks.
     A measure that no run has is left out.
 
     Parameters
