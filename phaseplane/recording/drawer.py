@@ -96,7 +96,7 @@ class Drawer:
     def _reach_out(self, columns: dict[str, Reals]) -> None:
         """Redraw the axes if the motion goes beyond them."""
         content = self.order.content
-        if content.constructed is not None or not content.pairs:
+        if content.constructed is not None or not self.recorder.pages:
             return
         grown = False
         for name in (name for pair in content.pairs for name in pair):

@@ -181,6 +181,8 @@ def _numeric(address: str) -> str:
     """Return an address in numbers, the only ones that rerun listens at."""
     try:
         return str(socket.getaddrinfo(address, None, _family(address))[0][4][0])
+    except UnicodeError:
+        raise OSError(f"cannot listen at {address}: no host can have this name") from None
     except OSError as error:
         raise OSError(f"cannot listen at {address}: {error.strerror}") from None
 

@@ -17,7 +17,16 @@ from hosting import HANGS, wait_until
 from recorded import Recorded, paper
 from rerun.error_utils import RerunWarning
 
-from phaseplane.recording import Content, Live, is_loopback, listens, record, serving
+from phaseplane.recording import (
+    VIEWS,
+    Content,
+    Live,
+    View,
+    is_loopback,
+    listens,
+    record,
+    serving,
+)
 from phaseplane.recording.server import Server, free_port
 
 TIME = np.linspace(0.0, 1.0, 1001)
@@ -55,13 +64,15 @@ def listening(port: int | None) -> str:
 
 
 @pytest.mark.slow
-def test_a_file_is_complete_in_the_end(tmp_path: Path) -> None:
-    with Live(BEFORE, path=tmp_path / "live.rrd", patience=HANGS) as live:
+@pytest.mark.parametrize("views", [VIEWS, ("histories",)])
+def test_a_file_is_complete_in_the_end(views: tuple[View, ...], tmp_path: Path) -> None:
+    whole = replace(WHOLE, views=views)
+    with Live(replace(BEFORE, views=views), path=tmp_path / "live.rrd", patience=HANGS) as live:
         drive(live)
-        live.complete(WHOLE)
+        live.complete(whole)
     assert live.problem == ""
     assert list(tmp_path.iterdir()) == [tmp_path / "live.rrd"]
-    record(WHOLE, tmp_path / "whole.rrd")
+    record(whole, tmp_path / "whole.rrd")
     made, wanted = Recorded(tmp_path / "live.rrd"), Recorded(tmp_path / "whole.rrd")
     assert made.rows.keys() == wanted.rows.keys()
     for path, rows in wanted.rows.items():
@@ -130,6 +141,12 @@ def test_a_page_can_be_served_at_an_address_of_ipv6_and_at_a_name(
     with serving(address=address) as server, urlopen(server.page) as page:
         assert b"Rerun Viewer" in page.read()
         assert listens(server.url)
+
+
+@pytest.mark.parametrize("address", ["no..name", "192.0.2.1"])  # no name; of no machine
+def test_an_address_at_which_nothing_can_listen(address: str) -> None:
+    with pytest.raises(OSError, match=f"cannot listen at {address}: "), serving(address=address):
+        pass
 
 
 @pytest.mark.slow
