@@ -46,7 +46,7 @@ def sweep(varied: Quantities, measured: Quantities, *, title: str = "") -> Figur
 
     Raises
     ------
-    ValueError : if there are no parameters or no measures.
+    ValueError : if there are no parameters, or no measures that a run has.
     """
     known = [name for name, (_, values) in measured.items() if np.isfinite(values).any()]
     if not varied or not known:

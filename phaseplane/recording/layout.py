@@ -48,7 +48,7 @@ def blueprint(recorder: Recorder) -> rrb.Blueprint:
 
     Raises
     ------
-    ValueError : if there is nothing to see.
+    ValueError : if there is nothing to see, and no run under way that may add it.
     """
     content, narrow = recorder.content, is_narrow(recorder.content)
     sheet: list[Part] = []
@@ -75,7 +75,7 @@ def blueprint(recorder: Recorder) -> rrb.Blueprint:
     if apart:
         beside = {_TEXT_WIDTH: text + plots, WINDOW_WIDTH - width - _TEXT_WIDTH: others}
     columns = {width: parts for width, parts in ({width: sheet} | beside).items() if parts}
-    if not columns:
+    if not columns and not content.live:
         views = ", ".join(content.views) or "none"
         raise ValueError(f"nothing of {content.title!r} is to be seen in its views: {views}")
     return rrb.Blueprint(

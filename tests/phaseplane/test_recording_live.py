@@ -17,6 +17,7 @@ from hosting import HANGS, wait_until
 from recorded import Recorded, paper
 from rerun.error_utils import RerunWarning
 
+from phaseplane.picture.paper import Reals
 from phaseplane.recording import (
     VIEWS,
     Content,
@@ -64,9 +65,15 @@ def listening(port: int | None) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("views", [VIEWS, ("histories",)])
-def test_a_file_is_complete_in_the_end(views: tuple[View, ...], tmp_path: Path) -> None:
-    whole = replace(WHOLE, views=views)
+@pytest.mark.parametrize(
+    ("views", "late"),
+    [(VIEWS, {}), (("histories",), {}), (("energies",), {"kinetic_energy": TIME})],
+)
+def test_a_file_is_complete_in_the_end(
+    views: tuple[View, ...], late: dict[str, Reals], tmp_path: Path
+) -> None:
+    """Also with columns that are only known after the run."""
+    whole = replace(WHOLE, views=views, histories={**COLUMNS, **late})
     with Live(replace(BEFORE, views=views), path=tmp_path / "live.rrd", patience=HANGS) as live:
         drive(live)
         live.complete(whole)
