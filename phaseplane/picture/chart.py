@@ -116,8 +116,8 @@ class Chart:
         unit, factor = ("s", 1.0) if self.end >= 1.0 else ("ms", 1e3)
         step = round_step(factor * (self.end - self.start) or 1.0, 5)
         first, last = (floor(factor * time / step) for time in (self.start, self.end))
-        for i in range(last, first, -1):  # the last one has the unit
-            text = number(i * step) + (f" {unit}" if i == last else "")
+        for i in range(last, first, -1):  # the last one has the unit; late ones need many digits
+            text = number(i * step, 12) + (f" {unit}" if i == last else "")
             mark(self.at(i * step / factor, self.low), 1j, text, 0.8)
 
     def upto(self, step: int) -> Page:

@@ -116,7 +116,7 @@ def test_the_values_of_the_time_stand_below_the_curves_of_a_chart() -> None:
         assert chart.stays.view.contains(box)
 
 
-@given(start=st.floats(0.0, 9.0), span=st.floats(0.01, 4.0))
+@given(start=st.floats(0.0, 9.0) | st.floats(0.0, 9e3), span=st.floats(0.01, 4.0))
 def test_times_stand_at_their_places_in_every_chart_with_a_unit(
     *, start: float, span: float
 ) -> None:
