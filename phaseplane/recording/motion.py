@@ -118,7 +118,7 @@ def made_planes(
         axes = axis(displacement, origin, 1 + 0j), axis(rate, origin, 1j)
         plane = Plane(displacement, 1.0, *axes, f"P{i + 1}")
         again = displacement in (other for other, _ in pairs[:i])
-        path = rr.escape_entity_path_part(f"{displacement}_{i + 1}" if again else displacement)
+        path = rr.escape_entity_path_part(f"{displacement} {i + 1}" if again else displacement)
         planes.append(StatePlane(plane, (displacement, rate), path))
     return planes
 

@@ -239,7 +239,9 @@ def test_planes_of_one_displacement_stand_apart_and_have_names_of_their_own(tmp_
     y, rates = "body_displacement", ("body_velocity", "speed")
     pairs = tuple((y, rate) for rate in rates)
     made = read_back(Content("a run", histories=MOTION, pairs=pairs, views=("planes",)), tmp_path)
-    paths = [f"/sheet/trail/{y}", f"/sheet/trail/{y}_2"]
+    named_alike = made_planes((*pairs, (f"{y}_2", "speed")), MOTION, {})
+    assert len({plane.path for plane in named_alike}) == 3
+    paths = [f"/sheet/trail/{plane.path}" for plane in named_alike[:2]]
     for path, rate in zip(paths, rates, strict=True):
         (strip,) = made.rows[f"{path}/past"][-1]["LineStrips2D:strips"]
         ends = np.ravel(paper(strip))
