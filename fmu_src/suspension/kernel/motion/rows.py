@@ -64,7 +64,7 @@ class Rows:
                         self.road[k] = self.road[k + 4]
 
     def _read_roads(self, t: float, h: float) -> None:
-        """Read signals at both ends of the attempt just made, which has left them as they are at its end."""
+        """Read signals at both ends of the attempt just made, which has left them as at its end."""
         self._note_road(1)
         if not self.start_known:
             self.signals.all_signals(t)

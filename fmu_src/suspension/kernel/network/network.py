@@ -93,7 +93,7 @@ class Network:
 
     @of_python
     def _find_roads(self) -> None:
-        """Find which signals act, which are roads, and whether all roads and masses can rise without effect."""
+        """Find which signals act, which are roads, and whether all masses can rise with their roads."""
         self.can_rise = True
         for m in range(self.loads):
             self.signals.acts[self.load_signal[m]] = 1
