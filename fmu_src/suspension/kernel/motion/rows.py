@@ -44,10 +44,11 @@ class Rows:
             self._sum_rows(self.elements.n, known)
         self.start_known = self.end_known = True
 
-    def read_end(self, r: int) -> None:
-        """Read signals and row r at the end of the attempt after it has been shortened."""
+    def read_end(self, r: int, t: float) -> None:
+        """Read signals and row r at the end of the attempt, t, after it has been shortened."""
         self.end_known = False
-        self._note_road(1)
+        if not self.balance.loads_hold:
+            self._read_road_end(t)
         self._sum_row(self.elements.n, r, 1)
 
     def carry_on(self) -> None:
@@ -64,13 +65,19 @@ class Rows:
                         self.road[k] = self.road[k + 4]
 
     def _read_roads(self, t: float, h: float) -> None:
-        """Read signals at both ends of the attempt just made, which has left them as at its end."""
-        self._note_road(1)
+        """Read signals at both ends of the attempt just made, and leave them as they are at its end."""
+        self._read_road_end(t + h)
         if not self.start_known:
             self.signals.all_signals(t)
             self._note_road(0)
             self.signals.all_signals(t + h)
         self.roads_known = True
+
+    def _read_road_end(self, t: float) -> None:
+        """Read signals at the end of the attempt just made or shortened."""
+        if self.balance.loads_hold:
+            self.signals.all_signals(t)
+        self._note_road(1)  # otherwise the attempt has left the signals evaluated there
 
     def _note_road(self, end: int) -> None:
         for s in range(self.signals.count):

@@ -326,7 +326,7 @@ class Switches:
         """
         e, kind = self.element, self.kind
         at = 8 * self.elements.row_of[e]
-        self.rows.read_end(self.elements.row_of[e])
+        self.rows.read_end(self.elements.row_of[e], t)
         bound = self.net.branches.bound(e, kind, self.side)
         if self.across:
             value, rate, bound = self.row[at + 4], self.row[at + 5], self.net.branches.opening[e]
