@@ -145,10 +145,7 @@ class Balance:
             self.net.sticking.rest(self.net.mass_factor, self.motion.vb)
             self._solve_rows(self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
             return
-        if self.loads_hold:
-            if self.bends.on_road:
-                self.signals.all_signals(t)  # what is read between steps may have changed them
-        elif not prepared:
+        if not (self.loads_hold or prepared):
             self.signals.all_signals(t)
             self._find_loads(self.instants - 1, True)
         self._solve(self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)

@@ -29,7 +29,6 @@ class Bends:
         self.count = 0  # of such rows
         # whether any of their laws consists of joined pieces, or changes a damper with the deflection
         self.joined = self.modulated = False
-        self.on_road = False  # whether one of them lies on a road
         self.order = 3  # of the iteration with the curvatures of all laws; 2 if one is not known
         # of each: the number of the row, and the first of its curved laws
         self.row, self.first = memory.marks(rows), memory.marks(rows + 1)
@@ -44,7 +43,7 @@ class Bends:
     def enter(self) -> None:
         """List the curved pieces, row by row."""
         self.count = count = 0
-        self.joined = self.modulated = self.on_road = False
+        self.joined = self.modulated = False
         self.order = 3
         if self.net.branches.always_straight:
             return
@@ -75,8 +74,6 @@ class Bends:
                     self.order = 2
             if count > first:
                 self.row[self.count], self.first[self.count] = r, first
-                if self.elements.row_signal[r] >= 0:
-                    self.on_road = True
                 self.count += 1
                 self.first[self.count] = count
 
