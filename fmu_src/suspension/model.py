@@ -24,7 +24,8 @@ class Model:
         `<module>.png` is the same picture, rendered by a browser and reduced to 32 colours
     is_source : whether it is a source of signals for other models, which is not run by itself
     unused : names of the parameters of a system's file that no expression contains
-    used : names of the parameters that its expressions contain, which act whatever the others are
+    used : names of the parameters that its expressions contain, which act whatever the others are; not
+        those of delays alone, which act only on a road
     check : raises a ParameterError if the parameters of a system are inconsistent; None for no check
     """
 

@@ -215,15 +215,16 @@ class Characteristic:
         here = bisect_right(self.corners, 0.0)
         ends = (-inf, *self.corners, inf)
         rest = self.pieces[here].force(0.0)
-        if force < rest:
-            for k in range(here, -1, -1):
-                if (x := _argument(self.pieces[k], force, min(ends[k + 1], 0.0), ends[k])) < inf:
-                    return x
-        if force > rest:
-            for k in range(here, len(self.pieces)):
-                if (x := _argument(self.pieces[k], force, max(ends[k], 0.0), ends[k + 1])) < inf:
-                    return x
-        return 0.0 if force == rest else inf
+        if force == rest:
+            return 0.0
+        below = force < rest
+        for k in range(here, -1, -1) if below else range(here, len(self.pieces)):
+            near, far = (
+                (min(ends[k + 1], 0.0), ends[k]) if below else (max(ends[k], 0.0), ends[k + 1])
+            )
+            if (x := _argument(self.pieces[k], force, near, far)) < inf:
+                return x
+        return inf
 
     def moved(self, x: float, force: float) -> Characteristic:
         """Return the same law measured from a new origin, at x and `force` of the old one."""

@@ -165,10 +165,11 @@ class Switching:
     def project(self, mode: Mode, v: float, x: float, t: float) -> tuple[float, float]:
         """Return the velocity and displacement moved back onto the guards on which a mode is 0."""
         zeros = [k for k, sign in enumerate(mode) if not sign]
+        rests = len(zeros) > 1  # and is moved along x alone
+        v = 0.0 if rests else v
         for k in zeros:
             g_v, g_x, _ = self.gradient(k, mode, v, x, t)
-            if zeros[1:]:
-                v, g_v = 0.0, 0.0
+            g_v = 0.0 if rests else g_v
             size = g_v * g_v + g_x * g_x
             if size > 0.0:
                 off = self.guards[k](v, x, t, mode) / size

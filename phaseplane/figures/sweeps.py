@@ -36,8 +36,7 @@ def sweep(varied: Quantities, measured: Quantities, *, title: str = "") -> Figur
 
     Curves over one number, a family of curves if other parameters take few values, maps if only two
     numbers are varied; otherwise every measure over every number. If all parameters are texts, they are
-    ticks.
-    A measure that no run has is left out.
+    ticks. A measure that no run has is left out.
 
     Parameters
     ----------

@@ -300,7 +300,8 @@ def _remarks(scene: Scene) -> Iterator[str]:
             yield f"without the controller: {', '.join(alone)}"
         given = scene.all_parameters
         springs = (name for name in given if name.endswith("spring.table"))  # one for each axle
-        texts = (format_payload(given, name[: -len(".spring.table")]) for name in springs)
+        axles = (name.removesuffix("spring.table").removesuffix(".") for name in springs)
+        texts = (format_payload(given, axle) for axle in axles)
         yield from filter(None, texts)
 
 
