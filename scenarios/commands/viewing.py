@@ -39,7 +39,7 @@ save_option = click.option(
 _LOOK = (
     click.option("--dark", is_flag=True, help="Use a dark background."),
     click.option(
-        "--no-title", "headed", is_flag=True, flag_value=False, default=True,
+        "--no-title", is_flag=True,
         help="Omit the heading, in favour of a caption; it is stored as the title of the file.",
     ),
     click.option("--width", metavar="WIDTH", help="Width of the figure, e.g. 85mm."),
@@ -69,17 +69,17 @@ def figure_options(
     def decorated(command: Callable[..., Any]) -> Callable[..., Any]:
         @wraps(command)
         def drawing(
-            *, figure: Path | None, dark: bool, headed: bool, width: str | None, font: str,
+            *, figure: Path | None, dark: bool, no_title: bool, width: str | None, font: str,
             mono: bool, **more: Any,
         ) -> Any:  # fmt: skip
             if figure is None:
                 refuse_without_figure({
-                    "--dark": dark, "--no-title": not headed, "--width": width, "--font": font,
+                    "--dark": dark, "--no-title": no_title, "--width": width, "--font": font,
                     "--mono": mono,
                 })  # fmt: skip
                 return command(figure=None, **more)
             check_file("--figure", figure, (*PICTURES, *moving))
-            look = look_of("--", dark=dark, headed=headed, width=width, font=font, mono=mono)
+            look = look_of("--", dark=dark, headed=not no_title, width=width, font=font, mono=mono)
             return command(figure=FigureFile(figure, look), **more)
 
         return _with(options, drawing)
