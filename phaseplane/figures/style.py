@@ -11,7 +11,7 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any, ParamSpec, TypeVar
 
-from matplotlib import rc_context
+from matplotlib import rc_context, rcParamsDefault
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
@@ -30,6 +30,18 @@ DASHES = ("-", "--", "-.", ":")
 _MATHS = {"serif": "dejavuserif", "STIXGeneral": "stix", "cmr10": "cm"}
 """The type of formulas that goes with a font."""
 _FALLBACK = "DejaVu Sans"  # has the subscripts, primes and bars that other fonts may lack
+
+# Whatever a user sets for figures of their own, by a file or in a notebook, would change the places of
+# letters, or need TeX. Only drawing is set: not which windows and programs there are.
+_ELSEWHERE = (
+    "animation", "backend", "docstring", "interactive", "timezone", "tk", "toolbar", "webagg",
+)  # fmt: skip
+_DEFAULTS: Any = {
+    key: value for key, value in rcParamsDefault.items() if not key.startswith(_ELSEWHERE)
+} | {
+    # type that publishers accept, and texts that can be searched for
+    "svg.hashsalt": "phaseplane", "svg.fonttype": "none", "pdf.fonttype": 42,
+}  # fmt: skip
 
 _AWAY = 0.5  # inches between an axis and its name, with its values
 _KEPT = "\N{NO-BREAK SPACE}"
@@ -130,13 +142,14 @@ class Look:
 
     @property
     def settings(self) -> Any:
-        """The settings of matplotlib that give it."""
+        """The settings of matplotlib that give it, whatever the user's are."""
         palette = self.palette
         fonts = {
             "font.family": [self.font, _FALLBACK],
             "mathtext.fontset": _MATHS.get(self.font, "dejavusans"),
         }
         return {
+            **_DEFAULTS,
             "figure.dpi": 150, "figure.facecolor": palette.paper, "figure.titlesize": 10.0,
             "text.color": palette.ink, "axes.facecolor": palette.paper,
             "axes.edgecolor": palette.faint, "axes.labelcolor": palette.ink,
@@ -242,8 +255,6 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     ".svg": {"metadata": {"Date": None}},
     ".pdf": {"metadata": {"CreationDate": None}},
 }
-# Type that publishers accept, and texts that can be searched for.
-_TYPE: Any = {"svg.hashsalt": "phaseplane", "svg.fonttype": "none", "pdf.fonttype": 42}
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
@@ -266,6 +277,6 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
         raise ValueError(f"{target.name}: figures are written as {', '.join(_OPTIONS)}")
     title = {"Title": figure.get_label()} if figure.get_label() else {}
     options = {**_OPTIONS[suffix], "metadata": {**_OPTIONS[suffix].get("metadata", {}), **title}}
-    with replace_file(target) as temporary, rc_context(_TYPE):
+    with replace_file(target) as temporary, rc_context(_DEFAULTS):
         figure.savefig(temporary, format=suffix[1:], facecolor="auto", **options)
     return target

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib import rc_context
 from matplotlib.text import Text
 from on_figures import strips, words
 from phaseplane.suspension.characteristics import damper, linear
@@ -39,6 +40,23 @@ from phaseplane.picture.views import view_of
 @pytest.fixture(scope="module")
 def drawing() -> Drawing:
     return construct_motion(ap57(), delta, step=0.0025, steps=30)
+
+
+@pytest.mark.parametrize("ending", ["png", "svg"])
+def test_settings_of_the_user_for_own_figures_change_nothing(tmp_path: Path, ending: str) -> None:
+    def drawn(name: str) -> bytes:
+        motions = [np.array([[[1.0, 0.5], [0.2, 0.0]], [[0.0, 0.3], [-1.0, 0.1]]])] * 2
+        figure = figures.modal_planes(motions, ["bounce", "hop"], title="Modes")
+        return save(figure, tmp_path / f"{name}.{ending}").read_bytes()
+
+    usual = drawn("usual")
+    theirs = {
+        "text.usetex": True, "savefig.bbox": "tight", "savefig.dpi": 55, "font.size": 20.0,
+        "lines.marker": "o", "path.sketch": (1.0, 100.0, 2.0), "axes.xmargin": 0.5,
+        "axes.labelcolor": "red", "svg.fonttype": "path", "figure.autolayout": True,
+    }  # fmt: skip
+    with rc_context(theirs):
+        assert drawn("theirs") == usual
 
 
 @pytest.mark.slow
