@@ -12,6 +12,7 @@ from phaseplane.suspension import characteristics
 from phaseplane.suspension.engine import KINDS, Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import Element, System
+from scipy.linalg import eigvalsh
 from stepped import STOPS, displaced, mass_on, read_at
 
 
@@ -164,7 +165,7 @@ def test_short_fixed_steps_go_on_for_as_long_as_time_can_tell(step: float) -> No
 def test_stable_step_is_the_highest_mode_of_the_car() -> None:
     m, k = np.diag([294.1995, 29.41995]), np.array([[14709.975, -14709.975], [-14709.975, 0]])
     k[1, 1] = 14709.975 + 147099.75
-    omega = sqrt(np.linalg.eigvals(np.linalg.solve(m, k)).max())
+    omega = sqrt(eigvalsh(k, m).max())
     assert Integrator(build("QuarterCar", {})).stable_step() == pytest.approx(
         2 * sqrt(3) / omega, rel=1e-12
     )

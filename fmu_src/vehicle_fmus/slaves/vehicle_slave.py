@@ -225,12 +225,10 @@ class VehicleSlave(Fmi2Slave):
             return self._parameters[name]
         if name in self._input_names:
             return self._inputs.get(name, self._starts[name])
-        if self._session is None:
-            try:
+        if self._session is None and not self._refusal:
+            with suppress(Exception):  # reported at the end of initialisation
                 self._session = self._new_session()
-            except Exception:  # reported at the end of initialisation
-                return _NOTHING[type(self._starts[name])]
-        return self._session.value(name)
+        return self._session.value(name) if self._session else _NOTHING[type(self._starts[name])]
 
     def _set_one(self, name: str, value: Value) -> None:
         if name not in self._input_names and name not in self._parameters:
