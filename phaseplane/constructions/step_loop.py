@@ -114,7 +114,10 @@ def _frames(
         time, states, event = target, successors, ""
         old_mode = mode
         if found:
-            mode = construction.mode_after(mode, found.limits, states, time)
+            if found.limits:
+                mode = construction.mode_after(mode, found.limits, states, time)
+            else:
+                mode = construction.mode_at(states, time)
             states = construction.remembered(states, states)
         if time == jolt:
             jolt, before, event = next(jolts), None, JOLT

@@ -21,7 +21,8 @@ class End(NamedTuple):
     Parameters
     ----------
     part : time from the start of the window, s
-    limits : the limit that is reached, and others that are reached at the same time
+    limits : the limit that is reached, and others that are reached at the same time; none where the
+        states are beyond one at the end of the window, and the next mode is that of the states
     """
 
     part: float
@@ -70,7 +71,9 @@ def first_end(
             found.append((part, limit))
     if not found:
         return None
-    first = min(found)[0]
+    first, limit = min(found)
+    if first == window.duration and last[limit] < 0.0:
+        return End(first, ())
     at_once = first + _AT_ONCE * window.duration
     return End(first, tuple(limit for part, limit in sorted(found) if part <= at_once))
 
@@ -103,14 +106,13 @@ def _descents(course: Sequence[float]) -> Iterator[tuple[float, float]]:
     """Yield the parts of the window in which a margin may fall through zero, including dips."""
     parts = (0.0, *_SAMPLES, 1.0)
     doubtful = _DOUBTFUL * max(course)
-    positive: int | None = 0  # where the margin was positive last
+    positive = 0  # where the margin was positive last
     for i in range(1, len(course)):
         before, here = course[i - 1], course[i]
         if before > 0.0:
             positive = i - 1
-        if here < 0.0 and positive is not None:
+        if here < 0.0:
             yield parts[positive], parts[i]
-            positive = None
         elif i + 1 < len(course) and before > here < course[i + 1]:
             bend = before - 2.0 * here + course[i + 1]
             fall = before - course[i + 1]

@@ -188,8 +188,10 @@ class ElastoplasticPlane(OnePlane):
         return next(flowing, ELASTIC)
 
     def mode_after(self, mode: str, limits: Sequence[int], states: States, time: float) -> str:
-        """Return the next mode: yielding up or down, or unloading."""
-        return tuple(FLOWS)[limits[0]] if mode == ELASTIC else ELASTIC
+        """Return the next mode: yielding up or down if the spring moves outwards, else elastic."""
+        flow = tuple(FLOWS)[limits[0]]
+        outwards = mode == ELASTIC and FLOWS[flow] * states[0].imag > 0.0
+        return flow if outwards else ELASTIC
 
     def event(self, mode: str, successor: str) -> str:
         """Return the event: yielding or unloading."""

@@ -8,14 +8,17 @@ from math import acos, cos, exp, isnan, nan, pi, sin, sqrt
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from phaseplane.scenarios.simulate.solving import solve
-from phaseplane.suspension.characteristics import linear
+from phaseplane.suspension import roads
+from phaseplane.suspension.characteristics import damper, linear
 from phaseplane.suspension.models import build
 from scipy.integrate import solve_ivp
 
 from phaseplane.constructions import (
+    RULES,
+    ElastoplasticPlane,
     EquationPlane,
     OneDofPlane,
     construct_motion,
@@ -438,8 +441,6 @@ def test_a_force_that_switches_at_the_end_of_a_step_does_so_there(at, step):
 
 def test_a_car_with_dry_friction_sticks_and_slips_in_its_plane():
     """The body stays on the axle until the road's acceleration overcomes the friction."""
-    from phaseplane.suspension import roads  # noqa: PLC0415
-
     one = OneDofPlane(
         mass=100.0, spring=linear(1e4), damper=linear(0.0), friction=30.0,
         road=roads.sine(0.01, 2.0, 2.0),
@@ -467,6 +468,35 @@ def test_a_car_with_dry_friction_sticks_and_slips_in_its_plane():
     end = drawing.end
     assert end is not None
     assert end.readings["suspension_deflection"] == pytest.approx(known.y[0, -1], abs=2e-5)
+
+
+force = st.floats(-20.0, 20.0)
+switched = st.one_of(
+    st.builds(
+        OneDofPlane, mass=st.just(300.0), spring=st.just(linear(15000.0)),
+        damper=st.just(damper(2000.0, 500.0)), friction=st.floats(5.0, 500.0),
+        road=st.builds(roads.sine, st.floats(0.005, 0.02), st.floats(0.7, 4.0), st.just(20.0)),
+        initial_deflection=st.floats(-0.05, 0.05), initial_rate=st.floats(-1.0, 1.0),
+    ),
+    st.builds(
+        ElastoplasticPlane, mass=st.just(100.0), damping=st.floats(0.0, 200.0),
+        spring_rate=st.just(5000.0), yield_force=st.just(6.0),
+        initial_displacement=st.floats(-0.01, 0.01), initial_velocity=st.floats(-0.3, 0.3),
+        load=st.tuples(force, force, force).map(
+            lambda forces: roads.table([(0.1 * k, f) for k, f in enumerate((0.0, *forces, 0.0))])
+        ),
+    ),
+)  # fmt: skip
+
+
+@settings(max_examples=40)
+@given(switched, st.sampled_from(list(RULES)), st.floats(0.02, 0.25))
+def test_every_step_begins_within_the_limits_of_its_mode(plane, rule, turn):
+    """So friction acts against the velocity, and a spring yields only outwards."""
+    step = turn / plane.angular_frequency
+    for frame in construct_motion(plane, RULES[rule], step=step, steps=20):
+        states = tuple(frame.points[name] for name in "PR" if name in frame.points)
+        assert min(plane.margins(frame.mode, states, frame.time), default=0.0) > -1e-9
 
 
 # Portraits.
