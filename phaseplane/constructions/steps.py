@@ -19,6 +19,7 @@ Points = dict[str, complex]
 Construct = Callable[[States], tuple[States, Points]]
 """The construction for the time of one step: feet of the normals, and all its points."""
 
+_ROUNDING = 1e-9  # of the second normal: a first one no longer than this has no direction
 _FAR = 1e6  # normals; a circle of this radius is a straight line on any sheet
 
 
@@ -48,15 +49,21 @@ class Step(NamedTuple):
         return along_tangent(self.p, self.d, self.turn)
 
     @property
+    def starts_in_foot(self) -> bool:
+        """Whether P is D to rounding, as where dry friction gives way: there is no normal."""
+        return abs(self.p - self.d) <= _ROUNDING * abs(self.p_new - self.d_new)
+
+    @property
     def mean_share(self) -> float:
-        """Mean of both normals, relative to the first."""
-        length = abs(self.p - self.d)
-        return 0.5 * (1.0 + abs(self.p_new - self.d_new) / length) if length > 0.0 else 1.0
+        """Mean of both normals, relative to the first; 1 if there is none."""
+        if self.starts_in_foot:
+            return 1.0
+        return 0.5 * (1.0 + abs(self.p_new - self.d_new) / abs(self.p - self.d))
 
     @property
     def centre(self) -> complex | None:
         """The centre S of the osculating circle: where both normals cross (AP57 figure 4b)."""
-        if self.p == self.d or self.p_new == self.d_new:
+        if self.starts_in_foot or self.p_new == self.d_new:
             return None
         return meet(self.p, self.d, self.p_new, self.d_new)
 

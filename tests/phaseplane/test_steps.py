@@ -183,6 +183,16 @@ def test_at_rest_on_the_foot_nothing_moves(rule):
     assert all(np.isfinite(p) for helper in move.helpers.values() for p in helper)
 
 
+@pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
+def test_a_normal_as_short_as_rounding_gives_no_direction(rule):
+    """Where dry friction gives way the forces are in balance: P is on D."""
+    one, other = (
+        rule.move((0.2 + 0j,), (complex(0.2 + off),), (-0.1,), lambda p: ((0.25 + 0j,), {}))
+        for off in (1e-16, -1e-16)
+    )
+    assert one.successors == pytest.approx(other.successors, abs=1e-12)
+
+
 @pytest.mark.parametrize("name", ["osculating_circle", "midpoint_circle"])
 def test_parallel_normals_leave_no_circle(name):
     """Where the feet move along with the state the curve is straight."""
