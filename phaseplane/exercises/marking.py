@@ -16,7 +16,7 @@ from itertools import pairwise
 from math import inf
 from typing import NamedTuple, TypeVar
 
-from phaseplane.constructions.construction import JOLT, Construction, Window
+from phaseplane.constructions.construction import Construction, Window
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.rules import RULES, Rule
@@ -119,7 +119,7 @@ def mark(
     stepper = Stepper(construction, rule)
     marks: list[Mark] = []
     nominal = max(frame.duration for frame in drawing.frames)
-    memory = construction.initial[len(planes) :]
+    memory = construction.remembered(construction.initial, None)[len(planes) :]
     missed = None
     for before, (frame, following), after in zip(
         readings, pairwise(frames), readings[1:], strict=False
@@ -129,7 +129,7 @@ def mark(
             frame.mode,
             Window(frame.time, frame.duration),
             following.mode != frame.mode,
-            following.event == JOLT,
+            following.time in construction.jolts,
             missed,
         )
         starts = [before] + [
@@ -166,7 +166,7 @@ def _misread(mark: Mark, read: Reading, planes: Sequence[Plane], tolerance: floa
 
 def _ended(stepper: Stepper, step: _Step, nominal: float) -> _Step:
     """Return a step that ends on a switch so that it does from the student's point, too."""
-    if not step.switches:
+    if step.jolts or not step.switches:
         return step
     longer = Window(step.window.start, min(nominal, 1.5 * step.window.duration + 0.1 * nominal))
     try:
@@ -174,7 +174,9 @@ def _ended(stepper: Stepper, step: _Step, nominal: float) -> _Step:
         end = first_end(stepper, step.mode, step.states, longer, points, successors, fresh=True)
     except ArithmeticError:
         return step
-    return step if end is None else step._replace(window=Window(longer.start, end.part))
+    if end is None or not end.limits:
+        return step
+    return step._replace(window=Window(longer.start, end.part))
 
 
 def _stepped(stepper: Stepper, step: _Step) -> tuple[Points, States]:

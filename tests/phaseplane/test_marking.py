@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import re
+from dataclasses import replace
 
 import pytest
 from phaseplane.suspension.characteristics import damper, linear
@@ -28,6 +29,10 @@ from phaseplane.exercises.readings import Reading
 
 DELTA = rule_named("delta")
 STEP = 0.15
+YIELDING = ElastoplasticPlane(
+    mass=100.0, damping=200.0, spring_rate=5000.0, yield_force=6.0,
+    load=table([(0.0, 0.0), (0.2, 8.0), (0.8, 0.0)]),
+)  # fmt: skip
 
 
 def student(drawing: Drawing, steps: int) -> list[complex]:
@@ -422,16 +427,20 @@ def test_readings_of_another_exercise_are_refused(task):
         judged(construction, drawing, [drawing.frames[0].points["P"]] * 12)
 
 
-def test_faultless_readings_of_a_spring_that_yields_are_right() -> None:
-    """Its permanent set is that of the student's points, not the one at the start."""
-    frame = ElastoplasticPlane(
-        mass=100.0, damping=200.0, spring_rate=5000.0, yield_force=6.0,
-        load=table([(0.0, 0.0), (0.2, 8.0), (0.8, 0.0)]),
-    )  # fmt: skip
-    drawing = construct_motion(frame, DELTA, step=0.05, duration=0.9)
-    events = [f.event for f in drawing.frames]
-    assert "yielding" in events[: events.index("unloading")]
-    points = [frame.points["P"] for frame in drawing.instants]
-    marks = judged(frame, drawing, points)
-    assert marks.right == len(marks.marks) == len(points) - 1
+@pytest.mark.parametrize(
+    ("plane", "event"),
+    [
+        # the permanent set is that of the student's points, not the one at the start
+        (YIELDING, "unloading"),
+        (replace(YIELDING, initial_displacement=0.02), "yielding"),  # beyond its yield line
+        # stuck until a kerb sets it free
+        (OneDofPlane(300.0, linear(15000.0), linear(2000.0), step(0.01, 0.12), friction=50.0), ""),
+    ],
+)
+def test_faultless_readings_are_right_across_switches(plane, event):
+    drawing = construct_motion(plane, DELTA, step=0.05, duration=0.9)
+    assert event in [f.event for f in drawing.instants]
+    assert len({f.mode for f in drawing.instants}) > 1
+    marks = judged(plane, drawing, [frame.points["P"] for frame in drawing.instants])
+    assert marks.right == len(marks.marks) == len(drawing.frames)
     assert max(m.distance for m in marks.marks) < 0.1
