@@ -12,6 +12,7 @@ from phaseplane.constructions.rules import Rule, delta
 from phaseplane.constructions.sheet import path_of, reach, trail
 from phaseplane.constructions.step_loop import construct_motion
 from phaseplane.constructions.storage import StoredFrames
+from phaseplane.equations.typeset import number
 
 
 def family(
@@ -54,7 +55,7 @@ def family(
     fixed = construction.curves(StoredFrames(near))
     kept = tuple(curve for curve in first.curves if curve.role != "auxiliary")
     curves = tuple(
-        Curve("trail", path_of(plane, other.schemes, other.frames), f"({x:g}, {v:g})")
+        Curve("trail", path_of(plane, other.schemes, other.frames), f"({number(x)}, {number(v)})")
         for (x, v), other in zip(starts, others, strict=True)
     )
     return replace(first, curves=(*fixed, *kept, *curves))

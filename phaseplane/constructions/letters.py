@@ -10,6 +10,8 @@ import re
 from functools import lru_cache
 from unicodedata import normalize
 
+from phaseplane.equations.typeset import printed
+
 MINUS = "\N{MINUS SIGN}"
 _BAR, _DOT, _DOTS = "\N{COMBINING MACRON}", "\N{COMBINING DOT ABOVE}", "\N{COMBINING DIAERESIS}"
 _INDICES = {ord(plain): index for plain, index in zip("0123456789m", "₀₁₂₃₄₅₆₇₈₉ₘ", strict=True)}
@@ -37,7 +39,7 @@ def typeset(text: str) -> str:
     levels = [LEVEL.fullmatch(part) for part in text.split(" and ")]
     if all(levels):
         values = (" ".join(filter(None, level.groups())) for level in levels if level)
-        return ", ".join(values).replace("-", MINUS)
+        return printed(", ".join(values))
     barred = _BARRED.sub(lambda m: _accented(m[1], _BAR) + m[2].translate(_INDICES), text)
     return _SYMBOL.sub(_symbol, barred)
 

@@ -18,6 +18,7 @@ from phaseplane.constructions.step_loop import drawing
 from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import States
 from phaseplane.constructions.storage import Frame, StoredFrames
+from phaseplane.equations.typeset import number
 
 
 def overlay(
@@ -70,7 +71,7 @@ def overlay(
         old_mode = mode
         before = Before(readings, window.duration) if jolt is None else None
     longest = max(frame.duration for frame in made)
-    words = f"laid over {len(made)} steps of up to {1e3 * longest:.4g} ms"
+    words = f"laid over {len(made)} steps of up to {number(1e3 * longest, 4)} ms"
     return drawing(construction, rule, StoredFrames(made), longest, words)
 
 

@@ -9,6 +9,7 @@ from math import ceil, floor, log10
 
 from phaseplane.constructions.primitives import Arc, Axis, Curve, Drawing, Plane, Scheme
 from phaseplane.constructions.storage import Frame, StoredFrames
+from phaseplane.equations.typeset import number
 
 TURN = ("axis", "construction")
 """The roles of the curves of the turn angles, which may be anywhere on the sheet."""
@@ -162,7 +163,7 @@ def turn_angles(
         Curve(
             "axis",
             (end := vertex + i * division, end - 1j * tick),
-            f"{100 * i * division:g}" + (" cm" if i == count else ""),
+            number(100 * i * division) + (" cm" if i == count else ""),
         )
         for i in range(1, count + 1)
     ]

@@ -17,6 +17,7 @@ from phaseplane.constructions.step_loop import Start, frames
 from phaseplane.constructions.steps import States
 from phaseplane.constructions.storage import Frame
 from phaseplane.constructions.two_planes import QuarterCarPlanes
+from phaseplane.equations.typeset import number
 
 _LONGEST = 10.0  # s of flight
 
@@ -85,7 +86,7 @@ def with_shortcuts(
         Curve(
             "shortcut",
             path_of(plane, drawing.schemes, flight),
-            f"V by x2 = x2st, {1e3 * end:.4g} ms",
+            f"V by x2 = x2st, {number(1e3 * end, 4)} ms",
         )
         for flight in shortcut_flights(construction, drawing.frames, rule, step=step)
         for end in (flight[-1].time + flight[-1].duration,)

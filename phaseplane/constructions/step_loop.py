@@ -21,6 +21,7 @@ from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import States
 from phaseplane.constructions.storage import Frame, StoredFrames
 from phaseplane.constructions.switching import first_end
+from phaseplane.equations.typeset import number
 
 _LEAST_PART = 1e-9  # of a step: anything shorter is rounding
 _LARGEST_TURN = 0.5 * pi
@@ -152,7 +153,9 @@ def construct_motion(
     made = frames(
         construction, rule, step=step, duration=duration, steps=steps, start=start, ending=ending
     )
-    drawn = drawing(construction, rule, StoredFrames(made), step, f"step {1e3 * step:.4g} ms")
+    drawn = drawing(
+        construction, rule, StoredFrames(made), step, f"step {number(1e3 * step, 4)} ms"
+    )
     return replace(drawn, end=ending[0])
 
 

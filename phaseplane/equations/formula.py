@@ -19,7 +19,7 @@ from phaseplane.equations.pieces import BEYOND, VARIABLES, Pieces, at_least_zero
 from phaseplane.equations.reading import FUNCTIONS, SMOOTH, read
 from phaseplane.equations.spelling import spelled
 from phaseplane.equations.switching import Switching
-from phaseplane.equations.typeset import name_of, typeset
+from phaseplane.equations.typeset import name_of, number, typeset
 
 if TYPE_CHECKING:
     import numpy as np
@@ -125,7 +125,9 @@ class Formula:
     @property
     def words(self) -> str:
         """The equation in mathematical notation, with the values of its parameters."""
-        values = ", ".join(f"{name_of(n)} = {self.parameters[n]:.6g}" for n in sorted(self.names))
+        values = ", ".join(
+            f"{name_of(n)} = {number(self.parameters[n])}" for n in sorted(self.names)
+        )
         return typeset(self._tree) + (f"   ({values})" if values else "")
 
     @property

@@ -1,10 +1,12 @@
-"""Equations in mathematical notation: a formula of v, x, t with dots, powers and Greek letters."""
+"""Equations in mathematical notation, with dots, powers and Greek letters, and numbers in print."""
 
 from __future__ import annotations
 
 import ast
 import re
+from decimal import Decimal
 
+_EXPONENT = re.compile(r"\d[\d.]*e[+-]\d+")
 _INDICES = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _POWERS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _GREEK = {
@@ -17,6 +19,16 @@ _GREEK = {
 }  # fmt: skip
 _NAMES = {"v": "ẋ", "Omega": "Ω", "eps": "ε", **_GREEK}
 _SUM, _SIGNED, _PRODUCT, _POWER, _ATOM = range(5)
+
+
+def number(value: float, digits: int = 6) -> str:
+    """Return a number as text, with a minus sign and without an exponent."""
+    return printed(f"{value + 0.0:.{digits}g}")
+
+
+def printed(text: str) -> str:
+    """Return a text with its numbers as they are printed: 12000 for 1.2e+04, with minus signs."""
+    return _EXPONENT.sub(lambda found: f"{Decimal(found[0]):f}", text).replace("-", "−")
 
 
 def typeset(tree: ast.expr) -> str:
@@ -40,7 +52,7 @@ def _written(node: ast.expr) -> tuple[str, int]:
     """Return a term and its precedence."""
     match node:
         case ast.Constant(float() as value):
-            return f"{value:.12g}", _ATOM
+            return number(value, 12), _ATOM
         case ast.Name(name):
             return name_of(name), _ATOM
         case ast.UnaryOp(ast.USub(), inner):

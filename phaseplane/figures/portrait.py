@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
+from phaseplane.equations.typeset import number
 from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, Hue
-from phaseplane.picture.text import number
 from phaseplane.portrait import Portrait, Section, Window
 
 from .style import PLAIN, Look, Palette, draw_zero, styled

@@ -9,13 +9,14 @@ import numpy as np
 from phaseplane.constructions.letters import axis_letter, typeset
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.storage import Frame
+from phaseplane.equations.typeset import number
 from phaseplane.picture import dimensions
 from phaseplane.picture.axes import draw_axes, draw_y_axis
 from phaseplane.picture.curves import draw_trails
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, arcs, around, bounds
 from phaseplane.picture.step import write_letters
-from phaseplane.picture.text import format_time, number
+from phaseplane.picture.text import format_time
 from phaseplane.picture.views import frame_at, motion_points, name_room
 
 from .canvas import as_figure, new_page

@@ -14,13 +14,14 @@ import numpy as np
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Axis, Plane
 from phaseplane.constructions.sheet import round_step
+from phaseplane.equations.typeset import number
 
 from .frames import reach_of
 from .letters import text_box
 from .page import PLATE, TYPE, Lines, Page, Text, value_text
 from .paper import NOTHING, Box, Points, segments_of
 from .quantities import display_unit
-from .text import bracketed, number
+from .text import bracketed
 
 # places of the name of an axis: up, em, and to the side, half-widths of the name
 _BESIDE = (0.0, 1.2, -1.2, 2.4, -2.4, 3.6, -3.6, 4.8, -4.8)

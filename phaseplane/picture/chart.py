@@ -12,6 +12,7 @@ import numpy.typing as npt
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.sheet import round_step
 from phaseplane.constructions.storage import StoredFrames
+from phaseplane.equations.typeset import number
 
 from .frames import read_over
 from .page import Page, Text
@@ -19,7 +20,7 @@ from .paper import Box, Points, Reals, telling_vertices
 from .quantities import Quantity
 from .styles import PARTS, part_of, strength_of, weight_of
 from .subject import Subject
-from .text import bracketed, in_words, number
+from .text import bracketed, in_words
 
 _WIDTH, _HEIGHT = 0.3, 0.105  # of the chart, m of paper
 _NAMES = 1.17 * _WIDTH  # where the names of the columns begin

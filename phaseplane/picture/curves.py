@@ -8,7 +8,7 @@ from math import inf
 
 import numpy as np
 
-from phaseplane.constructions.letters import MINUS, typeset
+from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Curve, Drawing, Plane
 from phaseplane.constructions.storage import Frame
 
@@ -53,7 +53,7 @@ def draw_curves(page: Page, roles: Sequence[str] | None = CURVES) -> None:
         # further integral curves are named where they begin, since many of them end together
         place = {"shortcut": -1, "trail": 0}.get(curve.role)
         if place is not None and page.view.holds(curve.vertices[place]):
-            words = typeset(curve.label).replace("-", MINUS)
+            words = typeset(curve.label)
             page.dots(curve.role, [curve.vertices[place]])
             starts = [motion[0] for motion in page.subject.motions]
             page.letter([(curve.vertices[place], words, curve.role)], VALUE, others=starts)

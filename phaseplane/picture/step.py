@@ -10,11 +10,12 @@ from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Mark
 from phaseplane.constructions.sheet import events_of
 from phaseplane.constructions.storage import Frame
+from phaseplane.equations.typeset import number
 
 from .layers import Part, is_main, part_of
 from .page import VALUE, Dots, Named, Page
 from .paper import SEEN
-from .text import LETTER_OF_EVENT, number
+from .text import LETTER_OF_EVENT
 
 MOST_LETTERED = 24  # events that are lettered; more of them are small dots
 _SHARED = 3.0  # em: events of a kind that are nearer to each other share a letter

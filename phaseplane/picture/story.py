@@ -14,6 +14,7 @@ from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing, Mark, Plane, Scheme
 from phaseplane.constructions.sheet import events_of
 from phaseplane.constructions.storage import StoredFrames
+from phaseplane.equations.typeset import number
 from phaseplane.suspension.units import counted
 
 from . import dimensions, text
@@ -169,7 +170,7 @@ def _drift(stays: Page) -> list[str]:
         state = abs(table(frames, [plane.state])[:, 0] - axis.origin) / axis.scale
         unit, factor = stays.units[plane.name]
         largest = drift.max() if drift.max() > _ROUNDED * state.max() else 0.0
-        found.append(f"{typeset(axis.label)} {text.number(factor * largest, 3)} {unit}".rstrip())
+        found.append(f"{typeset(axis.label)} {number(factor * largest, 3)} {unit}".rstrip())
         follows = follows and bool((drift**2).mean() < _MOST_DRIFT**2 * (state**2).mean())
     if text.is_laid_over(stays.drawing):
         return [f"A step misses the motion by at most {', '.join(found)}."]
@@ -265,7 +266,7 @@ def _introduction(drawing: Drawing, title: str) -> str:
     letters = (" (a)", " (b)") if "by b " in said else repeat("")  # as the instructions call them
     scales = ", ".join(map(add, map(_scale, drawing.planes), letters))
     rates = ", ".join(
-        f"Ω{p.number} = {text.number(p.angular_frequency, 4)} rad/s" for p in drawing.planes
+        f"Ω{p.number} = {number(p.angular_frequency, 4)} rad/s" for p in drawing.planes
     )
     words.append(f"Scales: {scales}; {typeset(rates)}.")
     return "\n\n".join([*filter(None, words), _HELP])
@@ -276,8 +277,8 @@ def _scale(plane: Plane) -> str:
     axis = plane.displacement
     letter = typeset(axis.label)
     if axis.unit == "m":
-        return f"{letter} {text.number(axis.scale, 4)} : 1"
-    return f"{letter} {text.number(100.0 * axis.scale, 4)} cm for 1 {axis.unit}".rstrip()
+        return f"{letter} {number(axis.scale, 4)} : 1"
+    return f"{letter} {number(100.0 * axis.scale, 4)} cm for 1 {axis.unit}".rstrip()
 
 
 def _page(stays: Page, index: int) -> Page:

@@ -5,20 +5,19 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from decimal import Decimal
 from functools import lru_cache
 from textwrap import wrap
 
-from phaseplane.constructions.letters import LEVEL, MINUS, axis_letter, rate_letter, typeset
+from phaseplane.constructions.letters import LEVEL, axis_letter, rate_letter, typeset
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.sheet import Event, events_of, plane_of
 from phaseplane.constructions.storage import Frame
 from phaseplane.constructions.two_planes import STUCK
+from phaseplane.equations.typeset import number, printed
 
 from .frames import columns
 from .quantities import Quantity, rate_of, rate_unit, unit_text
 
-_EXPONENT = re.compile(r"\d[\d.]*e[+-]\d+")
 _EVENTS = {
     "lift_off": "The {}wheel leaves the road (U).",
     "touchdown": "The {}wheel touches down (V).",
@@ -58,16 +57,6 @@ def level_text(label: str, unit: str, factor: float) -> str:
     opposite = len(values) == 2 and values[0] == -values[1]
     text = "±" + number(abs(values[0])) if opposite else ", ".join(map(number, values))
     return f"{text} {unit}".rstrip()
-
-
-def number(value: float, digits: int = 6) -> str:
-    """Return a number as text, with a minus sign and without an exponent."""
-    return _printed(f"{value + 0.0:.{digits}g}")
-
-
-def _printed(text: str) -> str:
-    """Return a text with its numbers as they are printed: 12000 for 1.2e+04, with minus signs."""
-    return _EXPONENT.sub(lambda found: f"{Decimal(found[0]):f}", text).replace("-", MINUS)
 
 
 def _seen(value: float) -> float:
@@ -137,7 +126,7 @@ def readings_table(
     known = tuple((n, quantities.get(n)) for n in readings)
     head, form, order, factors = _table_form(known, "missed by" if over else "drift")
     values = (f * readings[name] for f, name in zip(factors, order, strict=True))
-    return head + _printed(form % tuple(map(_seen, values)))
+    return head + printed(form % tuple(map(_seen, values)))
 
 
 @lru_cache

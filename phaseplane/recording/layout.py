@@ -11,10 +11,11 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from phaseplane.constructions.letters import typeset
+from phaseplane.equations.typeset import number
 from phaseplane.picture.curves import RECENT
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
-from phaseplane.picture.text import in_words, number
+from phaseplane.picture.text import in_words
 
 from .canvas import PARTS, legible
 from .content import Content

@@ -13,7 +13,8 @@ from phaseplane.suspension.units import counted
 
 from phaseplane import constructions, exercises, figures
 from phaseplane.constructions.construction import CONTACT
-from phaseplane.constructions.letters import MINUS, typeset
+from phaseplane.constructions.letters import typeset
+from phaseplane.equations.typeset import printed
 from phaseplane.exercises.marking import RIGHT
 from phaseplane.exercises.protocol import (
     decimal,
@@ -288,7 +289,7 @@ def _sheet(made: Exercise, *, solved: bool, read: Sequence[tuple[list[complex], 
     for name, column in excitations(drawing).items():
         lengths = {*column} - {""}
         if len(lengths) == 1:
-            constant.append(f"{typeset(name)} = {lengths.pop()} {unit}".rstrip())
+            constant.append(f"{typeset(name)} = {printed(lengths.pop())} {unit}".rstrip())
         else:
             changing[f"{name} [{unit}]" if unit else name] = [*column, _NOTHING]
     rows = []
@@ -311,7 +312,7 @@ def _sheet(made: Exercise, *, solved: bool, read: Sequence[tuple[list[complex], 
         paper=made.paper,
         title=("Marking sheet: " if solved else "") + (made.scene.title or made.scene.name),
         lines=[
-            "; ".join([typeset(drawing.title), *constant]).replace("= -", f"= {MINUS}"),
+            "; ".join([typeset(drawing.title), *constant]),
             f"{made.extent}; scale {scale}; " + ", ".join(
                 f"{typeset('dtau' + p.number)} = {p.angular_frequency * made.scene.construction.step:.4g}"
                 for p in planes

@@ -14,6 +14,8 @@ from phaseplane.constructions import Curve, EquationPlane, Mark, construct_motio
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.sheet import Event
 from phaseplane.constructions.storage import StoredFrames
+from phaseplane.equations import Formula
+from phaseplane.equations.typeset import number
 from phaseplane.picture.quantities import QUANTITIES, quantity_of, unit_text
 from phaseplane.picture.text import (
     LETTER_OF_EVENT,
@@ -22,7 +24,6 @@ from phaseplane.picture.text import (
     level_text,
     marks_text,
     measured,
-    number,
     protocol,
     readings_table,
     step_text,
@@ -114,12 +115,14 @@ def test_numbers_are_printed_without_exponents(value: float, text: str) -> None:
 
 @pytest.mark.parametrize("pace", [1e-5, 1e6])
 def test_no_number_of_a_slow_or_a_quick_motion_has_an_exponent(pace: float) -> None:
+    formula = Formula("w^2*x + 1e-9*v", {"w": pace})
     law = EquationPlane(
-        lambda v, x, t: pace**2 * x, True, pace, scale=1e-6, initial_displacement=1e4, unit="kg"
+        formula.switching, formula.autonomous, pace, scale=1e-6, initial_displacement=1e4, unit="kg",
+        words=formula.words,
     )  # fmt: skip
-    made = replace(construct_motion(law, delta, step=0.1 / pace, steps=20), title="an equation")
+    made = construct_motion(law, delta, step=0.1 / pace, steps=20)
     told = [told for tick in sheet_and_story(made)[1] for told in (tick.text, tick.caption)]
-    told += [step_text(made, frame, {}) for frame in made.frames]
+    told += [made.title, *(step_text(made, frame, {}) for frame in made.frames)]
     assert re.findall(r"\S*\de[+-]?\d\S*", " ".join(told)) == []
 
 
