@@ -109,6 +109,20 @@ KINDS: list[tuple[str, Callable[[Any, Any], Any], dict[float, str]]] = [
 ]  # fmt: skip
 
 
+def test_a_plane_turned_by_half_a_turn_has_the_same_kinds() -> None:
+    """On a corner, from which a turn to eleven digits did not come back."""
+    texts = "0.11*atan(3*x) - 0.22*abs(x) + 0.21*x*v", "0.11*atan(3*x) + 0.22*abs(x) - 0.21*x*v"
+    windows = Window(-3.0, 2.6, -3.0, 2.9), Window(-2.6, 3.0, -2.9, 3.0)
+    there, turned = (
+        [at.kind for at in equilibria(system, window)]
+        for made, window in zip(map(Formula, texts), windows, strict=True)
+        for system in (
+            PhaseSystem(made.function, on_arrays=made.on_arrays, switching=made.switching),
+        )
+    )
+    assert there == turned[::-1] == ["stable focus", "saddle"]
+
+
 @pytest.mark.parametrize(("name", "function", "kinds"), KINDS, ids=[name for name, _, _ in KINDS])
 @pytest.mark.parametrize("shift", [0.0, 0.0123])
 def test_kinds_without_a_linear_part(
