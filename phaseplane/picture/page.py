@@ -157,9 +157,9 @@ class Page:
         """Return the roles in the legend, with their words, in the order of drawing; then marks."""
         found: dict[str, str] = {}
         for role in dict.fromkeys(lines.role for lines in self.of(Lines) if self.keyed):
-            words = _legend_text(self.drawing, role)
+            words = typeset(_legend_text(self.drawing, role))
             if words and words not in found.values():
-                found[role] = typeset(words)
+                found[role] = words
         marked = any(dots.role == "event" for dots in self.of(Dots))
         if self.keyed and marked and not any(text.role == "event" for text in self.texts):
             found["event"] = marks_text(self.drawing)

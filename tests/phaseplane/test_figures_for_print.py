@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from matplotlib import rc_context
 from matplotlib.text import Text
-from on_figures import strips, words
+from on_figures import legend, strips, words
 from phaseplane.suspension.characteristics import damper, linear
 from phaseplane.suspension.roads import bump, obstacle
 from PIL import Image
@@ -101,6 +101,15 @@ def test_dashes_distinguish_black_lines() -> None:
     assert len(set(kinds.values())) == len(kinds)
 
 
+def test_no_words_stand_twice_in_a_legend() -> None:
+    """Not of the step either, of which the sheet has the length and the arc of the turn angle."""
+    entries = legend(
+        figures.construction_sheet(construct_motion(ap57(), tangent, step=5e-3, steps=9))
+    )
+    assert "step P to P\N{PRIME}" in entries
+    assert len(set(entries)) == len(entries)
+
+
 def test_the_legend_says_what_marks_without_letters_are(drawing: Drawing) -> None:
     frames = [replace(frame, event="sticking") for frame in drawing.frames[1:31]]
     often = replace(drawing, frames=StoredFrames([drawing.frames[0], *frames]))
@@ -117,12 +126,12 @@ def test_the_legend_says_what_marks_without_letters_are(drawing: Drawing) -> Non
 @pytest.mark.parametrize("look", [Look(), Look(mono=True), Look(mono=True, width=0.085)])
 def test_the_legend_is_not_cut_off(drawing: Drawing, look: Look) -> None:
     figure = figures.figure7(drawing, look=look)
-    (legend,) = figure.legends
-    box = legend.get_window_extent()
+    (key,) = figure.legends
+    box = key.get_window_extent()
     assert box.x0 >= 0.0
     assert box.x1 <= figure.bbox.x1
     lowest = figure.axes[0].get_window_extent().y0
-    assert all(text.get_window_extent().y1 <= lowest for text in legend.get_texts())
+    assert all(text.get_window_extent().y1 <= lowest for text in key.get_texts())
 
 
 def test_black_lines_of_motions_over_time_differ_in_their_dashes(drawing: Drawing) -> None:
@@ -142,8 +151,8 @@ def test_motions_over_time_fill_a_column_and_their_words_fit(drawing: Drawing) -
     assert axes.get_window_extent().width >= 0.65 * figure.bbox.width
     figure.draw_without_rendering()
     ticks = [t for t in axes.get_xticklabels() if t.get_position()[0] <= axes.get_xlim()[1]]
-    (legend,) = figure.legends
-    for text in [*figure.texts, *legend.get_texts(), *ticks]:
+    (key,) = figure.legends
+    for text in [*figure.texts, *key.get_texts(), *ticks]:
         box = text.get_window_extent()
         assert figure.bbox.x0 <= box.x0 <= box.x1 <= figure.bbox.x1, text.get_text()
 
