@@ -79,6 +79,7 @@ TYRE = "-0.05:-12000, -0.01:-2000, 0:0, 0.02:5000"
     ("model", "given"),
     [
         ("OneDof", {"spring.cubic": 1e6}),
+        ("OneDof", {"spring.cubic": 1e6, "road.shape": "ramp"}),
         ("QuarterCar", {}),
         ("QuarterCar", {"spring.cubic": 1e6}),
         ("QuarterCar", {"tyre.table": TYRE, "tyre.interpolation": "monotone"}),
@@ -88,13 +89,14 @@ TYRE = "-0.05:-12000, -0.01:-2000, 0:0, 0.02:5000"
 def test_what_is_read_between_steps_leaves_no_trace(
     model: str, given: dict[str, Any], names: list[str]
 ) -> None:
-    """At the end of a bump, too, where a step that ends there is read while the road is constant."""
-    read = Session(model, given | {"road.shape": "bump"})
+    """Where the road ends, too: it is read in the step that ends there, and constant in the next one."""
+    given = {"road.shape": "bump", **given}
+    read = Session(model, given)
     for k, t in enumerate(np.linspace(0.0, 0.5, 301)):
         read.advance(float(t))
         found = [read.value(name) for name in names]
         if k % 30 == 0:
-            right = Session(model, given | {"road.shape": "bump"})
+            right = Session(model, given)
             right.advance(float(t))
             assert [*read.state.q, *read.state.v] == [*right.state.q, *right.state.v]
             assert found == [right.value(name) for name in names]

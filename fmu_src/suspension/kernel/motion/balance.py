@@ -230,7 +230,8 @@ class Balance:
             self.tangent_k[i], self.tangent_c[i] = self.stiffness[i], self.damping[i]
         for p in range(self.bends.count):
             r = self.bends.row[p]
-            s = self.elements.row_signal[r]
+            # a constant road has no rates; a reading between steps may have left others in `road`
+            s = -1 if self.loads_hold else self.elements.row_signal[r]
             dv = -self.signals.road[4 * s + 1] if s >= 0 else 0.0
             da = -self.signals.road[4 * s + 2] if s >= 0 else 0.0
             for i in range(n):
