@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Sequence
-from itertools import starmap
+from itertools import starmap, takewhile
 from math import inf
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from .engine import KINDS, Run
 from .kernel.language import Switch
@@ -52,7 +52,7 @@ def free_of_stops(system: System) -> dict[int, int]:
 
 
 class Events:
-    """The switches so far; those of contact are counted and reported when their time has come.
+    """The switches so far; those of contacts and end stops are reported when their time has come.
 
     Parameters
     ----------
@@ -66,6 +66,7 @@ class Events:
         self._places = [axle.prefix.replace("_", " ") for axle in tyres]  # such as "front "
         # an `Event` costs more than the rest, and many hosts read none: `all` makes them
         self._switches: deque[tuple[float, str, str, int, int]] = deque(maxlen=_MOST)
+        self._stops: deque[tuple[float, str]] = deque()  # what is yet to be reported of end stops
         self.contacts = Contacts(*run.contacts.seen())
 
     def attach(self, system: System) -> None:
@@ -79,19 +80,28 @@ class Events:
         return [*starmap(Event, self._switches)]
 
     def note(self, log: Iterable[Switch], until: float) -> None:
-        """Take switches from the integrator's log; those of contact up to `until` are counted at once."""
+        """Take switches from the integrator's log; those up to `until` are counted and reported."""
         for time, element, kind, before, after in log:
             name = self._names[element]
             self._switches.append((time, name, KINDS[kind], before, after))
             if kind == CONTACT and element in self._of_tyres:
                 self._run.contacts.note(time, element, after != 0)
-                if time <= until:
-                    self.count_contacts(time)
             elif element in self._free and (free := self._free[element]) in (before, after):
-                self._report(f"{name} {'met' if before == free else 'left'} at {time:.9g} s")
+                self._stops.append((time, f"{name} {'met' if before == free else 'left'}"))
+            else:
+                continue
+            if time <= until:
+                self.come_to(time)
 
-    def count_contacts(self, until: float) -> None:
-        """Count the contact switches up to a time, and report them."""
+    def come_to(self, until: float) -> None:
+        """Count the contact switches up to a time, and report them and the end stops."""
+        while self._stops and self._stops[0][0] <= until:
+            time, text = self._stops.popleft()
+            self._count_contacts(time)
+            self._report(f"{text} at {time:.9g} s")
+        self._count_contacts(until)
+
+    def _count_contacts(self, until: float) -> None:
         while (c := self._run.contacts.next(until)) >= 0:
             airborne = self.contacts.airborne[c]
             instants = self.contacts.last_lift_off if airborne else self.contacts.last_touchdown
@@ -117,6 +127,23 @@ class Events:
         """Delete the switches after a time to which the integrator has returned."""
         while self._switches and self._switches[-1][0] > present:
             self._switches.pop()
+
+    def forget_waiting(self) -> None:
+        """Discard what waits for its time, after a return to the present time."""
+        self._run.contacts.forget_waiting()
+        self._stops.clear()
+
+    def coming(self, present: float) -> list[Any]:
+        """Return the switches after the present time, and what is yet to be reported of end stops."""
+        after = takewhile(lambda switch: switch[0] > present, reversed(self._switches))
+        return [[*after][::-1], [*self._stops]]
+
+    def resume(self, present: float, coming: list[Any]) -> None:
+        """Return to a time, with what was `coming` then."""
+        self.forget_after(present)
+        switches, stops = coming
+        self._switches.extend(map(tuple, switches))
+        self._stops = deque(map(tuple, stops))
 
     def _report(self, text: str) -> None:
         self._messages.append(("event", text))

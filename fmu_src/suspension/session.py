@@ -331,7 +331,7 @@ class Session:
         self._events.forget_after(self._integrator.time)
         self._step(self.time, stop=True)
         # what happened up to now was reported when it was first passed
-        self._run.contacts.forget_waiting()
+        self._events.forget_waiting()
         del self.messages[reported:]
 
     def _hand_over(self, until: float) -> None:
@@ -380,7 +380,7 @@ class Session:
         """Interpolate the state at the present time."""
         self._energies = None
         now = self._run.time
-        self._events.count_contacts(now)
+        self._events.come_to(now)
         self._integrator.sample(now)
         self.state.at(now, self._signals)
 
@@ -432,6 +432,7 @@ class Session:
                 "handed": self._handed,
                 "run": self._run.snapshot().hex(),
                 "integrator": self._integrator.snapshot().hex(),
+                "coming": self._events.coming(self.time),
                 "kept": self._kept,
                 "behind": self._behind.hex()
                 if self._kept or self._integrator.time > self.time
@@ -451,10 +452,10 @@ class Session:
             raise ValueError("this state belongs to another model or to other parameters")
         self._integrator.restore(bytes.fromhex(kept["integrator"]))
         self._behind = bytes.fromhex(kept["behind"])
-        self._events.forget_after(self._integrator.time)
         self.ok, self._tuned = kept["ok"], kept["tuned"]
         self._handed, self._kept = kept["handed"], kept["kept"]
         self._run.restore(bytes.fromhex(kept["run"]))
+        self._events.resume(self.time, kept["coming"])
         self._read_lines()
         self._sample()
 

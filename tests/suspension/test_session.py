@@ -6,6 +6,7 @@ import gc
 from math import inf, isnan, nan, sin
 from weakref import ref
 
+import make_drawn
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -15,11 +16,10 @@ from phaseplane.suspension.session import Session, SimulationError, simulate
 from phaseplane.suspension.variables import MODELS, ParameterError, outputs, variables
 
 MOTION = ("body_displacement", "wheel_displacement", "wheel_velocity", "contact_force")
-OUTPUTS = [v.name for v in variables("QuarterCar") if v.causality == "output"]
 
 
 def at(session: Session) -> list[object]:
-    return [session.value(name) for name in OUTPUTS]
+    return [session.value(name) for name in outputs(session.model)]
 
 
 @pytest.mark.parametrize(
@@ -121,6 +121,26 @@ def test_an_end_stop_of_a_table_is_met_once_and_left_once() -> None:
     assert len(corners) > len(said)
 
 
+@pytest.mark.parametrize("rate", [490.0, 500.0, 49e3])
+def test_an_end_stop_is_reported_when_its_time_has_come(rate: float) -> None:
+    """Not from steps ahead, which are made again, with another damper that may even prevent it."""
+    session = Session("QuarterCar", {
+        "damper.bump_rate": 490.0, "bump_stop.gap": 0.03, "bump_stop.stiffness": 3e5, "road.height": 0.08,
+    })  # fmt: skip
+    said = []
+    for k in range(60):
+        before, known = session.time, len(session.messages)
+        session.advance(1e-3 * k)
+        for _, text in session.messages[known:]:
+            what, _, instant = text.removesuffix(" s").rpartition(" at ")
+            assert before < float(instant) <= session.time
+            said.append(what)
+        if k == 19:  # the integrator has passed the stop
+            session.set_parameter("damper.bump_rate", rate)
+    met = ["bump_stop met", "lift-off", "bump_stop left", "touchdown"]
+    assert said == (met if rate < 1e3 else ["lift-off"])
+
+
 def test_an_element_that_is_only_called_a_stop_is_not_reported_as_an_end_stop() -> None:
     text = """
         [system]
@@ -147,6 +167,55 @@ def test_rollback_continues_to_the_bit_in_another_session_too(instant: float) ->
         assert at(one) == there
         one.advance(0.0437 + instant)
         assert at(one) == ahead
+
+
+def test_a_session_that_goes_on_from_a_state_stops_at_the_switches_ahead_too() -> None:
+    session, other = Session("QuarterCar", {}), Session("QuarterCar", {})
+    session.advance(0.0306)  # the integrator has passed the lift-off
+    other.restore(session.snapshot())
+    for one in (session, other):
+        one.advance(0.05, to_switch=True)
+        assert one.time == one.value("last_lift_off") == pytest.approx(0.0306624689, abs=1e-9)
+        assert one.messages[-1] == ("event", "lift-off at 0.0306624689 s")
+
+
+DEEDS = ("nothing", "read", "switches", "state", "force", "damper")
+TRACE = ("OneDof", "QuarterCar", "HalfCar")
+
+
+@settings(max_examples=25)
+@given(
+    st.sampled_from(TRACE),
+    st.integers(0, 9),
+    st.sampled_from(["bump", "ramp", "plank", "input"]),
+    st.lists(st.tuples(st.floats(1e-4, 0.02), st.sampled_from(DEEDS)), min_size=10, max_size=30),
+)
+def test_what_only_looks_leaves_no_trace(
+    model: str, number: int, shape: str, deeds: list[tuple[float, str]]
+) -> None:
+    """Readings, stops at switches, and states taken and entered, between changes of input and damper."""
+    given = make_drawn.stored(model)[number]["parameters"] | {"road.shape": shape}
+    prefix = "front." if model == "HalfCar" else ""
+    plain, watched = Session(model, given), Session(model, given)
+    said: list[tuple[str, str]] = []
+    for k, (length, deed) in enumerate(deeds):
+        until = plain.time + length
+        for one in (plain, watched):
+            if deed == "force":
+                one.set_input("body_force", 100.0 * k)
+            if deed == "damper":
+                one.set_parameter(f"{prefix}damper.bump_rate", 500.0 + 10.0 * k)
+        if deed == "read":
+            at(watched)
+        if deed == "state":
+            state, said = watched.snapshot(), said + watched.messages
+            watched = Session(model, watched.parameters)
+            watched.restore(state)
+        plain.advance(until)
+        while watched.time < until:
+            watched.advance(until, to_switch=deed == "switches")
+    assert at(watched) == at(plain)
+    assert said + watched.messages == plain.messages
 
 
 def test_a_state_of_another_car_is_refused() -> None:

@@ -12,6 +12,11 @@
 enum { FINE, WARNING }; /* what a message is, as in both versions of FMI */
 #define DUE 4 /* instants that can wait: at most two of one step, and one of the inputs */
 
+typedef struct Stop {
+    double time;
+    int element, met; /* whether the end stop was met, or left */
+} Stop;
+
 typedef struct State {
     Machine machine;
     Snapshot behind; /* before the step in which the integrator went ahead */
@@ -28,6 +33,8 @@ typedef struct State {
     int ok, tuned, warned, passed_over;
     double due[DUE]; /* instants of switches that the host has not been told of */
     int dues, switched; /* switched: whether the last step of the host had one */
+    Stop stop[DUE];     /* what is yet to be reported of end stops */
+    int stops;
     int mode; /* of an FMI 3.0 interface */
     char ticks[2 * TYRES + 1]; /* lift-off and touchdown of each tyre since the last look */
 } State;
@@ -217,6 +224,25 @@ static void count_contacts(Instance *one, double until) {
     }
 }
 
+/* Report the first end stop that waits for its time. */
+static void report_stop(Instance *one) {
+    State *now = &one->now;
+    const Stop first = now->stop[0];
+    now->stops--;
+    memmove(now->stop, now->stop + 1, (size_t) now->stops * sizeof first);
+    say(one, FINE, "%s %s at %.9g s", elements[first.element].name, first.met ? "met" : "left",
+        first.time);
+}
+
+/* Report what happened up to a time, and count the contacts. */
+static void come_to(Instance *one, double until) {
+    while (one->now.stops > 0 && one->now.stop[0].time <= until) {
+        count_contacts(one, one->now.stop[0].time);
+        report_stop(one);
+    }
+    count_contacts(one, until);
+}
+
 /* Take the first instant off the list if it is not after a time; return whether there was one. */
 static int take_due(Instance *one, double until, double *time) {
     State *now = &one->now;
@@ -239,26 +265,26 @@ static void enter_due(Instance *one, double time) {
     now->due[now->dues++] = time;
 }
 
-/* Take the switches that the integrator has noted; those of contact wait for their time. */
+/* Take the switches that the integrator has noted; those of contact and end stops wait for their time. */
 static void note_switches(Instance *one, double until) {
-    Integrator *integrator = &one->now.machine.integrator;
-    Run *run = &one->now.conduct.run;
+    State *now = &one->now;
+    Integrator *integrator = &now->machine.integrator;
     for (int k = 0; k < integrator->noted->logged; k++) {
         const double time = integrator->noted->time[k];
         const int *what = integrator->noted->what + 4 * k;
         const int e = what[0], before = what[2], after = what[3];
         if (what[1] == CONTACT && elements[e].is_tyre) {
-            Contacts_note(run->contacts, time, e, after);
-            enter_due(one, time);
-            if (time <= until && !one->event_mode) count_contacts(one, time);
+            Contacts_note(now->conduct.run.contacts, time, e, after);
         } else if (elements[e].free >= 0) {
             const int met = before == elements[e].free;
-            if (!met && after != elements[e].free) continue;
-            enter_due(one, time);
-            say(one, FINE, "%s %s at %.9g s", elements[e].name, met ? "met" : "left", time);
-        } else if (elements[e].yields && what[1] == SPRING) {
-            enter_due(one, time);
+            if (one->quiet || (!met && after != elements[e].free)) continue;
+            if (now->stops == DUE) report_stop(one);
+            now->stop[now->stops++] = (Stop){time, e, met};
+        } else if (!elements[e].yields || what[1] != SPRING) {
+            continue;
         }
+        enter_due(one, time);
+        if (time <= until && !one->event_mode) come_to(one, time);
     }
     integrator->noted->logged = integrator->noted->base = 0;
 }
@@ -337,7 +363,7 @@ static int stop_here(Instance *one) {
     status = step(one, now->conduct.run.time, 1);
     one->quiet = 0;
     Contacts_forget_waiting(now->conduct.run.contacts);
-    now->dues = 0;
+    now->dues = now->stops = 0;
     return status;
 }
 
@@ -405,7 +431,7 @@ static int start_moving(Instance *one) {
 
 static void sample(Instance *one) {
     Run *run = &one->now.conduct.run;
-    if (!one->event_mode) count_contacts(one, run->time);
+    if (!one->event_mode) come_to(one, run->time);
     Integrator_sample(run->integrator, run->time);
     forget(one);
 }
@@ -507,7 +533,8 @@ static int begin(Instance *one) {
     now->ready = 0;
     now->ok = 1;
     now->handed = -INFINITY;
-    now->tuned = now->warned = now->passed_over = now->dues = now->switched = 0;
+    now->tuned = now->warned = now->passed_over = now->switched = 0;
+    now->dues = now->stops = 0;
     memset(now->ticks, 0, sizeof now->ticks);
     if (!isfinite(now->start)) return fail(one, "start time = %g: must be finite", now->start);
     if (find_first_numbers(one)) return 1;

@@ -230,7 +230,7 @@ fmi3Status fmi3EnterEventMode(fmi3Instance c) {
         return failed(host);
     }
     if (misplaced(host, "fmi3EnterEventMode", STEP)) return failed(host);
-    count_contacts(one, one->now.conduct.run.time);
+    come_to(one, one->now.conduct.run.time);
     host->instance.now.mode = EVENT;
     return fmi3OK;
 }
