@@ -43,10 +43,8 @@ def check_system(system: System) -> list[str]:
     findings = [*_shapes(system), *_mass(system.mass)]
     for element in system.elements:
         findings += _element(element)
-    if not findings:
-        findings += [*_kerbs(system), *_tangent_at_rest(system)]
-        findings += _motion(system)
-    return findings
+    findings = findings or [*system.kerbs_without_limit(), *_tangent_at_rest(system)]
+    return findings or [*_motion(system)]
 
 
 def check_numbers(system: System) -> list[str]:
@@ -58,7 +56,7 @@ def check_numbers(system: System) -> list[str]:
     findings = [*_shapes(system), *_mass(system.mass)]
     for element in system.elements:
         findings += _adds_energy(element)
-    return findings or [*_kerbs(system), *_tangent_at_rest(system)]
+    return findings or [*system.kerbs_without_limit(), *_tangent_at_rest(system)]
 
 
 def check_characteristic(law: Characteristic, name: str = "characteristic") -> list[str]:
@@ -313,32 +311,6 @@ def _adds_energy(element: Element) -> Iterator[str]:
         if element.modulation.force(d) < 0.0:
             yield f"{element.name}.modulation: negative at {d:g} m; the damper would add energy"
             break
-
-
-def _kerbs(system: System) -> Iterator[str]:
-    """Find dampers whose impulse grows without limit as the ramp of a kerb becomes shorter."""
-    for element in system.elements:
-        # a road that rises compresses; if it falls, what cannot pull has no effect
-        sides = () if not element.road else (-1.0,) if element.limit < inf else (-1.0, 1.0)
-        steep = [side for side in sides if _outgrows_its_rate(element.damper, side)]
-        for time, jump in system.signals[element.road].jumps if steep else ():
-            if any(jump * side < 0.0 for side in steep):
-                yield (
-                    f"{element.name}: its road {element.road!r} jumps by {jump:g} m at {time:g} s, which "
-                    "pushes without limit through a damper whose force grows faster than its rate; give "
-                    "the road a ramp, or the damper a straight line for large rates"
-                )
-                break
-
-
-def _outgrows_its_rate(damper: Characteristic, side: float) -> bool:
-    """Return whether the slope of a damper grows without limit on a side of zero, -1 or 1."""
-    piece = damper.pieces[0 if side < 0.0 else -1]
-    if piece.own is None:
-        return any(piece.coefficients[2:]) or (piece.power != 0.0 and piece.exponent > 1.0)
-    fast = piece.own.fastest(side)
-    slope, beyond = (abs(piece.tangent(rate)) for rate in (0.5 * fast, fast))
-    return beyond > 1.01 * slope > 0.0
 
 
 def _tangent_at_rest(system: System) -> Iterator[str]:

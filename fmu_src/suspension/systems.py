@@ -8,7 +8,7 @@ description of `System` for an example.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
@@ -302,6 +302,21 @@ class System:
         """The axles whose tyres may leave the road, in the order in which their contacts are numbered."""
         return tuple([axle for axle in self.axles if axle.tyre])
 
+    def kerbs_without_limit(self) -> Iterator[str]:
+        """Yield a sentence for each damper whose impulse is without limit as a ramp gets shorter."""
+        for element in self.elements:
+            # a road that rises compresses; if it falls, what cannot pull has no effect
+            sides = () if not element.road else (-1.0,) if element.limit < inf else (-1.0, 1.0)
+            steep = [side for side in sides if _outgrows_its_rate(element.damper, side)]
+            for time, jump in self.signals[element.road].jumps if steep else ():
+                if any(jump * side < 0.0 for side in steep):
+                    yield (
+                        f"{element.name}: its road {element.road!r} jumps by {jump:g} m at {time:g} s, "
+                        "which pushes without limit through a damper whose force grows faster than its "
+                        "rate; give the road a ramp, or the damper a straight line for large rates"
+                    )
+                    break
+
     def with_internal(self) -> System:
         """Return the system with an internal coordinate for each spring in series with a damper.
 
@@ -347,3 +362,13 @@ class System:
             scales=(*self.scales, *more * (0.0,)),
             internal=tuple((*element.direction, *more * (0.0,)) for element in series),
         )
+
+
+def _outgrows_its_rate(damper: Characteristic, side: float) -> bool:
+    """Return whether the slope of a damper grows without limit on a side of zero, -1 or 1."""
+    piece = damper.pieces[0 if side < 0.0 else -1]
+    if piece.own is None:
+        return any(piece.coefficients[2:]) or (piece.power != 0.0 and piece.exponent > 1.0)
+    fast = piece.own.fastest(side)
+    slope, beyond = (abs(piece.tangent(rate)) for rate in (0.5 * fast, fast))
+    return beyond > 1.01 * slope > 0.0

@@ -6,8 +6,10 @@ from dataclasses import replace
 from math import inf, nan
 
 import pytest
+from phaseplane.suspension.characteristics import power
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import build
+from phaseplane.suspension.roads import step
 from phaseplane.suspension.systems import Load
 
 CAR = build("QuarterCar", {})
@@ -44,3 +46,14 @@ def test_a_road_and_a_load_that_no_signal_is_for() -> None:
         ValueError, match="a load follows 'wind', which is not a signal of the system"
     ):
         Integrator(replace(CAR, loads=(Load((1.0, 0.0), "wind"),)))
+
+
+def test_a_kerb_that_pushes_without_limit() -> None:
+    tyre = replace(CAR.elements[-1], damper=power(300.0, 1.5))
+    kerb = replace(
+        CAR, elements=(*CAR.elements[:-1], tyre), signals={**CAR.signals, "road": step(0.05)}
+    )
+    with pytest.raises(
+        ValueError, match=r"'road' jumps by 0\.05 m at 0 s, which pushes without limit"
+    ):
+        Integrator(kerb)

@@ -155,10 +155,12 @@ class TimeLoop:
 
     @of_python
     def refuse(self, system: System) -> None:
-        """Refuse a system that the method cannot integrate."""
+        """Refuse a system that the method cannot integrate, or whose kerbs push without limit."""
         why = METHODS[self.method_name].refusal(system)
         if why:
             raise ValueError(f"method {self.method_name!r} cannot integrate this system: {why}")
+        for kerb in system.kerbs_without_limit():
+            raise ValueError(kerb)
 
     @of_python
     def row(self, system: System, displacements: Numbers, velocities: Numbers) -> list[float]:
