@@ -117,6 +117,27 @@ def test_what_a_function_raises_is_raised_by_the_run() -> None:
         Filling(started(spring(function(broken, lambda x: 1.0)), 1.0, 0.0), times, out).fill()
 
 
+def test_a_function_is_not_asked_at_the_height_of_the_road() -> None:
+    """Before the first state, a road of 10 m would be a deflection of as much."""
+
+    def short(x: float) -> float:
+        return x / sqrt(1.0 - x * x)
+
+    law = function(short, lambda x: (1.0 - x * x) ** -1.5)
+    high = {"road": roads.constant(10.0)}
+    integrator = Integrator(
+        System(
+            ("x",), ((1.0,),), (Element("spring", (1.0,), law, road="road"),), high, scales=(0.1,)
+        )
+    )
+    integrator.set_state([10.1], [0.0])
+    x, _ = read_at(integrator, 20.0)
+    assert abs(x[0] - 10.0) <= 0.1 + 1e-6
+    integrator.set_state([10.0], [0.0])
+    with pytest.raises(ValueError, match="math domain error"):
+        integrator.set_state([0.0], [0.0])
+
+
 @pytest.mark.parametrize("options", [{}, {"step": 0.01}, {"method": "mean", "step": 0.01}])
 def test_no_run_ends_well_on_what_a_function_could_not_tell(options: dict[str, object]) -> None:
     """Wherever it is called: within a step, for its error, in the search for switches, in the ledger."""

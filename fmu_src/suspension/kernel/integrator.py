@@ -103,7 +103,6 @@ class Integrator(TimeLoop):
         # called with the present time at each pause of a long run; returns whether to continue
         self.going_on = None
         self.state_size: Size = len(self.state.content())
-        self.raise_failure(DIVERGED)  # at the start
 
     @of_python
     def set_state(self, displacements: Numbers, velocities: Numbers) -> None:
@@ -116,6 +115,7 @@ class Integrator(TimeLoop):
         n = self.net.series.outer
         if len(displacements) != n or len(velocities) != n:
             raise ValueError(f"{n} displacements and {n} velocities are required")
+        self.raise_failure(0)  # at rest at zero, which may be far below the road, none counts
         memory = Memory()
         self._enter_state(memory.doubles([*displacements, *velocities]), 0)
         self.raise_failure(DIVERGED)

@@ -203,8 +203,9 @@ class Laws:
 
     @of_python
     def note_failure(self, error: BaseException) -> None:
-        """Keep the first exception, or an interrupt; the present attempt is spoilt."""
-        if self.failure is None or not isinstance(error, Exception):
+        """Keep the first exception of an attempt, or an interrupt; the attempt is spoilt."""
+        kept = self.failure is None or isinstance(self.failure, Exception)
+        if kept and not (self.failed and isinstance(error, Exception)):
             self.failure = error
         self.failed = True
 

@@ -224,6 +224,7 @@ class TimeLoop:
             self.motion.v[i] = x[at + self.net.series.outer + i]
         self.motion.count_from_here()
         self.state.in_step = True
+        self.net.laws.failed = False
         self._begin()
 
     def _stand_still(self, time: float, reach: float) -> None:
