@@ -120,7 +120,8 @@ def fit(task: Task, journal: Path, progress: Progress = silent) -> Fit:
     """Fit the parameters: least squares over all signals, each over its root mean square.
 
     The best of several starts is followed to its minimum by a trust-region method within the bounds. The
-    confidence is that of linear regression there, widened for residuals that are correlated in time.
+    confidence is that of linear regression there, from the residuals of each signal, widened if they are
+    correlated in time.
 
     Raises
     ------
@@ -189,16 +190,19 @@ def _residuals(runs: Runs, x: Points, target: Points, weight: Points) -> Points:
 
 
 def _covariance(jacobian: Points, left: Points, signals: int) -> Points:
-    """Return the covariance of the parameters, (J'J)^-1 s^2, for residuals correlated in time.
+    """Return the covariance of the parameters, (J'J)^-1 J'SJ (J'J)^-1.
 
-    With a correlation r from sample to sample, n samples are worth n (1 - r) / (1 + r) independent ones.
+    S has for each signal the variance of its own residuals, as signals may differ in noise. With a
+    correlation r from sample to sample, n samples are worth n (1 - r) / (1 + r) independent ones.
     """
     rows, count = jacobian.shape
-    variance = float(left @ left) / max(rows - count, 1)
-    parts = np.array_split(left, signals)
-    r = max(0.0, *(float(x[1:] @ x[:-1]) / (float(x @ x) or 1.0) for x in parts))
-    widened = (1.0 + min(r, 0.999)) / (1.0 - min(r, 0.999))
-    covariance: Points = np.linalg.pinv(jacobian.T @ jacobian) * variance * widened
+    inverse, scatter = np.linalg.pinv(jacobian.T @ jacobian), np.zeros((count, count))
+    for slopes, x in zip(np.split(jacobian, signals), np.split(left, signals), strict=True):
+        power = float(x @ x)
+        r = min(max(0.0, float(x[1:] @ x[:-1]) / (power or 1.0)), 0.999)
+        variance = power / len(x) * rows / max(rows - count, 1)
+        scatter += slopes.T @ slopes * variance * (1.0 + r) / (1.0 - r)
+    covariance: Points = inverse @ scatter @ inverse
     return covariance
 
 

@@ -290,11 +290,14 @@ TRUE = {"damper.rebound_rate": 1500.0, "damper.bump_rate": 700.0}
 
 
 def measured(noise):
-    run = phaseplane.run("car.toml", TRUE, output_interval=2e-3)
+    shown = ["body_acceleration", "ground_elevation"]
+    run = phaseplane.run("car.toml", TRUE, output_interval=2e-3, outputs=shown)
     random = np.random.default_rng(7)
-    lines = ["# rig", "t;acc_z", "[ms];[g]"]
-    for time, a in zip(run.time, run["body_acceleration"], strict=True):
-        row = (1e3 * time + 20.0, a / 9.80665 + 0.05 + noise * random.normal())
+    lines = ["# rig", "t;acc_z;road", "[ms];[g];[m]"]
+    for time, a, road in zip(
+        run.time, run["body_acceleration"], run["ground_elevation"], strict=True
+    ):
+        row = (1e3 * time + 20.0, a / 9.80665 + 0.05 + noise * random.normal(), road)
         lines.append(";".join(f"{x:.9g}".replace(".", ",") for x in row))
     written("\n".join(lines), "rig.csv")
 
@@ -325,6 +328,15 @@ def test_a_fit_finds_the_parameters_within_its_confidence(noise):
     assert found.summary["residual"]["body_acceleration"] < (1e-6 if noise == 0.0 else 0.5)
     assert read_summary(found.folder)["values"] == found.values
     assert found.summary["samples"] == 301
+
+
+def test_intervals_are_those_of_each_signals_own_noise():
+    """An exact signal that depends on no parameter tells nothing of them."""
+    measured(0.02)
+    alone = phaseplane.fit_parameters(study(FIT)).summary["half_widths"]
+    beside = FIT.replace('"acc_z" }', '"acc_z", ground_elevation = "road" }')
+    found = phaseplane.fit_parameters(study(beside)).summary["half_widths"]
+    assert found == pytest.approx(alone, rel=5e-3)
 
 
 @pytest.mark.parametrize(
