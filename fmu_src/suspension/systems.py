@@ -298,6 +298,11 @@ class System:
         return next((i for i, element in enumerate(self.elements) if element.name == name), None)
 
     @property
+    def joints(self) -> list[float]:
+        """The times at which roads and forces may have a corner, s, ascending."""
+        return sorted(joint for signal in self.signals.values() for joint in signal.joints)
+
+    @property
     def axles_on_tyres(self) -> tuple[Axle, ...]:
         """The axles whose tyres may leave the road, in the order in which their contacts are numbered."""
         return tuple([axle for axle in self.axles if axle.tyre])

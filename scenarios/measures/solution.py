@@ -198,8 +198,7 @@ def stepped(
 ) -> Solution:
     """Return a run stepped from time to time, for outputs that one call does not return."""
     rows: list[list[Value]] = []
-    failure = ""
-    switches: list[float] = []
+    session, failure = None, ""
     try:
         session = Session(model, given, float(time[0]))
         read, places = session.many(tuple(outputs)), list(range(len(outputs)))
@@ -209,10 +208,9 @@ def stepped(
             if going_on is not None and not going_on(t):
                 failure = f"the run was interrupted at {t:.6g} s"
                 break
-        switches = [event.time for event in session.events]
     except (SimulationError, ArithmeticError, ValueError) as error:
         failure = str(error)
-    return by_rows(time, outputs, rows, failure, switches)
+    return by_rows(time, outputs, rows, failure, session)
 
 
 def by_rows(
@@ -220,13 +218,17 @@ def by_rows(
     outputs: Collection[str],
     rows: Sequence[Sequence[Value]],
     failure: str,
-    switches: Sequence[float],
+    session: Session | None,
 ) -> Solution:
-    """Return a run of which the outputs were read row by row, up to its failure if it failed."""
+    """Return a run whose outputs were read row by row, up to its failure; None if it did not start."""
     table = np.array(rows, float).reshape(len(rows), len(outputs))
     columns = dict(zip(outputs, table.T, strict=True))
     ends = {name: float(column[-1]) for name, column in columns.items() if len(column)}
-    return Solution({"time": time[: len(rows)], **columns}, ends, failure, switches)
+    columns = {"time": time[: len(rows)], **columns}
+    if session is None:
+        return Solution(columns, ends, failure)
+    switches = sorted(event.time for event in session.events)
+    return Solution(columns, ends, failure, switches, session.system.joints)
 
 
 def hiding_places(solution: Solution, hidden: Iterable[tuple[str, str]]) -> Column:

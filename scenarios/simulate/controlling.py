@@ -52,8 +52,7 @@ def controlled(
                 break
     except SimulationError as error:
         failure = str(error)
-    switches = sorted(event.time for event in session.events)
-    return by_rows(time, outputs, rows, failure, switches)
+    return by_rows(time, outputs, rows, failure, session)
 
 
 def driven(session: Session, controller: Controller, time: Column) -> Iterator[tuple[float, bool]]:

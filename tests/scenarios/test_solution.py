@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 from command_line import written
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.measures import Run, catalogue, take
 from phaseplane.scenarios.measures.ride import _weighting, weighted
@@ -61,6 +63,22 @@ def test_measures_do_not_depend_on_the_output_interval(case: str) -> None:
         close = 1e-4 if name.startswith(("peak.", "amplitude.")) or "travel" in name else 1e-3
         if name != "roughness_index" or case == "iso8608_c":  # an index of long roads
             assert value == pytest.approx(found[1][name], rel=close), name
+
+
+EVERY = [name for name in KNOWN if name != "magnification"]
+
+
+@settings(max_examples=12)
+@given(st.sampled_from(["plank", "kerb"]), st.sampled_from(EVERY), st.sets(st.sampled_from(EVERY)))
+@example("plank", "peak.contact_force", {"rms.stored_energy"})
+def test_measures_do_not_depend_on_one_another(case: str, name: str, others: set[str]) -> None:
+    """An energy, which has no column in a batch, is stepped to: edges of the road are seen there, too."""
+    alone, beside = (
+        run(load_scene(case, ["duration=0.2 s", f"show.measures={names}", "show.outputs=[]"]))
+        for names in ([name], [*{*others, name}])
+    )
+    expected, found = (one.summary["measures"][name]["value"] for one in (alone, beside))
+    assert found == (expected if expected is None else pytest.approx(expected, rel=1e-3, abs=1e-9))
 
 
 @pytest.mark.slow

@@ -27,7 +27,7 @@ from ..systems import System
 from ..variable import Variable
 from ..variables import ParameterError, checked_parameters, refuse_unknown, variables
 from ..variables import outputs as outputs_of
-from .series import RESIDUAL, Series, is_at_end, is_over_time, joints
+from .series import RESIDUAL, Series, is_at_end, is_over_time
 
 if TYPE_CHECKING:
     from .slots import Slots
@@ -371,7 +371,7 @@ class _Bench:
             ended = series.go(first, columns)
             for k, one in enumerate(ended):
                 values = of_runs[first + k]
-                bends = (series.switches(k), joints(systems[first + k])) if corners else ((), ())
+                bends = (series.switches(k), systems[first + k].joints) if corners else ((), ())
                 if one.status == 0:
                     found = dict(zip(names, values, strict=True))
                     outcome = Outcome(found, "", series.ends(k, one), *bends)

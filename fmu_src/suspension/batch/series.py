@@ -256,14 +256,6 @@ class Series:
         return float(self._rows.limited_time(k, reading.tyre))
 
 
-def joints(system: System) -> list[float]:
-    """Return the times at which roads and loads have joints, s, ascending."""
-    starts: list[float] = []
-    for signal in system.signals.values():
-        starts += [segment.start for segment in signal.segments[1:]]
-    return sorted(starts)
-
-
 def _upright(numbers: Any) -> Column:
     """Return one number per run as a factor for the columns, (runs, 1)."""
     return np.array([*numbers])[:, None]
