@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from .declared import ROAD_SHAPES
-from .variable import Value
+from .variable import Value, is_table
 
 
 class Given(NamedTuple):
@@ -184,6 +184,6 @@ def _broken(
 
 def _said(name: str, value: Value) -> str:
     """Return the value of a parameter as a phrase."""
-    if name.endswith(("table", "sequence")):
+    if is_table(name) or name.endswith("sequence"):
         return f"{name} is {'given' if value else 'not given'}"
     return f"{name} is {value if isinstance(value, str) else format(value, 'g')}"

@@ -14,6 +14,11 @@ Value = float | bool | int | str
 _LARGEST_INTEGER = 2**31 - 1  # in FMI
 
 
+def is_table(name: str) -> bool:
+    """Whether a parameter is a table of pairs, such as `spring.table`."""
+    return name.endswith((".table", "_table"))
+
+
 class ParameterError(ValueError):
     """A parameter with an unknown name, the wrong type or a value out of its range."""
 
@@ -90,9 +95,7 @@ class Variable:
 
     def _checked_text(self, value: object) -> str:
         if not isinstance(value, str):
-            pairs = (
-                ', pairs such as "-0.1:-900, 0:0, 0.1:900"' if self.name.endswith("table") else ""
-            )
+            pairs = ', pairs such as "-0.1:-900, 0:0, 0.1:900"' if is_table(self.name) else ""
             raise ParameterError(f"{self.name} = {value!r}: must be a string in quotes{pairs}")
         if self.choices and value not in self.choices:
             raise ParameterError(

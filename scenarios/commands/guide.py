@@ -7,6 +7,7 @@ from textwrap import fill
 from typing import Any
 
 import click
+from phaseplane.suspension.variable import is_table
 from phaseplane.suspension.variables import MODELS, SOURCES, Variable
 
 from ..design.files import FitFile, OptimumFile
@@ -197,7 +198,7 @@ def _schema_of(variable: Variable) -> Mapping[str, Any]:
     kind = _TYPES[type(variable.start)]
     said: dict[str, Any] = {"description": variable.description, "default": variable.start}
     said["type"] = ["number", "string"] if kind == "number" and variable.unit else kind
-    if variable.name.endswith("table"):  # may be read from a file
+    if is_table(variable.name):  # may be read from a file
         said["type"] = ["string", "object"]
     if variable.unit:
         said["unit"] = variable.unit

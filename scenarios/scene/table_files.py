@@ -13,6 +13,7 @@ from typing import Any
 
 from phaseplane.suspension.measurement_files import Wanted, headings, is_number, read_columns
 from phaseplane.suspension.units import nearest, to_si
+from phaseplane.suspension.variable import is_table
 
 from ..errors import InputError, blaming, read_errors, refuse_unknown_keys, shown
 
@@ -53,13 +54,13 @@ def with_files(
     files: dict[str, dict[str, Any]] = {}
     for key, value in given.items():
         name, _, last = key.rpartition(".")
-        if key not in declared and name in declared and last in KEYS and not _is_table(name):
-            tables = [each for each in declared if _is_table(each)]
+        if key not in declared and name in declared and last in KEYS and not is_table(name):
+            tables = [each for each in declared if is_table(each)]
             raise InputError(
                 f"{name}: is not a table and has no {last}; tables are {', '.join(tables)}"
                 + nearest(f"{name.rpartition('.')[0]}.table", tables)
             )
-        if key not in declared and name in declared and _is_table(name):
+        if key not in declared and name in declared and is_table(name):
             files.setdefault(name, {})[last] = value
         else:
             plain[key] = value
@@ -67,10 +68,6 @@ def with_files(
         with blaming(name, InputError):
             plain[name] = _read(name, said, folders.get(f"parameters.{name}.file", Path()))
     return plain, set(files)
-
-
-def _is_table(name: str) -> bool:
-    return name.endswith((".table", "_table"))
 
 
 def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:

@@ -99,6 +99,7 @@ def test_every_unit_is_what_its_name_says(x: float, unit: str) -> None:
         ({"lift_off": 1}, r"lift_off = 1: must be true or false"),
         ({"road.shape": "bmup"}, r"must be one of .* did you mean 'bump'"),
         ({"road.shape": 3}, r"must be a string in quotes$"),
+        ({"solver.beyond_stable": 3}, r"must be a string in quotes$"),
         ({"damper.table": [[0.0, 0.0], [1.0, 9.0]]}, r'in quotes, pairs such as "-0.1:-900, 0:0, '),
         ({"solver.tolerance": 0.5}, r"at least 1e-12 and at most 0.1"),
         ({"spring.rate": "-1 N/mm"}, r"spring.rate = -1000: must be at least 0"),
