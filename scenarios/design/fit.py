@@ -93,7 +93,7 @@ def read_task(path: Path) -> Task:
     scene = scene_of_file(path, said.scene)
     if not scene.fmu.is_ours or scene.fmu.path is not None:
         raise InputError(f"{path}: scene: only models of this package can be fitted")
-    space = Space.read(path, content, {"step_count": "measured"})
+    space = Space.read(path, content, scene, {"step_count": "measured"})
     space.given()
     outputs = scene.fmu.outputs()
     units = {name: variable.unit or "1" for name, variable in outputs.items()}

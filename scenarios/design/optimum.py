@@ -130,15 +130,15 @@ def read_problem(path: Path) -> Problem:
     said = read_study(OptimumFile, path, content)
     objective, against = said.minimise or said.maximise, said.against
     flat = dict(dotted(said.constrain or {}, ("min", "max")))
-    known = catalogue(scene_of_file(path, said.scene).fmu.outputs())
+    scene = scene_of_file(path, said.scene)
+    known = catalogue(scene.fmu.outputs())
     for name in flat:
         if name not in known:
             raise InputError(f"{path}: constrain: {unknown_measure(name, known)}")
     keys = {objective: "minimise" if said.minimise else "maximise"}
     keys |= {against: "against"} if against else {}
-    space = Space.read(
-        path, content, keys | {name: "constrain" for name in flat if name not in keys}
-    )
+    constrained = {name: "constrain" for name in flat if name not in keys}
+    space = Space.read(path, content, scene, keys | constrained)
     space.given()  # only parameters can be varied
     bounds = {}
     for name, raw in flat.items():

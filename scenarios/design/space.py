@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from ..errors import InputError, shown
 from ..progress import Progress, silent
+from ..scene.schema import Scene
 from ..sweeps.journal import key_of, open_journal
 from ..sweeps.plan import Plan, plan_of
 from ..toml_files import dotted
@@ -38,12 +39,15 @@ class Space:
     plan: Plan
 
     @classmethod
-    def read(cls, path: Path, content: Mapping[str, Any], measures: Mapping[str, str]) -> Space:
-        """Return the space of the keys `scene` and `vary` of a study.
+    def read(
+        cls, path: Path, content: Mapping[str, Any], scene: Scene, measures: Mapping[str, str]
+    ) -> Space:
+        """Return the space of the key `vary` of a study.
 
         Parameters
         ----------
         path, content : the file of the study, and what is in it
+        scene : the scene that it names
         measures : the measures that the study needs, each with the key that names it
 
         Raises
@@ -67,6 +71,7 @@ class Space:
                 "measures": list(measures),
                 "vary": {key: {**ends, "count": 2} for key, ends in plain.items()},
             },
+            scene,
             measures,
         )
         for key, low, high in zip(plan.keys, *plan.points, strict=True):

@@ -329,11 +329,17 @@ def load_plan(reference: str | Path) -> Plan:
     return plan_of(path, content)
 
 
-def plan_of(path: Path, content: Mapping[str, Any], keys: Mapping[str, str] | None = None) -> Plan:
+def plan_of(
+    path: Path,
+    content: Mapping[str, Any],
+    scene: Scene | None = None,
+    keys: Mapping[str, str] | None = None,
+) -> Plan:
     """Return the plan of a sweep with a given content, whose paths are relative to that of the file.
 
     Parameters
     ----------
+    scene : the scene that it names, if it has been loaded
     keys : for each measure the key of the file that names it, if that is not `measures`
 
     Raises
@@ -342,7 +348,7 @@ def plan_of(path: Path, content: Mapping[str, Any], keys: Mapping[str, str] | No
     """
     with blaming(path):
         said = read_table(SweepFile, content)
-    scene = scene_of_file(path, said.scene)
+    scene = scene or scene_of_file(path, said.scene)
     known = catalogue(scene.fmu.outputs())
     for name in said.measures:
         where = f"{path}: {(keys or {}).get(name, 'measures')}"

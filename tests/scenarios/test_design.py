@@ -237,7 +237,9 @@ def test_the_front_is_what_nothing_beats(pairs):
 
 def test_a_study_that_is_interrupted_repeats_no_run():
     content = {"scene": "car.toml", "vary": {"speed": {"from": 5, "to": 20}}}
-    space = Space.read(Path("study.toml"), content, {"step_count": "measure"})
+    space = Space.read(
+        Path("study.toml"), content, load_scene("car.toml"), {"step_count": "measure"}
+    )
     made = []
 
     def make(plan):
