@@ -10,6 +10,7 @@ import click
 from ..results.plain import as_json
 from ..sweeps.job import run_sweep
 from ..sweeps.report import format_sweep
+from ..sweeps.running import MOST_WORKERS
 from .console import failed, json_option, output_option, progress_bar, warn
 
 
@@ -24,7 +25,9 @@ from .console import failed, json_option, output_option, progress_bar, warn
     help="Run the model in-process, or through its FMU.",
 )
 @click.option(
-    "--workers", type=click.IntRange(min=1), help="Number of processes. [default: one per core]"
+    "--workers",
+    type=click.IntRange(1, MOST_WORKERS),
+    help="Number of processes. [default: one per core]",
 )
 @click.option("--dask", metavar="ADDRESS", default="", help="Run on this Dask cluster.")
 @click.option("--table", default="runs.csv", show_default=True, help="Name of the table of runs.")

@@ -33,7 +33,7 @@ from typing import TYPE_CHECKING, Any
 from phaseplane.suspension import engine
 
 from .. import simulate as simulating
-from ..errors import InputError, RunError, one_line
+from ..errors import InputError, RunError, one_line, shown
 from ..measures import Run, catalogue, take
 from ..measures.solution import instants, refinement, solved
 from ..progress import Progress, silent
@@ -53,6 +53,7 @@ _MOTION_IN_CHUNK = 400.0  # s of simulated time
 _PATIENCE = "10s"  # timeout of the Dask scheduler
 _STOPPING = Event()  # in a worker process: whether to stop after the current run
 _HEARD = 0.2  # s between two looks for an interrupt
+MOST_WORKERS = 1000
 _CHECKED = 3  # runs through the FMU that are repeated in-process
 
 
@@ -107,7 +108,7 @@ def sweep(
     """
     _check(plan, through, workers)
     started = perf_counter()
-    key, count = journal_key(plan, through), workers or os.cpu_count() or 1
+    key, count = journal_key(plan, through), min(workers or os.cpu_count() or 1, len(plan.points))
     with _executor(count, dask) as (executor, stop), open_journal(journal, key) as (before, keep):
         rows = {run: Row(run, tuple(values), reason) for run, values, reason in before}
         left = [run for run in range(len(plan.points)) if run not in rows]
@@ -166,8 +167,8 @@ def _check(plan: Plan, through: str, workers: int | None) -> None:
         raise InputError("a sweep over an .fmu file runs through the FMU: add --through fmu")
     if through == "fmu" and (what := _without_fmu(plan.scene)):
         raise InputError(f"{what} runs in-process: leave out --through fmu")
-    if workers is not None and workers < 1:
-        raise InputError(f"workers = {workers}: must be at least 1")
+    if workers is not None and not 1 <= workers <= MOST_WORKERS:
+        raise InputError(f"workers = {shown(workers)}: must be 1 to {MOST_WORKERS}")
 
 
 # -- one chunk, in any process --------------------------------------------------------------------

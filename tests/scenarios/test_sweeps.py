@@ -347,6 +347,7 @@ def test_parquet_and_refusals(monkeypatch: pytest.MonkeyPatch) -> None:
     Path("out/sweeps/sweep/diary.txt").touch()
     for arguments, words in (
         (["--table", "rows.xlsx"], "ends in .csv or .parquet"),
+        (["--workers", 10**23], "not in the range 1<=x<=1000"),
         ([], "diary.txt, which no run wrote"),
         (["-o", "x", "--dask", "tcp://127.0.0.1:1"], "no Dask scheduler"),
     ):
