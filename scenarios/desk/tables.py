@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..progress import Progress, silent
-from ..results.folder import read_results
+from ..results.folder import read_results, read_summary
 from ..sweeps.job import run_sweep
+from ..sweeps.report import read_rows
 from .table import Table
+
+if TYPE_CHECKING:
+    import pyarrow
 
 
 def read(path: str | os.PathLike[str]) -> Table:
-    """Read a results folder or a table: CSV of any program, Parquet, HDF5 or MAT; columns are in SI.
+    """Read the results of a run or a sweep, or a table of any program; columns are in SI.
+
+    Parameters
+    ----------
+    path : a results folder or the table in it; or a CSV, Parquet, HDF5 or MAT file
 
     Raises
     ------
@@ -26,7 +35,14 @@ def read(path: str | os.PathLike[str]) -> Table:
     >>> phaseplane.read(folder).units["body_velocity"]
     'm/s'
     """
-    results = read_results(Path(path))
+    path = Path(path)
+    folder = path.parent if path.is_file() else path
+    summary = read_summary(folder) or {}
+    if summary.get("origin", {}).get("kind") == "sweep":
+        table = folder / summary["table"]
+        if path in (folder, table):
+            return _of_sweep(read_rows(table), summary)
+    results = read_results(path)
     units: Any = results.summary.get("units", {})
     return Table(results.columns, units, title=str(results.summary.get("title", "")))
 
@@ -56,13 +72,17 @@ def sweep(
     InputError : if the file is not valid, or the folder must not be replaced.
     RunError : if the runs could not start.
     """
-    plan, runs, summary, _ = run_sweep(
+    _, runs, summary, _ = run_sweep(
         os.fspath(file),
         Path(folder) if folder else None,
         workers=workers,
         progress=progress or silent,
     )
-    units = dict(zip(plan.keys, plan.units, strict=True))
-    units |= {name: extent["unit"] for name, extent in summary["measures"].items()}
+    return _of_sweep(runs, summary)
+
+
+def _of_sweep(runs: pyarrow.Table, summary: Mapping[str, Any]) -> Table:
+    measured = {name: extent["unit"] for name, extent in summary["measures"].items()}
     columns = {name: runs[name].to_numpy() for name in runs.column_names}
-    return Table(columns, units, index="run", title=plan.title or plan.name)
+    title = summary["title"] or summary["sweep"]
+    return Table(columns, {**summary["units"], **measured}, index="run", title=title)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from phaseplane.suspension.units import counted
 from phaseplane.suspension.variables import Value
 
-from ..errors import InputError, shown
+from ..errors import InputError, blaming, shown
 from ..measures import catalogue, has_sign
 from ..results.quantities import quantity
 from ..results.report import UNCOMPILED, aligned
@@ -58,6 +58,32 @@ def write_rows(table: pyarrow.Table, path: Path) -> None:
         csv.write_csv(table, path)
     else:
         parquet.write_table(table, path)
+
+
+def read_rows(path: Path) -> pyarrow.Table:
+    """Return a table that `write_rows` has written; of a CSV all numbers but those of runs are real.
+
+    Raises
+    ------
+    InputError : if it cannot be read.
+    """
+    import pyarrow  # noqa: PLC0415  (heavy)
+    from pyarrow import csv, parquet  # noqa: PLC0415
+
+    with blaming(f"cannot read {path}", (OSError, ValueError)):
+        if path.suffix == ".parquet":
+            return parquet.read_table(path)
+        told = csv.ConvertOptions(column_types={"reason": pyarrow.string()})
+        table = csv.read_csv(path, convert_options=told)
+        real = {name for name in table.column_names if name != "run"}
+        return table.cast(
+            pyarrow.schema(
+                one.with_type(pyarrow.float64())
+                if one.name in real and one.type in (pyarrow.int64(), pyarrow.null())
+                else one
+                for one in table.schema
+            )
+        )
 
 
 def summary_of(plan: Plan, rows: Sequence[Row], more: Mapping[str, Any]) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from math import pi, sqrt
 import numpy as np
 import pyarrow
 import pytest
-from command_line import complaint, written
+from command_line import complaint, printed, written
 from hosting import in_python
 from phaseplane.scenarios.desk import run as module
 from phaseplane.scenarios.errors import InputError
@@ -145,7 +145,7 @@ def test_a_scene_can_be_a_mapping_that_extends_another(bump):
             lambda: phaseplane.show("ap57", speed=3),
             "unknown key 'speed'; allowed: .*dark",
         ),
-        (lambda: phaseplane.sweep("speed_bump", workers=-3), "workers = -3: must be at least 1"),
+        (lambda: phaseplane.sweep("speed_bump", workers=-3), "workers = -3: must be 1 to 1000"),
     ],
 )
 def test_bad_input_is_refused_in_words(call, words):
@@ -295,11 +295,19 @@ def test_a_script_can_sweep_in_several_processes():
     assert (done.stdout, done.stderr) == ("[2.0, 3.0]\n", "")
 
 
-def test_a_sweep_is_a_table():
+@pytest.mark.parametrize("name", ["runs.csv", "runs.parquet"])
+def test_a_sweep_is_a_table_and_is_read_as_one(name):
     """Real numbers are real, whatever their values; one that is never known is not a number."""
     measures = '["peak.body_acceleration", "first_lift_off"]'
     sweep_file(f'scene = "ap57_figure13"\nmeasures = {measures}\n[vary]\nspeed = [15, 25]\n')
     table = phaseplane.sweep("sweep.toml", workers=1)
+    printed("sweep sweep.toml -o there --workers 1 --table", name)
+    for path in ("there", f"there/{name}"):
+        again = phaseplane.read(path)
+        assert (again.units, again.index, again.title) == (table.units, "run", table.title)
+        for column, values in table.items():
+            assert again[column].dtype == values.dtype
+            np.testing.assert_array_equal(again[column], values)
     assert table["speed"].tolist() == [15, 25]
     assert table.units["peak.body_acceleration"] == "m/s2"
     assert table["speed"].dtype == table["first_lift_off"].dtype == float
