@@ -99,7 +99,8 @@ class Measure:
     single : if it has several values for other things than times, measures with one of them
     details : where to refine the first output it needs: at its `peak` (largest magnitude), where it is
         `least`, at both ends of its `range`, or of its `late range` in the second half of the run, or
-        only at `switches` and corners (as all of these are); nowhere if empty
+        only at `switches` and corners (as all of these are), `late switches` if the second half counts;
+        nowhere if empty
     """
 
     name: str

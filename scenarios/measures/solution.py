@@ -231,7 +231,7 @@ def by_rows(
     return Solution(columns, ends, failure, switches, session.system.joints)
 
 
-def hiding_places(solution: Solution, hidden: Iterable[tuple[str, str]]) -> Column:
+def hiding_places(solution: Solution, hidden: Collection[tuple[str, str]]) -> Column:
     """Return the times between those of a solution at which extremes may be, s, ascending.
 
     Parameters
@@ -249,6 +249,8 @@ def hiding_places(solution: Solution, hidden: Iterable[tuple[str, str]]) -> Colu
     })  # fmt: skip
     start, width = time[cells], np.diff(time)[cells]
     found = [(start[:, None] + width[:, None] * np.arange(1, _PARTS) / _PARTS).ravel()]
+    if any(extreme.startswith("late") for _, extreme in hidden):
+        found.append(np.array([late(time)]))
     switches, joints = (np.asarray(x, float) for x in (solution.switches, solution.joints))
     if len(switches) <= _MOST_CORNERS:
         soon = np.flatnonzero(np.diff(switches) < _SHORT * width.max(initial=INTERVAL))

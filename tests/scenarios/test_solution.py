@@ -78,7 +78,8 @@ def test_measures_do_not_depend_on_one_another(case: str, name: str, others: set
         for names in ([name], [*{*others, name}])
     )
     expected, found = (one.summary["measures"][name]["value"] for one in (alone, beside))
-    assert found == (expected if expected is None else pytest.approx(expected, rel=1e-3, abs=1e-9))
+    close = 1e-4 if name.startswith(("peak.", "amplitude.")) else 5e-3
+    assert found == (expected if expected is None else pytest.approx(expected, rel=close, abs=1e-9))
 
 
 @pytest.mark.slow
@@ -127,6 +128,15 @@ def test_against_a_solution_a_hundred_times_as_fine(case: str) -> None:
     _, weighed, _ = lsim(_weighting(), acceleration, even)
     ride = sqrt(float(np.trapezoid(weighed**2, even)) / scene.duration)
     assert value("body_weighted_acceleration") == pytest.approx(ride, rel=1e-3)
+
+
+def test_the_second_half_begins_between_two_rows() -> None:
+    ramp = {"shape": "ramp", "height": 1.0, "length": 10.0}
+    found = run(load_scene({
+        "fmu": "QuarterCar", "duration": 0.0507, "parameters": {"road": ramp, "speed": 10.0},
+        "show": {"measures": ["amplitude.ground_elevation"], "output_interval": 0.01},
+    })).summary["measures"]  # fmt: skip
+    assert found["amplitude.ground_elevation"]["value"] == pytest.approx(0.25 * 0.0507, rel=1e-9)
 
 
 def test_the_peak_at_a_kerb_between_two_rows_has_its_closed_form() -> None:
