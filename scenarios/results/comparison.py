@@ -28,7 +28,7 @@ class Difference:
     ----------
     name : name of the column
     largest : magnitude of the largest difference, in the column's unit
-    peak : largest magnitude of either column over their common time
+    peak : largest finite magnitude of either column over their common time
     time : time of the largest difference, s
     """
 
@@ -173,7 +173,7 @@ def _difference(
     gap[(np.isnan(a) & np.isnan(b)) | (a == b)] = 0.0
     gap[np.isnan(gap)] = np.inf
     row = int(gap.argmax())
-    peak = float(max(np.nanmax(abs(a), initial=0.0), np.nanmax(abs(b), initial=0.0)))
+    peak = max(float(abs(x[np.isfinite(x)]).max(initial=0.0)) for x in (a, b))
     return Difference(name, float(gap[row]), peak, float(time[both][row]))
 
 

@@ -29,6 +29,8 @@ def test_what_is_no_number_in_one_of_them_is_a_difference() -> None:
     assert (worst.name, worst.relative) == ("a", inf)
     both = {**OURS, "a": np.array([np.nan, np.inf, *range(9)])}
     assert [d.relative for d in compared(both, both).differences] == [0.0, 0.0]
+    worst = compared(both, {**both, "a": np.array([np.nan, np.inf, *range(8), 16])}).differences[0]
+    assert (worst.name, worst.relative) == ("a", 0.5)  # an infinite peak would hide it
 
 
 def test_what_cannot_be_compared() -> None:
