@@ -11,6 +11,7 @@ import csv
 import json
 import re
 from collections.abc import Callable, Mapping
+from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -93,7 +94,7 @@ def _write_csv(columns: Columns, _metadata: str, path: Path) -> None:
     numbers = [_numbers(column) for column in columns.values()]
     rows = max(map(len, numbers), default=0)
     with path.open("w", encoding="utf-8", newline="\n") as table:
-        table.write(",".join(f'"{name}"' for name in columns) + "\n")
+        csv.writer(table, quoting=csv.QUOTE_ALL, lineterminator="\n").writerow(columns)
         # as Python's numbers they take four times the memory
         for first in range(0, rows, _AT_ONCE):
             part = (column[first : first + _AT_ONCE].tolist() for column in numbers)
@@ -166,10 +167,12 @@ def _read_hdf5(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
 def _write_mat(columns: Columns, metadata: str, path: Path) -> None:
     from scipy.io import savemat  # noqa: PLC0415  (heavy)
 
-    # MATLAB names have at most 63 letters, digits and underscores; the full names are stored too
-    names = {re.sub(r"\W|^(?=[\d_])", "x", name)[:63]: name for name in columns}
-    if len(names) < len(columns):
-        raise InputError(f"{path}: two columns would have the same name in MATLAB")
+    # MATLAB names have at most 63 of A-Z, a-z, 0-9 and _; the full names are stored too
+    names: dict[str, str] = {}
+    for name in columns:
+        short = re.sub(r"(?a)\W|^(?=[\d_])", "x", name)[:63]
+        numbered = (f"{short[:50]}_{k}" for k in count(2))
+        names[next(x for x in chain([short], numbered) if x not in {*names, _METADATA})] = name
     content: dict[str, Any] = {
         short: _numbers(columns[name]).reshape(-1, 1) for short, name in names.items()
     }
