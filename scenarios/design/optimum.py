@@ -199,6 +199,8 @@ def solve(problem: Problem, journal: Path, progress: Progress = silent) -> Optim
         feasible = bool((problem.violations(numbers) <= _CLOSE).all())
         wanted = problem.against and feasible
         front = _trade_off(problem, runs, best) if wanted else (best[None][:0], numbers[:0])
+        best = _best(problem, runs)  # its runs may include a better one
+        numbers = runs.at(best)
         everything = np.array(runs.points)
         return Optimum(
             problem, before, best, at_start[0], numbers[0],
@@ -293,13 +295,13 @@ def _trade_off(problem: Problem, runs: Runs, best: Points) -> tuple[Points, Poin
     _refine(other, runs, _best(other, runs))
     end = _best(other, runs)
     first, last = (float(other.cost(runs.at(x))[0]) for x in (best, end))
-    found = [best]
+    along = [problem, other]
     for limit in np.linspace(first, last, max(problem.search.trade_offs, 2))[1:-1]:
         within = _within(problem.bounds.get(against, Bounds()), limit)
         limited = replace(problem, bounds={**problem.bounds, against: within})
         _refine(limited, runs, _best(limited, runs))
-        found.append(_best(limited, runs))
-    points = np.array([*found, end])
+        along.append(limited)
+    points = np.array([_best(one, runs) for one in along])
     numbers = runs.at(points)
     kept = _front(problem, numbers)
     return points[kept], numbers[kept]

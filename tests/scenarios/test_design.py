@@ -150,6 +150,22 @@ def test_a_trade_off_of_peaks_is_one_of_their_magnitudes():
     assert np.abs(np.diff(sizes)).max() < 0.4 * np.ptp(sizes)
 
 
+def test_the_best_run_is_found_wherever_the_search_meets_it(monkeypatch):
+    """The second measure is least in a dip of the first that the search for the first has missed."""
+
+    def measured(plan):
+        for (speed,) in plan.points:
+            yield 0.0 if abs(speed - 18.3) < 0.01 else 1.0 + (speed - 8.0) ** 2, (speed - 18.3) ** 2
+
+    monkeypatch.setattr("phaseplane.scenarios.design.optimum._measures_of", measured)
+    problem = read_problem(Path(study(
+        "minimise = 'rms.body_acceleration'\nagainst = 'suspension_travel'\n[vary]\n"
+        "speed = { from = 5, to = 20 }\n[search]\npopulation = 1\ngenerations = 0\n"
+    )))  # fmt: skip
+    found = solve(problem, Path("journal"))
+    assert found.numbers[0] == found.front[1][0, 0] == 0.0
+
+
 @pytest.mark.slow
 def test_no_run_lies_beyond_the_trade_off_that_is_drawn(monkeypatch):
     drawn = {}
