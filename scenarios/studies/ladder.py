@@ -207,7 +207,7 @@ def _below(scene: Scene, truth: Columns) -> Iterator[Rung]:
     model, p = scene.fmu.model, scene.all_parameters
     if model not in _DESCENDS:
         return
-    idle = {what: values for what, values in _off(p, truth) if values}
+    idle = {what: values for what, values in _off(model, p, truth) if values}
     if idle:
         p = {**p, **{name: value for values in idle.values() for name, value in values.items()}}
         words = _joined(list(idle))
@@ -226,12 +226,21 @@ def _below(scene: Scene, truth: Columns) -> Iterator[Rung]:
         yield Rung("rigid tyre", (Part("OneDof", _only("OneDof", p)),), words)
 
 
-def _off(p: Mapping[str, Value], truth: Columns) -> Iterator[tuple[str, dict[str, Value]]]:
+def _off(
+    model: str, p: Mapping[str, Value], truth: Columns
+) -> Iterator[tuple[str, dict[str, Value]]]:
     """Yield the features that never act, with the parameters that switch them off."""
+    system, end = build(model, p), truth["time"][-1]
+    # where the road falls at an edge, a tyre that may lift off does not pull the wheel after it
+    falls = any(
+        time < end and height < 0.0
+        for axle in system.axles
+        for time, height in system.signals[axle.road].jumps
+    )
     for what, (switch, off, output) in _ACTS.items():
         names = [name for name in p if name in (switch, f"front.{switch}", f"rear.{switch}")]
         acts = any(column.any() for name, column in truth.items() if name.endswith(output))
-        if not acts:
+        if not acts and not (falls and what == "lift-off"):
             yield what, {name: off for name in names if p[name] != off}
 
 
