@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..errors import InputError, RunError
+from ..errors import InputError, RunError, blaming
 from .plain import as_json
 from .tables import read_table, write_table
 
@@ -182,7 +182,11 @@ def check_replaceable(place: Place) -> None:
         kind, or contains results of another scene file and the user has not named the folder.
     """
     folder = place.folder
-    if not folder.exists():
+    # links in a circle, or a name that is too long
+    with blaming(f"cannot write {folder}", (OSError, RuntimeError)):
+        folder.resolve()
+        there = folder.exists()
+    if not there:
         return
     if not folder.is_dir():
         raise InputError(f"{folder} is a file; give the name of a folder with -o")

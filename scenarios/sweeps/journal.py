@@ -9,7 +9,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from ..errors import RunError
+from ..errors import RunError, blaming
 from ..simulate.versions import versions
 
 
@@ -28,14 +28,16 @@ def open_journal(path: Path, key: str) -> Iterator[tuple[list[Any], Callable[...
 
     Raises
     ------
+    InputError : if it cannot be opened.
     RunError : if it cannot be written; the records in it remain.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    before = _records(path, key)
-    if before is None:
-        path.write_text("")
-    # whoever runs the same at the same time writes behind this, and not over it
-    file = path.open("a", encoding="utf-8")
+    with blaming(f"cannot write {path.parent}", OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        before = _records(path, key)
+        if before is None:
+            path.write_text("")
+        # whoever runs the same at the same time writes behind this, and not over it
+        file = path.open("a", encoding="utf-8")
 
     def add(*records: object) -> None:
         try:

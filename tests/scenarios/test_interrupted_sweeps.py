@@ -18,7 +18,7 @@ from typing import Any
 import pytest
 from command_line import complaint, phaseplane, reported
 from hosting import HANGS, PROGRAM, children, is_running, started, wait_until
-from phaseplane.scenarios.errors import RunError
+from phaseplane.scenarios.errors import InputError, RunError
 from phaseplane.scenarios.simulate import runner
 from phaseplane.scenarios.sweeps import running
 from phaseplane.scenarios.sweeps.journal import open_journal
@@ -64,6 +64,11 @@ def test_a_journal_that_cannot_be_written_is_named_and_kept(tmp_path: Path) -> N
     assert str(caught.value) == f"cannot write {journal}: File too large"
     with open_journal(journal, "key") as (found, _):
         assert found == [[0, [1.0], ""]]
+    with (
+        pytest.raises(InputError, match=f"cannot write {journal}"),
+        open_journal(journal / "x", "key"),
+    ):
+        pass
 
 
 def test_what_two_of_the_same_write_to_their_journal_is_kept(tmp_path: Path) -> None:

@@ -155,8 +155,10 @@ def test_no_folder_to_replace(tmp_path: Path) -> None:
     for above in (Path(), tmp_path.parent):
         with pytest.raises(InputError, match="current folder or a parent"):
             check_replaceable(Place(above))
-    with pytest.raises(InputError, match="cannot write"):
-        write(tmp_path / "file" / "out", [1.0])
+    (tmp_path / "ring").symlink_to("ring")
+    for there in ("file/out", "ring/out", 300 * "x"):
+        with pytest.raises(InputError, match="cannot write"):
+            write(tmp_path / there, [1.0])
 
 
 # -- reading what is not there -------------------------------------------------------------------
