@@ -220,7 +220,12 @@ def by_rows(
     failure: str,
     session: Session | None,
 ) -> Solution:
-    """Return a run whose outputs were read row by row, up to its failure; None if it did not start."""
+    """Return a run whose outputs were read row by row, up to its failure.
+
+    Parameters
+    ----------
+    session : None if it did not start
+    """
     table = np.array(rows, float).reshape(len(rows), len(outputs))
     columns = dict(zip(outputs, table.T, strict=True))
     ends = {name: float(column[-1]) for name, column in columns.items() if len(column)}

@@ -75,15 +75,12 @@ def read_rows(path: Path) -> pyarrow.Table:
             return parquet.read_table(path)
         told = csv.ConvertOptions(column_types={"reason": pyarrow.string()})
         table = csv.read_csv(path, convert_options=told)
-        real = {name for name in table.column_names if name != "run"}
-        return table.cast(
-            pyarrow.schema(
-                one.with_type(pyarrow.float64())
-                if one.name in real and one.type in (pyarrow.int64(), pyarrow.null())
-                else one
-                for one in table.schema
-            )
-        )
+        unlike = (pyarrow.int64(), pyarrow.null())  # of numbers that are whole, or never known
+        fields = [
+            one.with_type(pyarrow.float64()) if one.type in unlike and one.name != "run" else one
+            for one in table.schema
+        ]
+        return table.cast(pyarrow.schema(fields))
 
 
 def summary_of(plan: Plan, rows: Sequence[Row], more: Mapping[str, Any]) -> dict[str, Any]:
