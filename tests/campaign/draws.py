@@ -10,6 +10,7 @@ from random import Random
 from typing import Any
 
 import own
+from phaseplane.suspension.models import build
 
 Parameters = dict[str, Any]
 
@@ -94,7 +95,10 @@ def draw_own(seed: int) -> Drawn:
         if f"{of}friction" in found or dice.chance(0.3):
             found.setdefault(f"{of}friction", dice.between(5.0, 300.0))
             found[f"{of}breakaway"] = dice.between(1.01, 2.0)
-    return Drawn(seed, own.name_of(plain.model), found, plain.duration, plain.method)
+    model = own.name_of(plain.model)
+    if any(build(model, found).kerbs_without_limit()):  # refused
+        found = {name: value for name, value in found.items() if "orifice" not in name}
+    return Drawn(seed, model, found, plain.duration, plain.method)
 
 
 def _own(dice: _Dice, rate: float, wheels: bool) -> Parameters:
