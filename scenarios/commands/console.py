@@ -123,6 +123,8 @@ class Commands(click.Group):
         sys.meta_path.insert(0, _PandasForOthers)
         # matrices here are small, and a thread that waits for large ones spins for 50 ms first
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+        # no command opens a window, but matplotlib cannot be imported if the name is unknown
+        os.environ.pop("MPLBACKEND", None)
         gc.set_threshold(_GARBAGE)
         atexit.register(gc.freeze)  # the interpreter would look for cycles in all that is left
         for name in ("stdout", "stderr"):

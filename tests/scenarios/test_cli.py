@@ -367,6 +367,17 @@ def test_output_that_cannot_be_encoded() -> None:
     assert len(done.stderr.splitlines()) == 1
 
 
+@pytest.mark.slow
+def test_a_backend_of_matplotlib_that_does_not_exist_is_no_error() -> None:
+    """No command opens a window; the import of matplotlib would fail."""
+    done = subprocess.run(
+        [*PROGRAM, "portrait", "van_der_pol", "--figure", "portrait.svg"],
+        env={**os.environ, "MPLBACKEND": "nonsense"}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    assert Path("portrait.svg").is_file()
+
+
 # -- the other commands --------------------------------------------------------------------------
 
 
