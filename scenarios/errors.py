@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from errno import EDQUOT, EFBIG, ENOSPC
 from pathlib import Path
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -35,6 +36,10 @@ class RunError(RuntimeError):
         super().__init__(one_line(message))
 
 
+class NoResultError(RunError):
+    """A search that leads to no result, and would not if it were repeated."""
+
+
 def one_line(text: object, limit: int = 400) -> str:
     """Return a message as one printable line of bounded length."""
     words = " ".join(_OVERFLOW.sub("a number is too large", str(text)).split())
@@ -59,7 +64,13 @@ def blaming(
     try:
         yield
     except kinds as error:
-        raise InputError(f"{place}: {error}") from None
+        raise InputError(f"{place}: {getattr(error, 'strerror', None) or error}") from None
+
+
+def unwritable(place: object, error: OSError) -> InputError | RunError:
+    """Return the error of a place that cannot be written: bad input, unless the disk is full."""
+    kind = RunError if error.errno in (ENOSPC, EDQUOT, EFBIG) else InputError
+    return kind(f"cannot write {place}: {error.strerror or error}")
 
 
 @contextmanager

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zipfile
 from collections.abc import Mapping
+from contextlib import suppress
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
@@ -41,9 +42,17 @@ def zipped(members: Mapping[str, bytes]) -> bytes:
 
 def write_into(folder: Path, files: Mapping[str, bytes]) -> list[Path]:
     """Write all files to a folder, created if it is missing, or none; return their paths."""
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    contents = {Path(folder, name): content for name, content in files.items()}
-    write_all(contents)
+    folder = Path(folder)
+    made = [path for path in (folder, *folder.parents) if not path.exists()]
+    folder.mkdir(parents=True, exist_ok=True)
+    contents = {folder / name: content for name, content in files.items()}
+    try:
+        write_all(contents)
+    except BaseException:
+        for path in made:
+            with suppress(OSError):  # another program has written to it
+                path.rmdir()
+        raise
     return list(contents)
 
 

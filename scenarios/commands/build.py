@@ -17,7 +17,7 @@ from phaseplane.vehicle_fmus.archives import write_into
 
 from phaseplane import vehicle_fmus
 
-from ..errors import InputError, RunError, shown
+from ..errors import InputError, RunError, shown, unwritable
 from ..results.plain import as_json
 from ..scene.loading import load_scene
 from ..scene.names import SCENE_FILES, case_names
@@ -143,7 +143,7 @@ def _packed(
     Raises
     ------
     InputError : if there is no such model, parameter or platform, or the folder cannot be written to.
-    RunError : if an FMU could not be packed.
+    RunError : if an FMU could not be packed, or the disk is full.
     """
     names = list(dict.fromkeys(models)) or list(FILES)
     scenes = _scenes_among(names)
@@ -167,7 +167,7 @@ def _packed(
                 )
         return files
     except OSError as error:
-        raise InputError(f"cannot write {folder}: {error.strerror or error}") from error
+        raise unwritable(folder, error) from error
     except ValueError as error:
         raise InputError(error) from error
     except RuntimeError as error:

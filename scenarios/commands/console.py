@@ -10,6 +10,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from errno import ENAMETOOLONG
 from importlib import import_module
 from math import isfinite
 from pathlib import Path
@@ -151,7 +152,7 @@ class Commands(click.Group):
             complain(
                 f"{error.filename}: {error.strerror}" if error.filename else error.strerror or error
             )
-            status = FAILED
+            status = BAD_INPUT if error.errno == ENAMETOOLONG else FAILED
         except click.Abort as abort:  # raised by click from the interrupt, which may carry a text
             complain(f"interrupted {abort.__cause__ or ''}")
             status = INTERRUPTED

@@ -12,7 +12,7 @@ import numpy as np
 from phaseplane.suspension.batch import Outcome, run_many
 from phaseplane.suspension.variables import Value
 
-from ..errors import InputError, RunError
+from ..errors import InputError, NoResultError
 from ..measures.solution import Solution
 from ..progress import Progress, silent
 from ..results.signals import signals_in
@@ -125,7 +125,7 @@ def fit(task: Task, journal: Path, progress: Progress = silent) -> Fit:
 
     Raises
     ------
-    RunError : if no run succeeds.
+    NoResultError : if no run succeeds.
     """
     from scipy.optimize import least_squares  # noqa: PLC0415
     from scipy.stats import qmc, t  # noqa: PLC0415
@@ -148,7 +148,7 @@ def fit(task: Task, journal: Path, progress: Progress = silent) -> Fit:
         starts = np.concatenate([before[None], sampler.random_base2(power)[: task.search.starts]])
         apart = np.sum(np.square(weight * (runs.at(starts) - target)), axis=1)
         if not np.isfinite(apart).any():
-            raise RunError(f"{space.plan.file}: no run succeeds")
+            raise NoResultError(f"{space.plan.file}: no run succeeds")
         runs.end_stage()
         start = np.clip(starts[int(np.nanargmin(apart))], 1e-6, 1.0 - 1e-6)
         found = least_squares(
@@ -183,7 +183,7 @@ def fit(task: Task, journal: Path, progress: Progress = silent) -> Fit:
 def _residuals(runs: Runs, x: Points, target: Points, weight: Points) -> Points:
     found: Points = weight * (runs.at(x)[0] - target)
     if not np.isfinite(found).all():
-        raise RunError(
+        raise NoResultError(
             f"{runs.space.plan.file}: a run fails near the minimum; narrow the ranges of [vary]"
         )
     return found

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -18,7 +19,7 @@ from phaseplane.suspension.variables import Value
 from phaseplane import figures
 from phaseplane.picture.text import bracketed, in_words
 
-from ..errors import InputError, one_line
+from ..errors import InputError, NoResultError, one_line
 from ..measures import catalogue, has_sign
 from ..progress import Progress, silent
 from ..results.folder import Place, replace_folder, write_summary
@@ -80,9 +81,12 @@ def optimise(
     path = _file(file)
     problem = read_problem(path)
     place = _place(path, folder, "optimise", problem.space)
-    found = solve(problem, _journal(place), progress or silent)
-    return _written(place, problem.space, found.best, _optimum_data(found), _format_optimum(found),
-                    _optimum_runs(found), lambda runs: _draw_optimum(found, runs))  # fmt: skip
+    with _journal(place) as journal:
+        found = solve(problem, journal, progress or silent)
+        return _written(
+            place, problem.space, found.best, _optimum_data(found), _format_optimum(found),
+            _optimum_runs(found), lambda runs: _draw_optimum(found, runs),
+        )  # fmt: skip
 
 
 def fit_parameters(
@@ -105,10 +109,13 @@ def fit_parameters(
     path = _file(file)
     task = read_task(path)
     place = _place(path, folder, "fit", task.space)
-    found = fit(task, _journal(place), progress or silent)
-    shares = task.space.shares(found.values.tolist())
-    return _written(place, task.space, shares, _fit_data(found), _format_fit(found),
-                    _fit_signals(found), lambda _: _draw_fit(found))  # fmt: skip
+    with _journal(place) as journal:
+        found = fit(task, journal, progress or silent)
+        shares = task.space.shares(found.values.tolist())
+        return _written(
+            place, task.space, shares, _fit_data(found), _format_fit(found), _fit_signals(found),
+            lambda _: _draw_fit(found),
+        )  # fmt: skip
 
 
 def _file(file: str | os.PathLike[str]) -> Path:
@@ -127,8 +134,16 @@ def _place(path: Path, folder: str | os.PathLike[str] | None, kind: str, space: 
     return place
 
 
-def _journal(place: Place) -> Path:
-    return place.folder.with_name(f".{place.folder.name}.{place.kind}.journal")
+@contextmanager
+def _journal(place: Place) -> Iterator[Path]:
+    """Yield the file of the runs so far; it stays if the study may be continued."""
+    journal = place.folder.with_name(f".{place.folder.name}.{place.kind}.journal")
+    try:
+        yield journal
+    except NoResultError:
+        journal.unlink()
+        raise
+    journal.unlink()
 
 
 def _written(

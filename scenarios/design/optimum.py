@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import InputError, RunError, blaming
+from ..errors import InputError, NoResultError, blaming
 from ..measures import catalogue, has_sign
 from ..progress import Progress, silent
 from ..scene.expectations import Bounds, bounds_from, unknown_measure
@@ -166,7 +166,7 @@ def solve(problem: Problem, journal: Path, progress: Progress = silent) -> Optim
 
     Raises
     ------
-    RunError : if no run has all measures, or no measure depends on any of the parameters.
+    NoResultError : if no run has all measures, or no measure depends on any of the parameters.
     """
     search, space = problem.search, problem.space
     count = len(space.plan.keys)
@@ -180,7 +180,7 @@ def solve(problem: Problem, journal: Path, progress: Progress = silent) -> Optim
         at_start = runs.at(before)
         without_effect = _without_effect(runs, before)
         if all(without_effect):
-            raise RunError(
+            raise NoResultError(
                 f"{space.plan.file}: no measure depends on {' or '.join(space.plan.keys)}: all measures "
                 "are the same at both ends and in the middle of each range"
             )
@@ -193,7 +193,7 @@ def solve(problem: Problem, journal: Path, progress: Progress = silent) -> Optim
         best = _best(problem, runs)
         numbers = runs.at(best)
         if not np.isfinite(numbers).all():
-            raise RunError(
+            raise NoResultError(
                 f"{space.plan.file}: every run fails or lacks one of {', '.join(problem.measures)}"
             )
         feasible = bool((problem.violations(numbers) <= _CLOSE).all())

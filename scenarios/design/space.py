@@ -194,7 +194,7 @@ def journaled(
 
     Parameters
     ----------
-    journal : file of the runs so far; it stays if the study is interrupted
+    journal : file of the runs so far
     said : everything else that affects the results of the runs
     stages, progress : of the runs
 
@@ -213,7 +213,6 @@ def journaled(
             raise KeyboardInterrupt(
                 f"after {len(runs.points)} runs; start it again to continue"
             ) from None
-    journal.unlink()
 
 
 def differences(function: Callable[[Points], Points], x: Points) -> Points:

@@ -36,12 +36,12 @@ def read(path: str | os.PathLike[str]) -> Table:
     'm/s'
     """
     path = Path(path)
-    folder = path.parent if path.is_file() else path
-    summary = read_summary(folder) or {}
-    if summary.get("origin", {}).get("kind") == "sweep":
-        table = folder / summary["table"]
-        if path in (folder, table):
-            return _of_sweep(read_rows(table), summary)
+    for folder in (path, path.parent):
+        summary = read_summary(folder) or {}
+        if summary.get("origin", {}).get("kind") == "sweep":
+            table = folder / summary["table"]
+            if path in (folder, table):
+                return _of_sweep(read_rows(table), summary)
     results = read_results(path)
     units: Any = results.summary.get("units", {})
     return Table(results.columns, units, title=str(results.summary.get("title", "")))

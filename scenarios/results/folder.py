@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..errors import InputError, RunError, blaming
+from ..errors import InputError, RunError, blaming, read_errors, unwritable
 from .plain import as_json
 from .tables import read_table, write_table
 
@@ -138,7 +138,9 @@ def read_results(path: Path) -> Results:
     ------
     InputError : if it is no results folder of this package, is damaged, or is a file but no table.
     """
-    if path.is_file():
+    with read_errors(path):  # its name may be too long
+        is_file = path.is_file()
+    if is_file:
         columns, metadata = read_table(path)
         beside = (not metadata and read_summary(path.parent)) or {}
         return Results(columns, beside if beside.get("table", TABLE) == path.name else metadata)
@@ -254,13 +256,14 @@ def draft_beside(folder: Path) -> Iterator[Path]:
     Raises
     ------
     InputError : if nothing can be written there.
+    RunError : if the disk is full.
     """
     target = folder.resolve()
     draft = target.with_name(f".{target.name}.{os.urandom(4).hex()}")
     try:
         draft.mkdir(parents=True)
     except OSError as error:
-        raise InputError(f"cannot write {folder}: {error.strerror}") from None
+        raise unwritable(folder, error) from None
     try:
         yield draft
     finally:

@@ -9,7 +9,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from ..errors import RunError, blaming
+from ..errors import RunError, unwritable
 from ..simulate.versions import versions
 
 
@@ -29,15 +29,17 @@ def open_journal(path: Path, key: str) -> Iterator[tuple[list[Any], Callable[...
     Raises
     ------
     InputError : if it cannot be opened.
-    RunError : if it cannot be written; the records in it remain.
+    RunError : if the disk is full, or it cannot be written; the records in it remain.
     """
-    with blaming(f"cannot write {path.parent}", OSError):
+    try:
         path.parent.mkdir(parents=True, exist_ok=True)
         before = _records(path, key)
         if before is None:
             path.write_text("")
         # whoever runs the same at the same time writes behind this, and not over it
         file = path.open("a", encoding="utf-8")
+    except OSError as error:
+        raise unwritable(path.parent, error) from None
 
     def add(*records: object) -> None:
         try:

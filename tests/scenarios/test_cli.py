@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from errno import ENOSPC
 from importlib import import_module
 from pathlib import Path
 from subprocess import CompletedProcess
@@ -257,6 +258,8 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         ("replay ap57 --figure folder.png", "folder.png is a folder"),
         ("replay ap75 --save x.rrd", "or of a results folder"),
         ("replay full --save x.rrd", "is not a results folder"),
+        (f"show {300 * 'x'}", "x: File name too long"),
+        (f"build OneDof -o {300 * 'x'}", "x: File name too long"),
         ("replay ap57 --save x.rrd --construction detla", "--construction 'detla': must be one of"),
         ("replay ap57 --save x.rrd --construction detla", "'delta'?"),
         ("replay ap57 --save x.rrd --step fast", "--step 'fast': 'fast' is not a number"),
@@ -408,6 +411,17 @@ def test_build_packs_what_runs() -> None:
         ("unsprung_mass=-3", "unsprung_mass = -3: must be greater than 0"),
     ):  # a packed model of ours checks what it is given as the model itself does
         assert words in complaint(*ap57_of(Path("fmus/QuarterCar.fmu"), given))
+
+
+def test_a_full_disk_is_no_bad_input_and_leaves_no_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(_: object) -> None:
+        raise OSError(ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("phaseplane.vehicle_fmus.build._packed", lambda *_: b"")
+    monkeypatch.setattr("phaseplane.vehicle_fmus.archives.write_all", full)
+    told = complaint("build OneDof -o new/fmus", status=1)
+    assert told == "phaseplane: cannot write new/fmus: No space left on device\n"
+    assert not Path("new").exists()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="not on this platform: no SIGTERM")

@@ -145,6 +145,7 @@ def test_a_scene_can_be_a_mapping_that_extends_another(bump):
             lambda: phaseplane.show("ap57", speed=3),
             "unknown key 'speed'; allowed: .*dark",
         ),
+        (lambda: phaseplane.read(300 * "x"), "cannot read x+: File name too long"),
         (lambda: phaseplane.sweep("speed_bump", workers=-3), "workers = -3: must be 1 to 1000"),
     ],
 )

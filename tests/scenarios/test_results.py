@@ -22,6 +22,7 @@ from phaseplane.scenarios.results.folder import (
     replace_folder,
     write_results,
 )
+from phaseplane.scenarios.sweeps.journal import open_journal
 
 
 def results(values: list[float], scene: str = "made_up") -> Results:
@@ -159,6 +160,17 @@ def test_no_folder_to_replace(tmp_path: Path) -> None:
     for there in ("file/out", "ring/out", 300 * "x"):
         with pytest.raises(InputError, match="cannot write"):
             write(tmp_path / there, [1.0])
+
+
+def test_a_full_disk_is_no_bad_input(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "mkdir", full)
+    with pytest.raises(RunError, match="out: No space left on device"):
+        write(tmp_path / "out", [1.0])
+    with pytest.raises(RunError, match="No space left"), open_journal(tmp_path / "journal", "key"):
+        pass
 
 
 # -- reading what is not there -------------------------------------------------------------------
