@@ -103,7 +103,7 @@ def sweep(
     Raises
     ------
     InputError : if `through` does not fit the plan, or there is no worker.
-    RunError : if there is no such Dask scheduler, or a process was killed.
+    RunError : if there is no such Dask scheduler, it or its workers fail, or a process was killed.
     KeyboardInterrupt : on Ctrl-C; the same sweep continues from the journal.
     """
     _check(plan, through, workers)
@@ -151,6 +151,9 @@ def sweep(
                 raise KeyboardInterrupt(kept) from None
             if isinstance(error, BrokenExecutor):
                 raise RunError(f"a process of the sweep was killed {kept}") from None
+            if dask and isinstance(error, Exception) and not isinstance(error, RunError):
+                why = str(error) or "the connection was lost"
+                raise RunError(f"the Dask cluster failed {kept}: {why}") from error
             raise
     ordered = [rows[run] for run in range(len(plan.points))]
     facts = {

@@ -8,9 +8,10 @@ import signal
 import subprocess
 import sys
 import zipfile
-from collections.abc import Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -215,19 +216,34 @@ def begin(receiver):
     assert len(made) == 6
 
 
-def test_a_process_that_is_killed_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As where the memory does not suffice; what is done is kept."""
+@pytest.mark.parametrize(
+    ("error", "options", "words", "why"),
+    [
+        # as where the memory does not suffice
+        (BrokenProcessPool("abruptly"), "--workers 1", "a process of the sweep was killed", ""),
+        # as the client of Dask does when the scheduler has gone, and when a worker dies again and again
+        (CancelledError(), "--dask a", "the Dask cluster failed", ": the connection was lost"),
+        (Exception("4 workers died"), "--dask a", "the Dask cluster failed", ": 4 workers died"),
+    ],
+)
+def test_a_worker_that_is_lost_is_told_in_one_line(
+    error: Exception, options: str, words: str, why: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is done is kept."""
 
     class Broken(ThreadPoolExecutor):
         def submit(self, *_: object, **__: object) -> Future[Any]:
             future: Future[Any] = Future()
-            future.set_exception(BrokenProcessPool("terminated abruptly"))
+            future.set_exception(error)
             return future
 
-    monkeypatch.setattr(running, "ThreadPoolExecutor", Broken)
-    said = complaint("sweep", sweep_file(), "--workers", "1", status=1)
-    told = "phaseplane: a process of the sweep was killed after 0 of 6 runs; start it again to continue\n"
-    assert said == told
+    @contextmanager
+    def broken(_count: int, _dask: str) -> Iterator[tuple[Broken, Callable[[], None]]]:
+        yield Broken(1), lambda: None
+
+    monkeypatch.setattr(running, "_executor", broken)
+    told = complaint("sweep", sweep_file(), *options.split(), status=1)
+    assert told == f"phaseplane: {words} after 0 of 6 runs; start it again to continue{why}\n"
 
 
 @pytest.mark.slow
