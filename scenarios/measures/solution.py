@@ -324,8 +324,9 @@ def apart(rows: Columns, solution: Solution) -> float:
     known = (at < len(time)) & ~on
     worst = 0.0
     for name in rows.keys() & solution.columns.keys() - {"time"}:
-        ours = np.asarray(rows[name], float)[known]
-        gap = abs(ours - solution.columns[name][at[known]]).max(initial=0.0)
-        if gap > 0.0:
-            worst = max(worst, float(gap / abs(ours).max()) if ours.any() else np.inf)
+        ours, theirs = np.asarray(rows[name], float)[known], solution.columns[name][at[known]]
+        if (unlike := ours != theirs).any():  # both may be infinite
+            peak = abs(ours[np.isfinite(ours)]).max(initial=0.0)
+            gap = abs(ours[unlike] - theirs[unlike]).max()
+            worst = max(worst, float(gap / peak) if peak > 0.0 else np.inf)
     return worst

@@ -15,7 +15,14 @@ from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.measures import Run, catalogue, take
 from phaseplane.scenarios.measures.ride import _weighting, weighted
 from phaseplane.scenarios.measures.road import roughness_index
-from phaseplane.scenarios.measures.solution import apart, instants, refinement, solved, stepped
+from phaseplane.scenarios.measures.solution import (
+    Solution,
+    apart,
+    instants,
+    refinement,
+    solved,
+    stepped,
+)
 from phaseplane.scenarios.results.report import report
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate.runner import run
@@ -128,6 +135,15 @@ def test_against_a_solution_a_hundred_times_as_fine(case: str) -> None:
     _, weighed, _ = lsim(_weighting(), acceleration, even)
     ride = sqrt(float(np.trapezoid(weighed**2, even)) / scene.duration)
     assert value("body_weighted_acceleration") == pytest.approx(ride, rel=1e-3)
+
+
+def test_an_infinite_value_in_both_hides_no_difference_of_rows() -> None:
+    """As that of a stable step."""
+    time, values = np.arange(4.0), np.array([np.inf, 1.0, 2.0, 4.0])
+    ours = {"time": time, "stable_step": values}
+    assert apart(ours, Solution(ours)) == 0.0
+    theirs = {"time": time, "stable_step": np.where(values == 4.0, 3.0, values)}
+    assert apart(ours, Solution(theirs)) == 0.25
 
 
 def test_the_second_half_begins_between_two_rows() -> None:
