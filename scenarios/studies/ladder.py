@@ -233,7 +233,7 @@ def _off(
     system, end = build(model, p), truth["time"][-1]
     # where the road falls at an edge, a tyre that may lift off does not pull the wheel after it
     falls = any(
-        time < end and height < 0.0
+        0.0 <= time < end and height < 0.0
         for axle in system.axles
         for time, height in system.signals[axle.road].jumps
     )
