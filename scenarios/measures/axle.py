@@ -53,7 +53,7 @@ def _of_axle(prefix: str) -> Iterator[Measure]:
     yield measure("dynamic_load_coefficient", "1", ("contact_force", "tyre_force"), _load_coefficient,
                   "root mean square of the dynamic tyre load (the deviation from the static load), over "
                   "the static tyre load; for long runs the standard deviation of the load over its mean",
-                  _MITSCHKE, "switches")  # fmt: skip
+                  _MITSCHKE, "mean")  # fmt: skip
     yield measure("suspension_travel", "m", ("suspension_deflection",), _range,
                   "largest minus smallest suspension deflection", details="range")  # fmt: skip
     for stop in ("bump_stop", "rebound_stop"):
@@ -62,10 +62,10 @@ def _of_axle(prefix: str) -> Iterator[Measure]:
     yield measure("mean_height_shift", "m", ("suspension_deflection",), _shift,
                   "mean of the suspension deflection over the second half of the run; a damper softer "
                   "in bump than in rebound lowers the body", "AP57 section 1",
-                  details="late switches")  # fmt: skip
+                  details="late mean")  # fmt: skip
     yield measure("damper_power", "W", ("damper_force", "suspension_deflection_rate"), _power,
                   "mean power dissipated by the damper, force times rate",
-                  details="switches")  # fmt: skip
+                  details="mean")  # fmt: skip
 
 
 def _load_coefficient(contact: str, dynamic: str, run: Run) -> Reading:

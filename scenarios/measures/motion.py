@@ -41,7 +41,7 @@ def of_motion(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
             )  # fmt: skip
             yield Measure(
                 f"rms.{name}", unit, (name,), partial(root_mean_square, name),
-                f"root mean square of {name}", details="switches",
+                f"root mean square of {name}", details="mean",
             )  # fmt: skip
             yield Measure(
                 f"amplitude.{name}", unit, (name,), partial(amplitude, name),

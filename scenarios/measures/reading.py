@@ -98,9 +98,9 @@ class Measure:
     counted : whether it lists times, of which sweeps and studies take the number
     single : if it has several values for other things than times, measures with one of them
     details : where to refine the first output it needs: at its `peak` (largest magnitude), where it is
-        `least`, at both ends of its `range`, or of its `late range` in the second half of the run, or
-        only at `switches` and corners (as all of these are), `late switches` if the second half counts;
-        nowhere if empty
+        `least`, at both ends of its `range`, where its `mean` is least accurate, or only at `switches`
+        and corners (as all of these are); of a `late range` or a `late mean` the second half of the run
+        counts; nowhere if empty
     """
 
     name: str

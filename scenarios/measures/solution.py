@@ -2,8 +2,9 @@
 
 The internal steps of a model of this package do not depend on the communication step, and its outputs
 are read off its interpolant. So the rows of its FMU equal this solution to the bit, and measures need not
-rely on the rows. They are taken every millisecond; an interval in which an extreme may be is refined
-twelve times, and switches and corners of the road are read on both sides.
+rely on the rows. They are taken every millisecond; an interval in which an extreme may be, or in which a
+mean is least accurate, is refined twelve times, and switches and corners of the road are read on both
+sides.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ GoingOn = Callable[[float], bool]
 INTERVAL = 1e-3  # s, at most between two times
 _MOST_INSTANTS = 2_000_000
 _PARTS = 12  # parts of an interval in which an extreme may be
-_MOST_PLACES = 8  # intervals for one extreme
+_MOST_PLACES = 8  # times of an extreme or a mean whose intervals on both sides are refined
 _MOST_CORNERS = 2_000  # up to which all are read on both sides
 _SHORT = 3.0  # intervals: times between closer switches are refined too
 _ROUNDING = 1e-9  # s
@@ -36,6 +37,7 @@ _HEIGHTS: Mapping[str, tuple[Callable[[Column], Column], ...]] = {  # largest at
     "peak": (np.abs,),
     "least": (np.negative,),
     "range": (np.positive, np.negative),
+    "mean": (),
     "switches": (),  # only from switch to switch
 }
 
@@ -237,7 +239,7 @@ def by_rows(
 
 
 def hiding_places(solution: Solution, hidden: Collection[tuple[str, str]]) -> Column:
-    """Return the times between those of a solution at which extremes may be, s, ascending.
+    """Return the times between those of a solution that measures need, s, ascending.
 
     Parameters
     ----------
@@ -286,9 +288,10 @@ def _within(instants: Column, time: Column, cells: Sequence[int]) -> Column:
 
 
 def _cells(column: Column, extreme: str, time: Column) -> set[int]:
-    """Return the intervals in which an extreme may be.
+    """Return the intervals in which an extreme may be, or a mean is least accurate.
 
-    Between two points a smooth motion exceeds both by about an eighth of its second difference.
+    Between two points a smooth motion exceeds both by about an eighth of its second difference. The
+    trapezoidal rule, by which means are taken, is in error where second differences are large.
     """
     first = int(np.searchsorted(time, late(time))) if extreme.startswith("late") else 0
     values = np.asarray(column[first:], float)
@@ -297,12 +300,15 @@ def _cells(column: Column, extreme: str, time: Column) -> set[int]:
     bend = np.zeros(len(values))
     bend[1:-1] = _RISE * abs(np.diff(values, 2))
     rise = np.maximum.reduce([bend, np.roll(bend, 1), np.roll(bend, -1)])
-    cells: set[int] = set()
+    found = [bend] if extreme.endswith("mean") else []
     for height in _HEIGHTS[extreme.removeprefix("late ")]:
         z = height(values)
-        rows = np.flatnonzero(z + rise >= z.max())
-        if len(rows) > _MOST_PLACES:
-            rows = rows[np.argpartition(-(z + rise)[rows], _MOST_PLACES)[:_MOST_PLACES]]
+        found.append(np.where(z + rise >= z.max(), z + rise, -np.inf))
+    cells: set[int] = set()
+    for worth in found:
+        last = min(_MOST_PLACES, len(worth)) - 1
+        rows = np.argpartition(-worth, last)[: last + 1]
+        rows = rows[worth[rows] > -np.inf]
         cells.update((first + rows).tolist(), (first + rows - 1).tolist())
     return {cell for cell in cells if first <= cell < len(time) - 1}
 
