@@ -53,7 +53,7 @@ _MOTION_IN_CHUNK = 400.0  # s of simulated time
 _PATIENCE = "10s"  # timeout of the Dask scheduler
 _STOPPING = Event()  # in a worker process: whether to stop after the current run
 _HEARD = 0.2  # s between two looks for an interrupt
-MOST_WORKERS = 1000
+MOST_WORKERS = 61 if sys.platform == "win32" else 1000  # the limit of `ProcessPoolExecutor` there
 _CHECKED = 3  # runs through the FMU that are repeated in-process
 
 
@@ -108,7 +108,8 @@ def sweep(
     """
     _check(plan, through, workers)
     started = perf_counter()
-    key, count = journal_key(plan, through), min(workers or os.cpu_count() or 1, len(plan.points))
+    key = journal_key(plan, through)
+    count = min(workers or os.cpu_count() or 1, MOST_WORKERS, len(plan.points))
     with _executor(count, dask) as (executor, stop), open_journal(journal, key) as (before, keep):
         rows = {run: Row(run, tuple(values), reason) for run, values, reason in before}
         left = [run for run in range(len(plan.points)) if run not in rows]
