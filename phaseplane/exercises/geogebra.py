@@ -122,7 +122,8 @@ def _on_circle(rule: Rule, frame: Frame, n: str, angle: str) -> list[Command]:
         # parallel normals, or a ray that misses the circle: the rule's own way out
         if "E" in points:
             return [*made, Command(following, "Rotate", (p, angle, eye))]
-        factor = _mean(n, angle) if rule.name == "mean_arc_circle" else angle
+        by_mean = rule.name == "mean_arc_circle" and not step.starts_in_foot
+        factor = _mean(n, angle) if by_mean else angle
         return [*made, Command(following, "Dilate", (f"T{n}", factor, p))]
     made += [
         Command(f"n{n}", "Line", (p, d)),

@@ -23,6 +23,7 @@ from phaseplane.constructions.rules import RULES, Rule
 from phaseplane.constructions.stepping import MakePoints, Stepper
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.switching import first_end
+from phaseplane.equations.typeset import number
 from phaseplane.exercises.readings import Reading
 
 RIGHT, READING, METHOD = "right", "reading error", "method error"
@@ -114,11 +115,14 @@ def mark(
     start = tuple(frames[0].points[plane.state] for plane in planes)
     if (off := _apart(readings[0].states, start)) > _DOUBTFUL * tolerance:
         raise ValueError(
-            f"point 0 is {1e3 * off:.3g} mm from the start point of the sheet; is this another exercise?"
+            f"point 0 is {number(1e3 * off, 3)} mm from the start point of the sheet; is this another "
+            "exercise?"
         )
     stepper = Stepper(construction, rule)
     marks: list[Mark] = []
     nominal = max(frame.duration for frame in drawing.frames)
+    # none at the end, which comes before a jump there
+    jolts = {frame.time for frame in drawing.frames} & {*construction.jolts}
     memory = construction.remembered(construction.initial, None)[len(planes) :]
     missed = None
     for before, (frame, following), after in zip(
@@ -129,7 +133,7 @@ def mark(
             frame.mode,
             Window(frame.time, frame.duration),
             following.mode != frame.mode,
-            following.time in construction.jolts,
+            following.time in jolts,
             missed,
         )
         starts = [before] + [
@@ -148,7 +152,7 @@ def mark(
         marks.append(best)
         if step.switches:
             event = following.event.replace("lift_off", "lift-off").replace("_", " ")
-            words = f"the {event} at t = {following.time:.4g} s was missed"
+            words = f"the {event} at t = {number(following.time, 4)} s was missed"
             missed = (frame.mode, words) if event else None
             if memory:  # the spring has yielded up to the student's point
                 memory = construction.remembered((*after.states, *memory), None)[len(planes) :]
@@ -271,7 +275,7 @@ def _judged_foot(
     mistake = _named(wrong, read, feet, tolerance)
     if mistake:
         return METHOD, mistake
-    away = f"D is {1e3 * off:.2g} mm off"
+    away = f"D is {number(1e3 * off, 2)} mm off"
     if off <= _DOUBTFUL * tolerance + carried:
         return READING, f"{away}: read the auxiliary curve again"
     return METHOD, f"{away}, not explained by a known mistake: find A and D again"

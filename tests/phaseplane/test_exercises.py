@@ -118,6 +118,17 @@ def test_in_geogebra_a_construction_follows_its_start_point(tmp_path: Path):
     assert max(x) - min(x) > 300.0 or max(y) - min(y) > 270.0
 
 
+@pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
+def test_in_geogebra_a_mass_rests_until_its_friction_gives_way(rule):
+    """While it rests P is D: there is no normal whose length could be compared."""
+    plane = EquationPlane(Formula("x + 0.3*sign(v) - t").switching)
+    drawing = construct_motion(plane, rule, step=STEP, steps=4)
+    found = evaluated(commands(drawing, rule))
+    for frame in drawing.instants:
+        assert abs(found[f"P_{{{frame.step}}}"] - frame.points["P"] / plane.scale) < 1e-12
+    assert abs(found["P_{1}"]) < 1e-12 < abs(found[f"P_{{{drawing.instants[-1].step}}}"])
+
+
 def test_two_planes_are_refused_in_words():
     with pytest.raises(ValueError, match="one phase plane; this one has 2"):
         commands(construct_motion(ap57(), step=2.5e-3, steps=2), DELTA)

@@ -174,6 +174,7 @@ def step_from(construction, drawing, points, feet, n: int) -> complex:
             METHOD,
             ["D of point 2: D is 6 mm off, not explained by a known mistake: find A and D again"],
         ),
+        (lambda d: d + 0.12, 0.0, METHOD, ["D of point 2: D is 120 mm off"]),
         (lambda d: d + 6e-3, 2e-3j, METHOD, ["D of point 2: D is 6 mm off", "slightly off"]),
         (lambda d: d + 6e-3, 8e-3j, METHOD, ["D of point 2: D is 6 mm off", "not explained"]),
         (lambda d: -d, 2e-3j, METHOD, ["D of point 2: delta was laid off", "slightly off"]),
@@ -435,6 +436,13 @@ def test_readings_of_another_exercise_are_refused(task):
         (replace(YIELDING, initial_displacement=0.02), "yielding"),  # beyond its yield line
         # stuck until a kerb sets it free
         (OneDofPlane(300.0, linear(15000.0), linear(2000.0), step(0.01, 0.12), friction=50.0), ""),
+        # ends where a kerb begins
+        (
+            OneDofPlane(
+                300.0, linear(15000.0), linear(2000.0), step(0.01, 0.9), 1.0, 0.05, friction=50.0
+            ),
+            "",
+        ),
     ],
 )
 def test_faultless_readings_are_right_across_switches(plane, event):
