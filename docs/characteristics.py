@@ -12,8 +12,8 @@ from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.systems import damper_family
 
+from phaseplane.equations.typeset import number
 from phaseplane.figures.style import PLAIN, draw_zero, save, styled
-from phaseplane.picture.text import number
 
 _COLUMNS = 4
 

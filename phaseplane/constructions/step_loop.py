@@ -85,11 +85,9 @@ def _frames(
     jolts = iter([*(t for t in construction.jolts if time < t < end), inf])
     jolt = next(jolts)
     before: Before | None = None
-    number, tick = 0, 1
+    made, tick = 0, 1
     fresh = bool(event) and event != JOLT
-    while time < end and not (
-        number and construction.ends(mode)
-    ):  # a motion has a step, if only of rest
+    while time < end and not (made and construction.ends(mode)):  # there is a step, if only of rest
         goal = min(start.time + tick * step, end)
         if end - goal < _LEAST_PART * step:
             goal = end
@@ -109,8 +107,8 @@ def _frames(
                 "less time if the motion itself grows without bound"
             ) from None
         scheme = construction.scheme_of(mode)
-        yield Frame(number, time, window.duration, scheme, points, readings, event, mode)
-        number += 1
+        yield Frame(made, time, window.duration, scheme, points, readings, event, mode)
+        made += 1
         before = Before(readings, window.duration)
         time, states, event = target, successors, ""
         old_mode = mode
@@ -133,7 +131,7 @@ def _frames(
         points = construction.points(mode, states, Window(time))
         readings = construction.readings(mode, states, time, before)
         scheme = construction.scheme_of(mode)
-        ending.append(Frame(number, time, 0.0, scheme, points, readings, event, mode))
+        ending.append(Frame(made, time, 0.0, scheme, points, readings, event, mode))
 
 
 def construct_motion(

@@ -21,8 +21,8 @@ class End(NamedTuple):
     Parameters
     ----------
     part : time from the start of the window, s
-    limits : the limit that is reached, and others that are reached at the same time; none where the
-        states are beyond one at the end of the window, and the next mode is that of the states
+    limits : the limit that is reached, and others that are reached at the same time; none if the window
+        ends with the states beyond a limit: they then decide on the next mode
     """
 
     part: float
@@ -71,8 +71,8 @@ def first_end(
             found.append((part, limit))
     if not found:
         return None
-    first, limit = min(found)
-    if first == window.duration and last[limit] < 0.0:
+    first, _ = min(found)
+    if first == window.duration and min(last) < 0.0:
         return End(first, ())
     at_once = first + _AT_ONCE * window.duration
     return End(first, tuple(limit for part, limit in sorted(found) if part <= at_once))

@@ -1,4 +1,4 @@
-"""Equations in mathematical notation, with dots, powers and Greek letters, and numbers in print."""
+"""Numbers as they are printed, and equations in mathematical notation: dots, powers, Greek letters."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ def name_of(name: str) -> str:
     """Return the notation of a parameter: names of Greek letters as letters, numbers as indices."""
     indexed = re.fullmatch(r"([^\W\d_]+)_?([0-9]+)", name)
     if indexed:
-        letters, number = indexed.groups()
-        return _NAMES.get(letters, letters) + number.translate(_INDICES)
+        letters, index = indexed.groups()
+        return _NAMES.get(letters, letters) + index.translate(_INDICES)
     return _NAMES.get(name, name)
 
 
