@@ -153,7 +153,7 @@ class Formula:
     @cached_property
     def switching(self) -> Switching:
         """f with its switches, see `Switching`."""
-        pieces = Pieces()
+        pieces = Pieces(self.parameters)
         smooth = pieces.visit(copied(self._tree))
         function, *guards = (
             _guarded(self._made(part, (*VARIABLES, "s"), {**_NUMBERS, BEYOND: at_least_zero}))
@@ -177,7 +177,7 @@ class Formula:
         ------
         ValueError : if a function has no equivalent.
         """
-        pieces = Pieces()
+        pieces = Pieces(self.parameters)
         tree = pieces.visit(copied(self._tree))
         values = {**self.parameters, "t": 0.0}
         return spelled(tree, {"v": v, "x": x}, values, signs)

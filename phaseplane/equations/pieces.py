@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import functools
+from collections.abc import Mapping
 
 VARIABLES = ("v", "x", "t")
 """The variables of a formula: v = x', x and the time t."""
@@ -22,13 +23,20 @@ _MOST_SWITCHES = 40
 class Pieces(ast.NodeTransformer):
     """Replaces each piece by a smooth expression of the signs s[0], s[1], ... of its guards.
 
-    A guard may contain the signs of guards before it.
+    A guard may contain the signs of guards before it. Expressions that differ by a constant factor share
+    a guard: two that coincide would hold a motion one at a time.
+
+    Parameters
+    ----------
+    parameters : values of the named parameters
     """
 
-    def __init__(self) -> None:
+    def __init__(self, parameters: Mapping[str, float]) -> None:
         self.guards: list[ast.expr] = []
         self.jumps = False
-        self._numbers: dict[str, int] = {}
+        self._parameters = parameters
+        # number of a guard, and the sign of its constant factors, by its other factors
+        self._numbers: dict[tuple[str, ...], tuple[int, float]] = {}
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         """Replace a call of a piece; its arguments first."""
@@ -74,12 +82,35 @@ class Pieces(ast.NodeTransformer):
         if not any(mentions(u, name) for name in VARIABLES):
             # a number, or one that follows from the signs of other guards
             return ast.Call(ast.Name("sign", ast.Load()), [u], [])
-        number = self._numbers.setdefault(ast.dump(u), len(self.guards))
+        sense, varying = self._factors(u)
+        if sense == 0.0:  # a guard that is zero everywhere would hold every motion
+            return ast.Constant(0.0)
+        number, first_sense = self._numbers.setdefault(varying, (len(self.guards), sense))
         if number == len(self.guards):
             if number >= _MOST_SWITCHES:
                 raise ValueError(f"equation: more than {_MOST_SWITCHES} switches")
             self.guards.append(u)
-        return ast.Subscript(ast.Name("s", ast.Load()), ast.Constant(number), ast.Load())
+        sign = ast.Subscript(ast.Name("s", ast.Load()), ast.Constant(number), ast.Load())
+        return sign if sense == first_sense else ast.UnaryOp(ast.USub(), sign)
+
+    def _factors(self, u: ast.expr) -> tuple[float, tuple[str, ...]]:
+        """Return the sign of the constant factors of an expression, and the other factors as text."""
+        match u:
+            case ast.BinOp(a, ast.Mult(), b):
+                (one, varying), (other, more) = self._factors(a), self._factors(b)
+                return one * other, tuple(sorted(varying + more))
+            case ast.BinOp(a, ast.Div(), b) if (divisor := self._factors(b))[0]:
+                sense, varying = self._factors(a)
+                return sense * divisor[0], tuple(sorted(varying + divisor[1]))
+            case ast.UnaryOp(ast.USub(), a):
+                sense, varying = self._factors(a)
+                return -sense, varying
+            case ast.Constant(float() as value):
+                return float(value > 0.0), ()
+            case ast.Name(name) if name in self._parameters:
+                value = self._parameters[name]
+                return float((value > 0.0) - (value < 0.0)), ()
+        return 1.0, (ast.dump(u),)
 
     def _size(self, u: ast.expr) -> ast.expr:
         return u if _is_never_negative(u) else _product(u, self._sign(u))

@@ -112,11 +112,19 @@ def test_a_parameter_cannot_be_called_like_what_a_formula_knows():
             Formula("x", {name: 1.0})
 
 
-def test_dry_friction_takes_the_same_from_every_swing_and_then_holds():
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x + R*sign(v)", "x + 2*R*sign(v) - R*sign(2*v)", "x - 2*R*sign(-v) - R*sign(v/R)",
+        "x + 2*R*sign(R*v*exp(x)) - R*sign(exp(x)*v)",
+        "x + 2*R*sign(0*v) + R*sign(v)", "x + abs(0*x)*v + R*sign(v)",
+    ],
+)  # fmt: skip
+def test_dry_friction_takes_the_same_from_every_swing_and_then_holds(text):
     """x'' + x + R sign(x') = 0: half circles about -+R, until |x| <= R."""
     friction, start = 0.3, 2.05
     times = np.linspace(0.0, 6.0 * pi, 601).tolist()
-    found = motion(Formula("x + R*sign(v)", {"R": friction}).switching, (start, 0.0), times)
+    found = motion(Formula(text, {"R": friction}).switching, (start, 0.0), times)
     turns = [start - 2.0 * friction * k for k in range(4)]  # the last is inside the stretch of rest
     for t, x in zip(found.times, found.displacements, strict=True):
         k = min(int(t / pi), 3)
