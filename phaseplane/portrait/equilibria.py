@@ -240,7 +240,7 @@ def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float) ->
     if losses != gains:
         return "stable focus" if losses else "unstable focus"
     start = x + room
-    (back,) = turns(system, window, np.array([start])).back
+    (back,) = turns(system, window, np.array([start]), tolerance=1e-11).back
     change = (back - start) / room
     if abs(change) < 1e-6 or not isfinite(change):
         return "centre"

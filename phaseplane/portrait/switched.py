@@ -19,7 +19,7 @@ from phaseplane.portrait.system import Grid, PhaseSystem, Window
 
 _TOLERANCE, _OF_SECTION = 1e-8, 1e-7
 _STILL, _REST = 1e-7, 5  # of the window's sides; a motion rests after so many steps this short
-_CRAWL = 1e-4  # the same for a turn, which ends long before it could return
+_CRAWL = 1e-4  # the same for a turn, of its largest distance so far from its start
 _SLOW, _SLOWEST = 100, 0.01  # a curve ends where so many steps lead it no farther, in windows
 _MOST = 20_000  # steps
 
@@ -90,12 +90,13 @@ def turn(
 
     NaN for a crossing to which it does not come.
     """
-    far, still = nan, 0
+    far, still, gone = nan, 0, 0.0
     sense = -1.0 if backwards else 1.0
     half = -1.0  # the sign of the velocity on record in this half of the turn, whatever the sense
     for step in _steps(system, (start, 0.0), sense, max(tolerance, 1e-10)):
         (_, v0, _), (x1, v1, _) = step.first, step.last
-        still = still + 1 if _way(step, window) < _CRAWL else 0
+        gone = max(gone, hypot((x1 - start) / window.width, v1 / window.height))
+        still = still + 1 if _way(step, window) <= _CRAWL * gone else 0
         if not window.holds(x1, v1, 2.0) or still >= _REST:
             break
         if into is not None:

@@ -123,6 +123,14 @@ def test_a_plane_turned_by_half_a_turn_has_the_same_kinds() -> None:
     assert there == turned[::-1] == ["stable focus", "saddle"]
 
 
+def test_a_wide_turn_of_a_centre_comes_back_to_its_start() -> None:
+    """The equation is the same with x and t reversed; nine digits of a turn were too few."""
+    made = Formula("x + 7*x*v")
+    system = PhaseSystem(made.function, on_arrays=made.on_arrays, switching=made.switching)
+    (found,) = equilibria(system, Window(-30.0, 30.0, -30.0, 30.0))
+    assert found.kind == "centre"
+
+
 @pytest.mark.parametrize(("name", "function", "kinds"), KINDS, ids=[name for name, _, _ in KINDS])
 @pytest.mark.parametrize("shift", [0.0, 0.0123])
 def test_kinds_without_a_linear_part(
