@@ -66,7 +66,9 @@ class Events:
         self._places = [axle.prefix.replace("_", " ") for axle in tyres]  # such as "front "
         # an `Event` costs more than the rest, and many hosts read none: `all` makes them
         self._switches: deque[tuple[float, str, str, int, int]] = deque(maxlen=_MOST)
-        self._stops: deque[tuple[float, str]] = deque()  # what is yet to be reported of end stops
+        # end stops met or left that are yet to be reported, and those reported as met
+        self._stops: deque[tuple[float, str, bool]] = deque()
+        self._met: set[str] = set()
         self.contacts = Contacts(*run.contacts.seen())
 
     def attach(self, system: System) -> None:
@@ -87,18 +89,23 @@ class Events:
             if kind == CONTACT and element in self._of_tyres:
                 self._run.contacts.note(time, element, after != 0)
             elif element in self._free and (free := self._free[element]) in (before, after):
-                self._stops.append((time, f"{name} {'met' if before == free else 'left'}"))
+                self._stops.append((time, name, before == free))
             else:
                 continue
             if time <= until:
                 self.come_to(time)
 
     def come_to(self, until: float) -> None:
-        """Count the contact switches up to a time, and report them and the end stops."""
+        """Count the contact switches up to a time, and report them and the end stops.
+
+        An end stop that is compressed from the start is not reported until it is met.
+        """
         while self._stops and self._stops[0][0] <= until:
-            time, text = self._stops.popleft()
+            time, name, met = self._stops.popleft()
             self._count_contacts(time)
-            self._report(f"{text} at {time:.9g} s")
+            if met or name in self._met:
+                self._report(f"{name} {'met' if met else 'left'} at {time:.9g} s")
+            self._met = self._met | {name} if met else self._met - {name}
         self._count_contacts(until)
 
     def _count_contacts(self, until: float) -> None:
@@ -134,16 +141,16 @@ class Events:
         self._stops.clear()
 
     def coming(self, present: float) -> list[Any]:
-        """Return the switches after the present time, and what is yet to be reported of end stops."""
+        """Return the switches after the present time, and what is known of end stops."""
         after = takewhile(lambda switch: switch[0] > present, reversed(self._switches))
-        return [[*after][::-1], [*self._stops]]
+        return [[*after][::-1], [*self._stops], sorted(self._met)]
 
     def resume(self, present: float, coming: list[Any]) -> None:
         """Return to a time, with what was `coming` then."""
         self.forget_after(present)
-        switches, stops = coming
+        switches, stops, met = coming
         self._switches.extend(map(tuple, switches))
-        self._stops = deque(map(tuple, stops))
+        self._stops, self._met = deque(map(tuple, stops)), set(met)
 
     def _report(self, text: str) -> None:
         self._messages.append(("event", text))

@@ -141,6 +141,26 @@ def test_an_end_stop_is_reported_when_its_time_has_come(rate: float) -> None:
     assert said == (met if rate < 1e3 else ["lift-off"])
 
 
+@pytest.mark.parametrize("stiffness", [1e5, 0.0])
+def test_an_end_stop_that_nothing_has_met_is_not_left(stiffness: float) -> None:
+    """It is compressed at the start, or is put in compressed; later it is met and left."""
+    session = Session("QuarterCar", {
+        "initial.body_displacement": -0.05, "bump_stop.gap": 0.02, "bump_stop.stiffness": stiffness,
+        "road.start": 1.0, "road.height": 0.1,
+    })  # fmt: skip
+    session.advance(0.001)
+    session.set_parameter("bump_stop.stiffness", 1e5)
+    session.advance(0.5)
+    assert session.events[0].element == "bump_stop"
+    assert session.messages == []
+    session.advance(1.01)
+    other = Session("QuarterCar", session.parameters)
+    other.restore(session.snapshot())
+    other.advance(1.5)
+    said = [text.split(" at ")[0] for _, text in session.messages + other.messages]
+    assert [text for text in said if "stop" in text] == ["bump_stop met", "bump_stop left"]
+
+
 def test_an_element_that_is_only_called_a_stop_is_not_reported_as_an_end_stop() -> None:
     text = """
         [system]

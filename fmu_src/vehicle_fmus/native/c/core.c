@@ -33,8 +33,9 @@ typedef struct State {
     int ok, tuned, warned, passed_over;
     double due[DUE]; /* instants of switches that the host has not been told of */
     int dues, switched; /* switched: whether the last step of the host had one */
-    Stop stop[DUE];     /* what is yet to be reported of end stops */
+    Stop stop[DUE];     /* end stops met or left that are yet to be reported */
     int stops;
+    char met[ELEMENTS]; /* whether the last report of an end stop says that it was met */
     int mode; /* of an FMI 3.0 interface */
     char ticks[2 * TYRES + 1]; /* lift-off and touchdown of each tyre since the last look */
 } State;
@@ -224,14 +225,17 @@ static void count_contacts(Instance *one, double until) {
     }
 }
 
-/* Report the first end stop that waits for its time. */
+/* Report the first end stop that waits for its time; one compressed from the start must be met before. */
 static void report_stop(Instance *one) {
     State *now = &one->now;
     const Stop first = now->stop[0];
     now->stops--;
     memmove(now->stop, now->stop + 1, (size_t) now->stops * sizeof first);
-    say(one, FINE, "%s %s at %.9g s", elements[first.element].name, first.met ? "met" : "left",
-        first.time);
+    if (first.met || now->met[first.element]) {
+        say(one, FINE, "%s %s at %.9g s", elements[first.element].name, first.met ? "met" : "left",
+            first.time);
+    }
+    now->met[first.element] = (char) first.met;
 }
 
 /* Report what happened up to a time, and count the contacts. */
@@ -536,6 +540,7 @@ static int begin(Instance *one) {
     now->tuned = now->warned = now->passed_over = now->switched = 0;
     now->dues = now->stops = 0;
     memset(now->ticks, 0, sizeof now->ticks);
+    memset(now->met, 0, sizeof now->met);
     if (!isfinite(now->start)) return fail(one, "start time = %g: must be finite", now->start);
     if (find_first_numbers(one)) return 1;
     memcpy(now->row, one->row, sizeof now->row);
