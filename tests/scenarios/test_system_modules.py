@@ -114,7 +114,7 @@ def test_commands_take_it():
         ("MODEL =", "OTHER =", "there is no MODEL"),
         ('*motion("upper"', 'motion("upper"', r"is not a variable; write \* before"),
         ("def system(p):", "def system(p:", r"line 20: '\(' was never closed"),
-        ("import linear", "import linaer", "line 3: ImportError"),
+        ("import linear,", "import linaer,", "line 3: ImportError"),
         ("MODEL =", "raise SystemExit(3)\nMODEL =", r"line \d+: SystemExit: 3"),
         ('p["rate"]', 'p["raet"]', "line 21: MODEL.variables has no 'raet'"),
         ("return System(", "return dict(", "MODEL.system returned"),
@@ -150,11 +150,17 @@ def test_commands_take_it():
             "its road 'rod' is not among",
         ),
         ("elements=(", "elements=(None,", "among the elements is None"),
+        (
+            'linear(p["rate"])',
+            "function(lambda x: 1 / x, abs)",
+            "line 21: ZeroDivisionError: ",
+        ),
         ('SCENE = {"duration": "0.5 s"', 'SCENE = {"duraton": "0.5 s"', "unknown key 'duraton'"),
     ],
 )
 def test_what_is_wrong_is_said_once_with_the_file_and_the_line(before, after, words):
     module = MODULE.replace("import Element", "import Axle, Element")
+    module = module.replace("import linear", "import linear, function")
     module = module.replace("VARIABLES", "from dataclasses import replace; VARIABLES", 1)
     Path("two_masses.py").write_text(module.replace(before, after))
     with pytest.raises(InputError, match=words) as refused:

@@ -22,7 +22,7 @@ spring = { rate = 20e3 }
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -36,7 +36,7 @@ from ..units import UnitError, nearest, to_si, unit_of
 from ..variable import ParameterError, Variable, parameter
 from ..variables import checked_parameters
 from .definition import Definition
-from .module import model_in, model_name
+from .module import as_parameter_error, model_in, model_name
 from .units import check_units
 from .values import check_switch, check_word, refuse_others, table_at
 
@@ -83,11 +83,11 @@ def _loaded(text: str, file: str, key: str, checked: bool) -> tuple[str, Model]:
         )  # fmt: skip
     _raise_twice(model.variables)
     name = key or name
-    model = replace(model, check=lambda system: _raise_first(check_numbers(system)))
+    model = replace(model, check=lambda system: _raise_first(check_numbers, system))
     register(name, model)
     if checked:
         system = model.system(checked_parameters(name, {}))
-        _raise_first(check_system(system))
+        _raise_first(check_system, system)
         _raise_unread(name, system)
     return name, model
 
@@ -117,7 +117,12 @@ def _raise_unread(name: str, system: System) -> None:
             ) from None
 
 
-def _raise_first(findings: Sequence[str]) -> None:
+def _raise_first(check: Callable[[System], list[str]], system: System) -> None:
+    """Reject a system in which a check finds errors, or whose functions raise."""
+    try:
+        findings = check(system)
+    except Exception as error:  # functions of users may raise anything
+        raise as_parameter_error(error) from None
     more = f" (and {len(findings) - 1} more)" if len(findings) > 1 else ""
     if findings:
         raise ParameterError(f"system: {findings[0]}{more}")

@@ -98,7 +98,7 @@ def _system(make: Callable[[Mapping[str, Value]], System], p: Mapping[str, Value
     except ParameterError:
         raise
     except (Exception, SystemExit) as error:
-        raise _as_parameter_error(error) from None
+        raise as_parameter_error(error) from None
     if not isinstance(made, System):
         raise ParameterError(f"MODEL.system returned {made!r}: it must return a System")
     for what, kind, found in (
@@ -113,7 +113,7 @@ def _system(make: Callable[[Mapping[str, Value]], System], p: Mapping[str, Value
     return made
 
 
-def _as_parameter_error(error: BaseException) -> ParameterError:
+def as_parameter_error(error: BaseException) -> ParameterError:
     """Return an error of a module as one with the line where it happened."""
     lines = [at.lineno for at in extract_tb(error.__traceback__) if at.filename == _FILE]
     where = f"line {lines[-1]}: " if lines else ""
@@ -146,5 +146,5 @@ def _executed(source: str) -> Mapping[str, Any]:
     except SyntaxError as error:
         raise ParameterError(f"line {error.lineno}: {error.msg}") from None
     except (Exception, SystemExit) as error:
-        raise _as_parameter_error(error) from None
+        raise as_parameter_error(error) from None
     return module.__dict__
