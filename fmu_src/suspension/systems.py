@@ -310,8 +310,10 @@ class System:
     def kerbs_without_limit(self) -> Iterator[str]:
         """Yield a sentence for each damper whose impulse is without limit as a ramp gets shorter."""
         for element in self.elements:
+            if element.road not in self.signals:  # no road, or one whose lack is reported elsewhere
+                continue
             # a road that rises compresses; if it falls, what cannot pull has no effect
-            sides = () if not element.road else (-1.0,) if element.limit < inf else (-1.0, 1.0)
+            sides = (-1.0,) if element.limit < inf else (-1.0, 1.0)
             steep = [side for side in sides if _outgrows_its_rate(element.damper, side)]
             for time, jump in self.signals[element.road].jumps if steep else ():
                 if any(jump * side < 0.0 for side in steep):

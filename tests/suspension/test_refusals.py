@@ -39,7 +39,7 @@ def test_scales_that_are_not_one_for_each_coordinate() -> None:
 
 
 def test_a_road_and_a_load_that_no_signal_is_for() -> None:
-    tyre = replace(CAR.elements[-1], name="tyre", road="gone")
+    tyre = replace(CAR.elements[-1], name="tyre", road="gone", damper=power(300.0, 1.5))
     with pytest.raises(ValueError, match="tyre stands on the road 'gone', which is not a signal"):
         Integrator(replace(CAR, elements=(*CAR.elements[:-1], tyre)))
     with pytest.raises(
