@@ -44,7 +44,7 @@ def results(model: str, parameters: dict[str, Any], times: np.ndarray) -> np.nda
 
 
 def size_of(v: Variable, units: tuple[float, float, float]) -> float:
-    """How many of its units, which are smaller, one of the former is."""
+    """How many of the smaller units make one unit of a variable."""
     return float(np.prod(np.power(units, DIMENSIONS[v.unit])))
 
 
