@@ -133,7 +133,7 @@ class Signal:
         """The times at which two segments meet, s, ascending."""
         return tuple(segment.start for segment in self.segments[1:])
 
-    @property
+    @cached_property
     def jumps(self) -> tuple[tuple[float, float], ...]:
         """The joints at which the value jumps: time in s and height, new minus old value.
 
