@@ -65,6 +65,12 @@ def why_stopped(
     return f"{said}; {remedy_of(status, fixed=fixed)}"
 
 
+def why_raised(error: BaseException, where: str = "") -> str:
+    """Return what a function of a user has raised, as a reason; a `ValueError` is one by itself."""
+    why = str(error) if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"
+    return f"{where}: {why}" if where else why
+
+
 def remedy_of(status: int, *, fixed: bool) -> str:
     """Return what to try after a run ended early, for steps of a fixed length or of chosen ones."""
     return _REMEDIES[status][fixed]

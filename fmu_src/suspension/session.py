@@ -26,7 +26,7 @@ from .kernel.outcomes import AT_SWITCHES, HALTED
 from .models import build, declared_parameters, inputs
 from .notices import Notices
 from .reading import Energies, Readers, ReadMany, State
-from .reasons import why_stopped
+from .reasons import why_raised, why_stopped
 from .retuning import Retuning
 from .signals import Segment, Signal
 from .systems import System
@@ -134,9 +134,12 @@ class Session:
         """
         integrator = self._integrator
         integrator.sample(self.time)
-        q, v = start_state(self._system, self.parameters, self.time, self._signals)
-        if any((*q, *v, *integrator.sample_q, *integrator.sample_v)):
-            integrator.set_state(q, v)
+        try:
+            q, v = start_state(self._system, self.parameters, self.time, self._signals)
+            if any((*q, *v, *integrator.sample_q, *integrator.sample_v)):
+                integrator.set_state(q, v)
+        except Exception as error:  # functions of users may raise anything
+            raise ParameterError(why_raised(error)) from None
         self._run.contacts.begin(integrator)
         self._run.account.begin(integrator)
         self._energies = None
@@ -246,13 +249,16 @@ class Session:
     def _step(self, until: float, stop: bool, halts: int = 0) -> None:
         integrator = self._integrator
         integrator.halts = halts
-        status = integrator.advance(until, stop)
         reason = ""
-        if status not in (0, HALTED):
-            where = f"at {integrator.time:.6g} s, in step {integrator.step_count}"
-            fixed = self._solver["step"] > 0.0
-            # it names the last switches in the log, which is then taken
-            reason = why_stopped(status, where, integrator, self.system, fixed=fixed)
+        try:
+            status = integrator.advance(until, stop)
+        except Exception as error:  # functions of users may raise anything
+            reason = why_raised(error, self._where)
+        else:
+            if status not in (0, HALTED):
+                fixed = self._solver["step"] > 0.0
+                # it names the last switches in the log, which is then taken
+                reason = why_stopped(status, self._where, integrator, self.system, fixed=fixed)
         self._events.note(integrator.take_log(), until if until > self.time else -inf)
         for text in self._notices.new(integrator, self._run):
             self._report("info", text)
@@ -261,6 +267,11 @@ class Session:
             self._run.time = integrator.time
             self._report("error", reason)
             raise SimulationError(reason)
+
+    @property
+    def _where(self) -> str:
+        """How far the integrator has come, for the reason of a failure."""
+        return f"at {self._integrator.time:.6g} s, in step {self._integrator.step_count}"
 
     def _take_parameters(self) -> None:
         """Continue from the present state with the parameters set.

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from phaseplane.suspension import models
 from phaseplane.suspension.batch import (
     Outcome,
     outputs_at_end,
@@ -16,7 +19,13 @@ from phaseplane.suspension.batch import (
     series,
 )
 from phaseplane.suspension.batch.series import Ended, Series
-from phaseplane.suspension.session import simulate
+from phaseplane.suspension.characteristics import function
+from phaseplane.suspension.declared import SOLVER_PARAMETERS, initial
+from phaseplane.suspension.model import Model
+from phaseplane.suspension.outputs import SOLVER_OUTPUTS, motion
+from phaseplane.suspension.session import Session, SimulationError, simulate
+from phaseplane.suspension.systems import Element, System
+from phaseplane.suspension.variable import Value, number, parameter
 from phaseplane.suspension.variables import MODELS, ROAD_SHAPES, ParameterError
 
 TIMES = [0.02 * k for k in range(26)]
@@ -39,6 +48,51 @@ def test_failures_are_records_with_their_reason() -> None:
     assert " s, in step " in diverged.failure
     assert 0 < len(diverged.columns["body_displacement"]) < len(TIMES)
     assert "curved" in curved.failure
+
+
+def test_what_functions_of_a_user_raise_is_a_failure_of_their_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As a system is built, at the start, or in a step; not what a shorter step avoids in another run."""
+
+    def force(x: float) -> float:
+        if x < -0.5:
+            raise ZeroDivisionError(f"no force at {x:g}")
+        return x
+
+    law = function(force, lambda _x: 1.0)
+
+    def system(p: Mapping[str, Value]) -> System:
+        mass = {1.0: 1.0, 2.0: 2.0}[number(p, "mass")]
+        return System(("x",), ((mass,),), (Element("spring", (1.0,), law),), scales=(1.0,))
+
+    declared = (
+        parameter("mass", 1.0, "mass", "kg"), *initial({"x": "the mass"}), *SOLVER_PARAMETERS,
+        *motion("x", "the mass"), *SOLVER_OUTPUTS,
+    )  # fmt: skip
+    monkeypatch.setitem(models.ALL, "Brittle", Model("", declared, system))
+    monkeypatch.setitem(MODELS, "Brittle", declared)
+    given = [(1.0, 0.4), (2.0, 0.9), (1.0, 0.499999), (4.0, 0.4), (2.0, -0.9), (2.0, 0.4)]
+    sets = [{"mass": mass, "initial.x_displacement": x} for mass, x in given]
+    times = [0.1 * k for k in range(101)]
+    found = run_many("Brittle", sets, times, ["x_displacement"], workers=1)
+    assert [one.ok for one in found] == [True, False, True, False, False, True]
+    where, _, what = found[1].failure.partition(": ")
+    assert re.fullmatch(r"at [23]\.\d* s, in step \d+", where)
+    assert what.startswith("ZeroDivisionError: no force at -0.5")
+    assert 25 < len(found[1].columns["x_displacement"]) < 32
+    assert found[3].failure == "KeyError: 4.0"
+    assert found[4].failure == "at 0 s, in step 0: ZeroDivisionError: no force at -0.9"
+    session = Session("Brittle", sets[1])
+    with pytest.raises(SimulationError) as ended:
+        session.advance(times[-1])
+    assert (str(ended.value), session.ok) == (found[1].failure, False)
+    with pytest.raises(ParameterError, match=r"^ZeroDivisionError: no force at -0\.9$"):
+        Session("Brittle", sets[4])
+    for k in (0, 2, 5):
+        (alone,) = run_many("Brittle", [sets[k]], times, ["x_displacement"])
+        same = found[k].columns["x_displacement"] == alone.columns["x_displacement"]
+        assert same.all()
 
 
 @pytest.fixture

@@ -163,10 +163,11 @@ def test_a_batch_goes_on_after_a_function_has_failed() -> None:
     queue = RunQueue(Filling(integrator, array("d", [0.0, 0.5, 1.0]), displacements, runs=2), False)
     rows = integrator.row(system, [0.01], [0.0]) + integrator.row(system, [0.001], [0.0])
     queue.take(array("d", rows), 0.0)
-    with pytest.raises(ValueError, match="mine"):
-        queue.go(0, 2)
+    assert [status == 0 for status, *_ in queue.go(0, 2)] == [False, True]
+    assert [repr(failure) for failure in queue.failures] == ["ValueError('mine')", "None"]
     fails = False
     assert [status for status, *_ in queue.go(0, 2)] == [0, 0]
+    assert queue.failures == [None, None]
     assert displacements[2] == pytest.approx(0.01 * cos(sqrt(40.0)), abs=1e-7)
 
 

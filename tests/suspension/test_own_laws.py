@@ -117,25 +117,28 @@ def test_what_a_function_raises_is_raised_by_the_run() -> None:
         Filling(started(spring(function(broken, lambda x: 1.0)), 1.0, 0.0), times, out).fill()
 
 
-def test_a_function_is_not_asked_at_the_height_of_the_road() -> None:
-    """Before the first state, a road of 10 m would be a deflection of as much."""
+def test_what_a_function_raises_before_the_first_state_does_not_count() -> None:
+    """A road of 10 m is a deflection of as much until then."""
 
     def short(x: float) -> float:
         return x / sqrt(1.0 - x * x)
 
     law = function(short, lambda x: (1.0 - x * x) ** -1.5)
-    high = {"road": roads.constant(10.0)}
-    integrator = Integrator(
-        System(
-            ("x",), ((1.0,),), (Element("spring", (1.0,), law, road="road"),), high, scales=(0.1,)
-        )
-    )
+    high, element = {"road": roads.constant(10.0)}, Element("spring", (1.0,), law, road="road")
+    system = System(("x",), ((1.0,),), (element,), high, scales=(0.1,))
+    integrator = Integrator(system)
     integrator.set_state([10.1], [0.0])
     x, _ = read_at(integrator, 20.0)
     assert abs(x[0] - 10.0) <= 0.1 + 1e-6
     integrator.set_state([10.0], [0.0])
     with pytest.raises(ValueError, match="math domain error"):
         integrator.set_state([0.0], [0.0])
+    unstable = Integrator(system, step=10.0, beyond_stable="refuse")
+    rows = RunQueue(Filling(unstable, array("d", [0.0, 20.0]), array("d", [0.0, 0.0])), False)
+    rows.take(array("d", unstable.row(system, [10.1], [0.0])), 0.0)
+    ((status, *_),) = rows.go(0, 1)
+    assert "largest stable step" in FAILURES[status]
+    assert rows.failures == [None]
 
 
 @pytest.mark.parametrize("options", [{}, {"step": 0.01}, {"method": "mean", "step": 0.01}])

@@ -22,7 +22,7 @@ from ..engine import Integrator
 from ..equilibrium import start_state
 from ..models import MODELS, SOURCES, build, cached
 from ..outputs import reading_of
-from ..reasons import why_stopped
+from ..reasons import why_raised, why_stopped
 from ..systems import System
 from ..variable import Variable
 from ..variables import ParameterError, checked_parameters, refuse_unknown, variables
@@ -105,8 +105,8 @@ def run_many(
 
     Raises
     ------
-    ParameterError : unknown model or output, times that do not ascend, or no worker. Bad parameters are
-        a failure of their run only.
+    ParameterError : unknown model or output, times that do not ascend, or no worker. Bad parameters, and
+        what a function of a system raises, are a failure of their run only.
 
     Examples
     --------
@@ -248,8 +248,8 @@ class _Bench:
                 continue
             try:
                 kind = self._enter(run, given)
-            except ValueError as error:
-                found[run] = Outcome({}, str(error))
+            except Exception as error:  # functions of users may raise anything
+                found[run] = Outcome({}, why_raised(error))
             else:
                 if len(kind.numbers) > _MOST_NUMBERS:
                     self._make(kind, found)
@@ -316,6 +316,7 @@ class _Bench:
         Raises
         ------
         ValueError : bad parameters, or a system that the method cannot integrate.
+        Exception : any that a function of the system has raised.
         """
         model = self._task.model
         parameters = checked_parameters(model, given)
@@ -382,7 +383,10 @@ class _Bench:
                     continue
                 found = {name: x[: one.filled] for name, x in zip(names, values, strict=True)}
                 where = f"at {one.time:.6g} s, in step {one.steps}"
-                why = why_stopped(one.status, where, fixed=step > 0.0)
+                if failure := series.failure(k):
+                    why = why_raised(failure, where)
+                else:
+                    why = why_stopped(one.status, where, fixed=step > 0.0)
                 yield Outcome(found, why, {}, *bends)
             first += len(ended)
 

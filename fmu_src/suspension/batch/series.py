@@ -205,6 +205,10 @@ class Series:
         """Return the times at which an element changed its branch in run k of the last batch, s."""
         return [instant for instant, *_ in self._logs[k]]
 
+    def failure(self, k: int) -> BaseException | None:
+        """Return what a function has raised to end run k of the last batch, or None."""
+        return self._rows.failures[k]
+
     def _fill(
         self, column: Column, output: Variable, systems: Sequence[System], times: array[float],
         filled: _Filled,

@@ -115,7 +115,6 @@ class Integrator(TimeLoop):
         n = self.net.series.outer
         if len(displacements) != n or len(velocities) != n:
             raise ValueError(f"{n} displacements and {n} velocities are required")
-        self.raise_failure(0)  # at rest at zero, which may be far below the road, none counts
         memory = Memory()
         self._enter_state(memory.doubles([*displacements, *velocities]), 0)
         self.raise_failure(DIVERGED)
@@ -160,6 +159,7 @@ class Integrator(TimeLoop):
         supplied = self.state.supplied + fabs(self.state.initial_energy)
         steps, exchange = self.state.step_count, self.state.exchange
         self._restart(self.state.time, self.state.scale)
+        self.net.laws.forget_failures()
         self._begin()
         self.state.step_count, self.state.exchange = steps, exchange
         self.state.supplied = supplied
@@ -276,13 +276,23 @@ class Integrator(TimeLoop):
 
     @of_python
     def raise_failure(self, status: int) -> None:
-        """Raise the exception that a function of an element has raised, if it has ended the run.
+        """Raise the exception that a function of an element has raised, if it has ended the run."""
+        failure = self.take_failure()
+        if failure is not None and status != 0:
+            raise failure
+
+    @of_python
+    def take_failure(self) -> BaseException | None:
+        """Return the exception that a function has raised in the present run, if any, and forget it.
 
         An interrupt is always raised: no shorter step makes it undone.
         """
-        failure, self.net.laws.failure = self.net.laws.failure, None
-        if failure is not None and (status != 0 or not isinstance(failure, Exception)):
-            raise failure
+        laws = self.net.laws
+        failure, laws.failure = laws.failure, None
+        raised, laws.raised = laws.raised, False
+        if failure is None or isinstance(failure, Exception):
+            return failure if raised else None
+        raise failure
 
     @uses_python
     def reason_to_end(self, until: float) -> int:

@@ -68,7 +68,8 @@ class Laws:
             for element in system.elements
             for own in functions_of(element)
         ]
-        self.failure = None  # the first exception raised by a function
+        self.failure = None  # an exception raised by a function
+        self.raised = False  # whether one was raised since the state was entered
         self.failed = False  # whether one was raised since the last attempt began
         # beyond its ends a cubic is continued by its tangent
         self.low, self.high = memory.zeros(sum(count)), memory.zeros(sum(count))
@@ -207,7 +208,14 @@ class Laws:
         kept = self.failure is None or isinstance(self.failure, Exception)
         if kept and not (self.failed and isinstance(error, Exception)):
             self.failure = error
-        self.failed = True
+        self.raised = self.failed = True
+
+    def forget_failures(self) -> None:
+        """Let no exception count that was raised before a state is entered.
+
+        At rest at zero, before the first state, elements may be far from the road.
+        """
+        self.raised = self.failed = False
 
     def law_and_slope(self, p: int, x: float) -> None:
         """Set `value`, `slope`, `curvature` to those of piece p, or of those it is joined with, at x."""

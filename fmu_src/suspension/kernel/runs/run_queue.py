@@ -25,9 +25,11 @@ class RunQueue:
     Attributes
     ----------
     marks : for each run of the last batch the times (s) and snapshots of its marks
+    failures : for each run of the last batch the exception of a function that has ended it, or None
     """
 
     marks: list[list[tuple[float, bytes]]]
+    failures: list[BaseException | None]
 
     def __init__(self, filling: Filling, logs: bool, every: Size = 0) -> None:
         self.filling, self.logs, self.every = filling, logs, every
@@ -84,12 +86,18 @@ class RunQueue:
         self.wanted: Size = min(last - first, self.most)
         self.made: Size = 0
         self.marks = [[] for _ in range(self.wanted)]
+        self.failures = [None for _ in range(self.wanted)]
         self.underway = False
         while True:
             with cython.nogil:
                 paused = self._go()
             if not paused:
                 break
+            if not self.underway:
+                failure = one.take_failure()
+                if self.status[self.made - 1] != 0:
+                    self.failures[self.made - 1] = failure
+                continue
             if filling.filled == filling.next_mark:
                 self.marks[self.made].append((one.state.time, one.snapshot()))
                 filling.next_mark += self.every
@@ -97,7 +105,7 @@ class RunQueue:
             status = one.reason_to_end(filling.instants[filling.count - 1])
             if status != 0:
                 self._end(status)
-        one.raise_failure(max([self.status[k] for k in range(self.made)]))
+        one.raise_failure(0)
         return [
             (self.status[k], self.filled[k], self.time[k], self.steps[k], self.log_end[k])
             for k in range(self.made)
@@ -118,7 +126,10 @@ class RunQueue:
         return 0.0  # it has no limit
 
     def _go(self) -> bool:
-        """Return whether a run has paused; otherwise all runs have been made, or as many as fit."""
+        """Return whether a run has paused, or has ended after an exception of a function.
+
+        Otherwise all runs have been made, or as many as fit.
+        """
         while self.made < self.wanted:
             status = 0
             if not self.underway:
@@ -132,6 +143,8 @@ class RunQueue:
             if status == PAUSED:
                 return True
             self._end(status)
+            if self.integrator.net.laws.raised:
+                return True
         return False
 
     def _begin(self) -> int:

@@ -201,7 +201,7 @@ class TimeLoop:
         tolerance, but the log continues. Return 1 if the mass matrix is not positive definite.
         """
         self.noted.begin_row()
-        self.net.laws.failed = False
+        self.net.laws.forget_failures()
         self.state.step_count = 0
         self.state.time = start
         if self.net.enter_system(x, at + 1 + 2 * self.net.series.outer) != 0:
@@ -224,7 +224,7 @@ class TimeLoop:
             self.motion.v[i] = x[at + self.net.series.outer + i]
         self.motion.count_from_here()
         self.state.in_step = True
-        self.net.laws.failed = False
+        self.net.laws.forget_failures()
         self._begin()
 
     def _stand_still(self, time: float, reach: float) -> None:
