@@ -21,6 +21,7 @@ from rerun.experimental import ViewerClient
 from phaseplane.picture.paper import Reals
 
 from .content import Content
+from .histories import panels_of
 from .lanes import send_lanes
 from .layout import blueprint
 from .recorder import Recorder
@@ -49,10 +50,7 @@ class Drawer:
             *([rr.GrpcSink(order.url)] if order.url else []),
             *([rr.FileSink(order.draft)] if order.draft else []),
         )
-        self.recorder = Recorder(self.recording, order.content)
-        self.recording.send_blueprint(blueprint(self.recorder))
-        self.recorder.begin()
-        self.recording.flush()
+        self._begin(order.content)
         self.viewer: ViewerClient | None = None
         if order.url:
             with suppress(RuntimeError, ConnectionError, ValueError):  # if none answers there
@@ -60,6 +58,12 @@ class Drawer:
         self.shown = True
         self.last: dict[str, Reals] = {}
         self.reach: dict[str, Reals] = {}
+
+    def _begin(self, content: Content) -> None:
+        self.recorder = Recorder(self.recording, content)
+        self.recording.send_blueprint(blueprint(self.recorder))
+        self.recorder.begin()
+        self.recording.flush()
         self.steps = 0  # of the construction that are drawn
 
     def take(self, rows: dict[str, Reals]) -> None:
@@ -116,17 +120,25 @@ class Drawer:
             os.unlink(self.order.draft)
 
     def _tell(self, whole: Content) -> None:
-        """Draw what is left, and the story on its own timeline; the view stays where it is."""
-        columns = {n: np.asarray(whole.histories[n], float) for n in self.order.content.histories}
-        if self.order.content.live:
+        """Draw what is left, and the story on its own timeline.
+
+        The view stays where it is, unless all its plots are of what is known only now, as energies are.
+        """
+        if panels_of(whole) and not self.recorder.panels:
+            self._begin(whole)
+        content = self.recorder.content
+        columns = {n: np.asarray(whole.histories[n], float) for n in content.histories}
+        if content.live:
             late = columns["time"] > (self.last["time"] if self.last else -np.inf)
             if late.any():  # rows that came after those that were taken last
                 self._go_on({name: column[late] for name, column in columns.items()})
-        drawing = self.order.content.drawing
-        self._construct(float(self.recorder.clock.times[-1]) if drawing is not None else 0.0)
-        self.recorder.content = replace(self.order.content, histories=columns, live=False)
-        if self.order.content.live:
-            send_lanes(self.recording, self.recorder.content, self.recorder.clock)  # at all ticks
+        self._construct(np.inf)
+        if content.live:
+            content = replace(content, drawing=whole.drawing)
+            self.recorder = Recorder(self.recording, content)  # whose story knows the drift
+            self.recorder.content = replace(content, histories=columns)
+            known = replace(self.recorder.content, live=False)
+            send_lanes(self.recording, known, self.recorder.clock)  # at all ticks
         else:
             self.recorder.run(columns)
         self.recorder.story()

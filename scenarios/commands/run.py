@@ -191,7 +191,7 @@ def run_scene(
         standing = _written(results, pictures, facts, place)
         if live is not None:
             with progress(f"showing {scene.name}"):
-                unwritten, unshown = live.complete(results)
+                unwritten, unshown = live.complete(results, drawing)
             problems += unwritten
             if save is not None and not unwritten:
                 facts["saved"] = str(save)

@@ -32,7 +32,6 @@ class LiveRun:
     """A run and the viewer that shows it."""
 
     scene: Scene
-    drawing: Drawing | None
     live: Live
 
     def watch(self, rows: RowsSoFar) -> None:
@@ -40,14 +39,14 @@ class LiveRun:
         if not self.live.watching:  # once in a run: this is called after every step
             self.live.watch([known(name) for name in rows.names], rows)
 
-    def complete(self, results: Results) -> tuple[list[str], list[str]]:
-        """Show the whole run.
+    def complete(self, results: Results, drawing: Drawing | None) -> tuple[list[str], list[str]]:
+        """Show the whole run, with its construction, whose drift is known now.
 
         Returns
         -------
         Problems (the file could not be written) and warnings (the run could not be shown), a line each.
         """
-        self.live.complete(of_results(results, self.drawing, asdict(self.scene.shown)))
+        self.live.complete(of_results(results, drawing, asdict(self.scene.shown)))
         if not self.live.problem:
             slow = f"the viewer was up to {self.live.behind:.1f} s behind the run, and skipped rows"
             return [], [slow] if self.live.behind > _SLOW else []
@@ -72,7 +71,7 @@ def show_live(
     columns = dict.fromkeys(("time", *scene.columns), np.zeros(0))
     before = of_scene(scene, drawing, columns, units, shown, live=True)
     with _live(before, viewer, path) as live:
-        yield LiveRun(scene, drawing, live)
+        yield LiveRun(scene, live)
 
 
 def show_in(shown: Content, viewer: str) -> None:

@@ -123,7 +123,6 @@ class Recorded:
     def __init__(self, path: Path) -> None:
         reader = RrdReader(path)
         (self.entry,) = reader.recordings()
-        (layout,) = reader.blueprints()
         self.static: dict[str, Row] = {}
         self.rows: dict[str, list[Row]] = {}
         for chunk in reader.stream():
@@ -134,6 +133,7 @@ class Recorded:
                 self.rows.setdefault(chunk.entity_path, []).extend(rows)
         self.layout = [
             (chunk.entity_path, row)
+            for layout in reader.blueprints()
             for chunk in reader.stream(store=layout)
             for row in plain(chunk.to_record_batch())
         ]

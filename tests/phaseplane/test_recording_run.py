@@ -11,7 +11,8 @@ import pytest
 from driven import MOTION, QUARTER, TIME
 from recorded import Recorded, content, drawing, read_back
 
-from phaseplane.recording import VIEWS, Content, record
+from phaseplane.constructions.storage import StoredFrames
+from phaseplane.recording import VIEWS, Content, View, record
 from phaseplane.recording.drawer import Begin, Drawer
 
 
@@ -49,14 +50,25 @@ def test_a_live_run_shows_nothing_that_is_still_to_come(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("live", [True, False])
-def test_a_viewer_is_shown_all_that_a_file_has(tmp_path: Path, *, live: bool) -> None:
-    """After a live run, or at once: vehicle, plots and lanes on every timeline."""
-    whole = replace(content(), histories=MOTION, vehicle=QUARTER)
-    rows = {name: np.zeros(0) for name in MOTION} if live else MOTION
+@pytest.mark.parametrize(
+    ("live", "views"),
+    [(True, VIEWS), (False, VIEWS), (True, ("energies",))],  # which are known after the run
+)
+def test_a_viewer_is_shown_all_that_a_file_has(
+    tmp_path: Path, views: tuple[View, ...], *, live: bool
+) -> None:
+    """After a live run, or at once: vehicle, plots and lanes on every timeline, and the drift."""
+    late = {"kinetic_energy": TIME} if views != VIEWS else {}
+    motion = ("_deflection", "_deflection_rate", "_deflection_acceleration", "_deflection_drift")
+    drifts = dict.fromkeys([f"suspension{of}" for of in motion] + ["wheel_displacement_drift"], 0.1)
+    frames = [replace(f, readings={**f.readings, **drifts}) for f in drawing()]
+    made = replace(drawing(), frames=StoredFrames(frames))
+    whole = Content("two planes", made, {**MOTION, **late}, vehicle=QUARTER, views=views)
+    before = {"drawing": drawing(), "histories": {name: np.zeros(0) for name in MOTION}}
     begin = Begin(
-        replace(whole, histories=rows, live=live), "a viewer", str(tmp_path / "f.rrd"), ""
-    )
+        replace(whole, live=live, **(before if live else {})),  # type: ignore[arg-type]
+        "a viewer", str(tmp_path / "f.rrd"), "",
+    )  # fmt: skip
     drawer = Drawer(replace(begin, url=""))
     drawer.order = begin
     if live:  # the run may be over before the rest is asked for
@@ -70,6 +82,13 @@ def test_a_viewer_is_shown_all_that_a_file_has(tmp_path: Path, *, live: bool) ->
             wanted, found = ({row[timeline] for row in of.rows.get(path, []) if timeline in row}
                              for of in (filed, shown))  # fmt: skip
             assert found >= wanted, (path, timeline)
+    told = [[row for row in of.rows.get("/words", []) if "stage" in row] for of in (shown, filed)]
+    assert [r["TextDocument:text"] for r in told[0]] == [r["TextDocument:text"] for r in told[1]]
+    seen, wanted = (
+        {row.get("ViewBlueprint:space_origin", [""])[0] for _, row in of.layout}
+        for of in (shown, filed)
+    )
+    assert seen >= wanted
 
 
 @pytest.mark.slow
