@@ -194,7 +194,8 @@ def _went(curve: np.ndarray, sides: np.ndarray) -> np.ndarray:
 def _section(axes: Axes, shown: Section, colours: Palette) -> list[Artist]:
     (dots,) = axes.plot(
         *shown.points.T, ".", color=colours.chart(BLUE), markersize=3.5, markeredgewidth=0.0,
-        zorder=5.0, gid="section", linestyle="", label=f"Poincaré section, every {shown.period:.4g} s",
+        zorder=5.0, gid="section", linestyle="",
+        label=f"Poincaré section, every {number(shown.period, 4)} s",
     )  # fmt: skip
     handles: list[Artist] = [dots]
     for m in sorted({len(states) for states in shown.attractors}):

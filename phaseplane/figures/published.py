@@ -15,6 +15,7 @@ from phaseplane.constructions.construction import CONTACT, FLIGHT, LIFT_OFF, TOU
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.storage import Frame
+from phaseplane.equations.typeset import number
 from phaseplane.picture import dimensions
 from phaseplane.picture.axes import draw_axes
 from phaseplane.picture.curves import draw_curves, draw_trails
@@ -22,6 +23,7 @@ from phaseplane.picture.frames import read_over
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import around
 from phaseplane.picture.step import mark_events, write_letters
+from phaseplane.picture.text import format_time
 from phaseplane.picture.views import frame_at, motion_points, telling_frame
 
 from .canvas import as_figure, new_page
@@ -101,7 +103,7 @@ def _dimensioned(
         foot = complex(x, end.imag)
         if end.real < x:
             dimensions.witness(page, end, foot)
-        words = f"{100.0 * (top - end.imag):.5g} cm"
+        words = f"{number(100.0 * (top - end.imag), 5)} cm"
         text = f"{formula} = {words}" if formula else words
         dimensions.length(page, complex(x, top), foot, text, towards=-1.0, short=words)
     for start, last, words in lengths:
@@ -165,7 +167,7 @@ def figure9(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
     letters.append((axis.origin, "O2", "axis"))
     page.letter([(z, typeset(label), role) for z, label, role in letters])
     times = ", ".join(
-        f"{letter} at {1e3 * f.time:.4g} ms" for letter, f in zip("UV", shown, strict=False)
+        f"{letter} at {format_time(f.time)}" for letter, f in zip("UV", shown, strict=False)
     )
     return page, f"Lift-off U and touchdown V: {times}"
 

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from phaseplane.equations.typeset import number
 from phaseplane.picture.paper import Reals
 from phaseplane.picture.styles import BLUE, GREY, ORANGE, RED, SERIES
 from phaseplane.picture.text import bracketed, in_words
@@ -120,7 +121,7 @@ def _family(others: Quantities, runs: int) -> Iterator[tuple[str, npt.NDArray[np
         return
     for found in dict.fromkeys(combinations):
         label = ", ".join(
-            _short(value) if isinstance(value, str) else f"{value:.5g}" for value in found
+            _short(value) if isinstance(value, str) else number(value, 5) for value in found
         )
         yield label, np.array([k for k, c in enumerate(combinations) if c == found])
 
@@ -137,7 +138,7 @@ def _maps(varied: Quantities, measured: Quantities) -> Printed:
         px, py, pz = (v[np.isfinite(pz)] for v in (px, py, pz))
         words = _words(name, unit, broken=False)
         if np.ptp(pz) == 0.0:
-            words = f"{words}: {pz[0]:.5g} everywhere"
+            words = f"{words}: {number(pz[0], 5)} everywhere"
         elif _cover(px, py):
             counts = unit == "count" and np.ptp(pz) < _LEVELS  # a band for each integer
             levels = np.arange(pz.min() - 0.5, pz.max() + 1.0) if counts else _LEVELS

@@ -251,7 +251,7 @@ def _introduction(drawing: Drawing, title: str) -> str:
     words[1] += ", each with its value of the displacement." if any(curves) else "."
     if lines:
         distances = ", ".join(
-            f"{typeset(c.label)} {100 * abs(top - c.vertices[0].imag):.4g} cm" for c in lines
+            f"{typeset(c.label)} {number(100 * abs(top - c.vertices[0].imag), 4)} cm" for c in lines
         )
         above = typeset(drawing.planes[0].displacement.label)
         words.append(f"The projection lines, from the {above} axis: {distances}.")

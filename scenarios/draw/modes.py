@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from phaseplane.suspension.variables import MODELS
 
 from phaseplane import figures
+from phaseplane.equations.typeset import number
 
 from ..errors import InputError, blaming
 from ..look import FigureFile
@@ -58,7 +59,7 @@ def modes(reference: str, overrides: Sequence[str], figure: FigureFile | None) -
     files = []
     if figure is not None and found is not None:
         names = [
-            f"mode {i}: {one['frequency']:.4g} Hz, ξ = {one['damping_ratio']:.3g}"
+            f"mode {i}: {number(one['frequency'], 4)} Hz, ξ = {number(one['damping_ratio'], 3)}"
             for i, one in enumerate(modes, 1)
         ]
         motions = [found.free(i) for i in range(len(modes))]
