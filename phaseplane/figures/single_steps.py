@@ -116,7 +116,7 @@ def _clearest(
     clear = abs(points[..., one] - points[..., other]).min(axis=-1)
     if together:  # all planes on one sheet; otherwise a close-up of one plane
         return frames[int(clear.min(axis=1).argmax())], planes[0]
-    clear /= abs(bounds(points)[1])
+    clear /= np.maximum(abs(bounds(points)[1]), np.finfo(float).tiny)  # at rest there is no range
     frame, plane = divmod(int(clear.argmax()), len(planes))
     return frames[frame], planes[plane]
 
@@ -127,8 +127,11 @@ def _close_up(
     """Return a page of one step only, with its y axis and its normal, the step and the plane."""
     _needs(drawing, figure, rule)
     frame, plane = _clearest(drawing, named, index)
-    p, d, *others = _points(frame, plane, named)
-    view = around(np.array([p, d, *others]), 0.12)
+    p, d, p_new, *others = _points(frame, plane, named)
+    if p in (d, p_new):
+        when = format_time(frame.time)
+        raise ValueError(f"{figure} shows a normal; at rest, as at {when}, there is none")
+    view = around(np.array([p, d, p_new, *others]), 0.12)
     wide = complex(max(view.half.real, _SLENDER * view.half.imag), view.half.imag)
     page = new_page(drawing, Box(view.centre, wide), look)
     draw_y_axis(page, plane)

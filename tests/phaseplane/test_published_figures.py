@@ -255,6 +255,20 @@ def test_what_a_drawing_has_not_got_is_refused(grounded, name, message) -> None:
         getattr(figures, name)(grounded)
 
 
+@pytest.mark.parametrize(
+    ("name", "rule"),
+    [("figure3", "tangent"), ("figure4a", "mean_normal"), ("figure4b", "osculating_circle")],
+)
+def test_a_close_up_shows_a_step_that_moves(name: str, rule: str) -> None:
+    """Not the rest before it, in which P and D lie together."""
+    late = EquationPlane(lambda v, x, t: x - float(t > 0.25), False)
+    made = construct_motion(late, rule_named(rule), step=0.1, steps=10)
+    heading = getattr(figures, name)(made).texts[0].get_text()
+    assert int(heading.partition("step ")[2].partition(",")[0]) > 1
+    with pytest.raises(ValueError, match="shows a normal; at rest, as at t = 0 ms, there is none"):
+        getattr(figures, name)(made, 0)
+
+
 def test_figures_7_and_10_refuse_each_others_steps(flying: Drawing) -> None:
     flight = next(i for i, frame in enumerate(flying) if frame.scheme == "flight")
     with pytest.raises(ValueError, match="it is off the road"):
