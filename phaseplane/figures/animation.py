@@ -38,6 +38,7 @@ _DPI = 84
 _NARROWEST = 1.6  # inches of a picture of a storyboard
 _GAP = 0.2  # inches between such pictures
 _LINE, _ROW = 0.125, 0.155  # inches of a line of a small and of a large caption
+_SLENDER = 0.2  # least width over height of the sheet, for its heading and the arm below it
 _HOLD = 3  # ticks that show the end
 
 
@@ -66,7 +67,8 @@ def animation(
         raise ValueError(f"animations are written as {', '.join(MOVING)}, not as {suffix!r}")
     if suffix == ".mp4" and program is None:
         raise ValueError(".mp4 needs the program ffmpeg, which was not found; write a .gif instead")
-    page = new_page(drawing, views_of(drawing, motions_of(drawing))[0], look)
+    whole = views_of(drawing, motions_of(drawing))[0]
+    page = new_page(drawing, whole.widened(_SLENDER), look)
     draw_axes(page)
     draw_curves(page)
     pictures = list(_pictures(page, arms_page(drawing), look, title, typeset(drawing.title)))

@@ -14,7 +14,7 @@ from phaseplane.picture import dimensions
 from phaseplane.picture.axes import draw_axes, draw_y_axis
 from phaseplane.picture.curves import draw_trails
 from phaseplane.picture.page import Page
-from phaseplane.picture.paper import Box, arcs, around, bounds
+from phaseplane.picture.paper import arcs, around, bounds
 from phaseplane.picture.step import write_letters
 from phaseplane.picture.text import format_time
 from phaseplane.picture.views import frame_at, motion_points, name_room
@@ -132,8 +132,7 @@ def _close_up(
         when = format_time(frame.time)
         raise ValueError(f"{figure} shows a normal; at rest, as at {when}, there is none")
     view = around(np.array([p, d, p_new, *others]), 0.12)
-    wide = complex(max(view.half.real, _SLENDER * view.half.imag), view.half.imag)
-    page = new_page(drawing, Box(view.centre, wide), look)
+    page = new_page(drawing, view.widened(_SLENDER), look)
     draw_y_axis(page, plane)
     page.lines("normal", [[d, p]])
     return page, frame, plane

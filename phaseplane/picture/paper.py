@@ -68,6 +68,11 @@ class Box:
         """Return the box with a margin on every side."""
         return Box(self.centre, self.half + margin * (1 + 1j))
 
+    def widened(self, least: float) -> Box:
+        """Return the box with at least a width that is this part of its height."""
+        across = max(self.half.real, least * self.half.imag)
+        return Box(self.centre, complex(across, self.half.imag))
+
     def nearest(self, point: complex) -> complex:
         """Return the point of the box that is nearest to a point."""
         apart, half = point - self.centre, self.half

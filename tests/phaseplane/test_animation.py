@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from phaseplane.suspension.roads import bump
 from PIL import Image
 from worked_example import STEP, ap57
 
@@ -53,9 +54,11 @@ def test_a_gif_tells_the_story_and_does_not_give_the_end_away(
 
 @pytest.mark.slow
 def test_a_gif_shows_the_arm_of_the_turn_angles(
-    drawing: Drawing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A stage lays off the normals on it."""
+    """A stage lays off the normals on it, which has room below narrow planes, too."""
+    low = ap57(road=bump(0.001, 1.0, 20.0), lift_off=False)
+    drawing = construct_motion(low, step=STEP, steps=6)
     drawn: list[tuple[Axes, str]] = []
     draw = Sheet.draw
 
@@ -66,6 +69,8 @@ def test_a_gif_shows_the_arm_of_the_turn_angles(
     monkeypatch.setattr(Sheet, "draw", recorded)
     animation(drawing, tmp_path / "a.gif")
     whole, _ = drawn[0]
+    (beside,) = {axes for axes, _ in drawn} - {whole}
+    assert 0.0 <= beside.get_position().x0 < beside.get_position().x1 <= 1.0
     assert "arc" in {role for axes, role in drawn if axes is not whole}
 
 
