@@ -105,7 +105,7 @@ class Events:
             self._count_contacts(time)
             if met or name in self._met:
                 self._report(f"{name} {'met' if met else 'left'} at {time:.9g} s")
-            self._met = self._met | {name} if met else self._met - {name}
+            (self._met.add if met else self._met.discard)(name)
         self._count_contacts(until)
 
     def _count_contacts(self, until: float) -> None:
