@@ -93,7 +93,7 @@ def test_all_runs_of_a_sweep_go_over_one_road_that_is_long_enough(car: str, tmp_
     ("shape", "varied", "length"),
     [
         ("random", 'duration = ["1 s", "30 s"]', 687.0),
-        ("random", "duration = [1, 1e308]", LONGEST),
+        pytest.param("random", "duration = [1, 1e308]", LONGEST, marks=pytest.mark.slow),
         ("bump", 'road.shape = ["bump", "random"]', 465.0),
         ("bump", 'speed = ["40 km/h", "80 km/h"]', None),
     ],
