@@ -9,6 +9,7 @@ import pytest
 from phaseplane.scenarios.simulate.fmu_cache import FOLDER_VARIABLE
 from phaseplane.vehicle_fmus.build import build
 from small_sweep import SCENE
+from studied_car import CAR
 
 
 @pytest.fixture(scope="session")
@@ -33,3 +34,8 @@ def _in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
 @pytest.fixture
 def scene_of_a_sweep(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(SCENE)
+
+
+@pytest.fixture
+def studied_car(tmp_path: Path) -> None:
+    (tmp_path / "car.toml").write_text(CAR)

@@ -1,0 +1,92 @@
+"""The pieces of formulas, such as relays and saturations, and what is wrong with a formula."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from phaseplane.equations import Formula
+
+number = st.floats(-3.0, 3.0)
+
+
+@given(number, number, st.floats(0.0, 3.0))
+def test_pieces_are_what_they_are_called(x, v, d):
+    def value(text: str) -> float:
+        return Formula(text, {"d": d}).function(v, x, 0.0)
+
+    sign = (x > 0) - (x < 0)
+    assert value("sign(x)") == sign
+    assert value("relay(x, d)") == pytest.approx(sign if abs(x) > d else 0.5 * sign * (abs(x) == d))
+    assert value("saturation(x, d)") == pytest.approx(min(max(x, -d), d), abs=1e-15)
+    assert value("dead_zone(x, d)") == pytest.approx(sign * max(abs(x) - d, 0.0), abs=1e-15)
+    assert value("backlash(x, 2*d)") == pytest.approx(value("dead_zone(x, d)"), abs=1e-15)
+
+
+@given(
+    st.sampled_from([
+        "relay(x, 0.5)*v + saturation(v, 1)", "max(x, v, 0.1) - min(x, 2*v)", "abs(x)*abs(v)",
+        "dead_zone(x - abs(v), 0.3)", "copysign(x, v) + sign(sign(x) + 0.5*v)", "backlash(x, 1)^3",
+    ]),
+    number, number,
+)  # fmt: skip
+def test_pieces_by_their_signs_are_the_pieces(text, x, v):
+    assume(v != 0.0)  # there copysign goes by the sign of zero
+    formula = Formula(text)
+    assert formula.switching.value(v, x, 0.0) == pytest.approx(
+        formula.function(v, x, 0.0), rel=1e-12, abs=1e-12
+    )
+    assert formula.on_arrays(np.array([v]), np.array([x]), np.array([0.0])) == pytest.approx(
+        formula.function(v, x, 0.0), rel=1e-12, abs=1e-12
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("x + mu*v", "'mu' is not known.*give its value in .parameters., such as mu = 1.0"),
+        ("relay(x, 1, 2)", "relay takes 1 or 2 values, not 3"),
+        ("saturation(x)", "saturation takes 2 values, not 1"),
+        ("max(x)", "max takes at least 2 values, not 1"),
+        ("sin()", "sin takes 1 value, not 0"),
+        ("x'' + x = 0", "not a formula; write f of x'' . f = 0 alone, with v for x'"),
+        ("ẋ + x", "did you mean 'v'?"),
+        ("x if x > 0 else 0", "write cases by sign, abs, max"),
+        ("1,5*x", "write numbers with a point"),
+        ("x² + v", "write powers with"),
+        ("v*|v| + x", "write abs.x. for"),
+        ("sin x", "write arguments in brackets"),
+        ("lambda*x", "lambda is reserved: write λ"),
+        ("ln(x + 2)", "did you mean 'log'?"),
+        ("heaviside(x)", r"did you mean '0.5\*\(1 \+ sign"),
+        ("e^x", r"did you mean 'exp\(1\)'.*Otherwise give its value"),
+    ],
+)
+def test_what_is_wrong_with_a_formula_is_said(text, message):
+    with pytest.raises(ValueError, match=message):
+        Formula(text)
+
+
+def test_a_parameter_cannot_be_called_like_what_a_formula_knows():
+    for name in ("v", "t", "sin", "pi", "2x", "a b"):
+        with pytest.raises(ValueError, match="cannot name a parameter"):
+            Formula("x", {name: 1.0})
+
+
+@pytest.mark.parametrize(
+    "text", ["dead_zone(x, -1)", "saturation(x, -2)", "relay(x, -d)", "backlash(x, d - 1)"]
+)
+def test_negative_widths_are_refused(text: str):
+    with pytest.raises(
+        ValueError, match=r"the second value of \w+ is -[\d.]+; it must be at least 0"
+    ):
+        Formula(text, {"d": 0.1})
+    assert Formula(text.replace("-", "+"), {"d": 0.1}).names <= {"d"}
+
+
+@pytest.mark.parametrize("width", ["10^400", "exp(1000)", "d/0"])
+def test_widths_beyond_all_numbers_are_refused(width: str):
+    with pytest.raises(ValueError, match=r"value of saturation is (inf|nan); it must be .* finite"):
+        Formula(f"saturation(x, {width})", {"d": 0.1})

@@ -1,0 +1,168 @@
+"""Fits of parameters to measured signals."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import written
+from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.results.folder import read_summary
+from phaseplane.scenarios.results.signals import read_signals
+from studied_car import CAR, study
+
+import phaseplane
+
+pytestmark = pytest.mark.usefixtures("studied_car")
+
+TRUE = {"damper.rebound_rate": 1500.0, "damper.bump_rate": 700.0}
+
+
+def measured(noise):
+    shown = ["body_acceleration", "ground_elevation"]
+    run = phaseplane.run("car.toml", TRUE, output_interval=2e-3, outputs=shown)
+    random = np.random.default_rng(7)
+    lines = ["# rig", "t;acc_z;road", "[ms];[g];[m]"]
+    for time, a, road in zip(
+        run.time, run["body_acceleration"], run["ground_elevation"], strict=True
+    ):
+        row = (1e3 * time + 20.0, a / 9.80665 + 0.05 + noise * random.normal(), road)
+        lines.append(";".join(f"{x:.9g}".replace(".", ",") for x in row))
+    written("\n".join(lines), "rig.csv")
+
+
+FIT = """
+[vary]
+damper.rebound_rate = { from = 300, to = 5000 }
+damper.bump_rate = { from = 300, to = 5000 }
+[measured]
+file = "rig.csv"
+time = "t"
+time_shift = "-20 ms"
+columns = { body_acceleration = "acc_z" }
+offset = { body_acceleration = "-0.05 g" }
+delimiter = ";"
+decimal = ","
+"""
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_a_fit_finds_the_parameters_within_its_confidence(noise):
+    measured(noise)
+    found = phaseplane.fit_parameters(study(FIT))
+    for key, value in TRUE.items():
+        width = found.summary["half_widths"][key]
+        assert found.values[key] == pytest.approx(value, abs=max(width, 0.1))
+        assert width < (1e-2 if noise == 0.0 else 200.0)
+    assert found.summary["residual"]["body_acceleration"] < (1e-6 if noise == 0.0 else 0.5)
+    assert read_summary(found.folder)["values"] == found.values
+    assert found.summary["samples"] == 301
+
+
+def test_intervals_are_those_of_each_signals_own_noise():
+    """An exact signal that depends on no parameter tells nothing of them."""
+    measured(0.02)
+    alone = phaseplane.fit_parameters(study(FIT)).summary["half_widths"]
+    beside = FIT.replace('"acc_z" }', '"acc_z", ground_elevation = "road" }')
+    found = phaseplane.fit_parameters(study(beside)).summary["half_widths"]
+    assert found == pytest.approx(alone, rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ("00000", "body_acceleration: its samples are all 0, or too large"),
+        (["1e200"] * 5, "body_acceleration: its samples are all 0, or too large"),
+        (
+            "12",
+            "2 samples within 0 and 0.6 s of the scene; a fit needs more samples than parameters",
+        ),
+    ],
+)
+def test_signals_to_which_nothing_can_be_fitted_are_refused(values, words):
+    rows = "".join(f"{20 + t};{value}\n" for t, value in enumerate(values))
+    Path("rig.csv").write_text(f"t;acc_z\nms;m/s2\n{rows}")
+    text = FIT.replace('offset = { body_acceleration = "-0.05 g" }\n', "")
+    with pytest.raises(InputError, match=words):
+        phaseplane.fit_parameters(study(text))
+
+
+def test_an_equation_is_not_fitted():
+    text = study(
+        "[vary]\ndisplacement_start = { from = 0, to = 1 }\n[measured]\nfile = 'rig.csv'\n"
+    )
+    Path(text).write_text(Path(text).read_text().replace("car.toml", "van_der_pol"))
+    with pytest.raises(InputError, match="scene: only models of this package can be fitted"):
+        phaseplane.fit_parameters(text)
+
+
+def test_parameters_that_do_the_same_are_said_to_be_alike():
+    measured(0.02)
+    text = FIT.replace("damper.bump_rate = { from = 300, to = 5000 }",
+                       "damper.scale = { from = 0.5, to = 2.0 }\n"
+                       "damper.bump_rate = { from = 300, to = 5000 }")  # fmt: skip
+    found = phaseplane.fit_parameters(study(text))
+    assert "hardly distinguish" in found.report
+
+
+def test_a_parameter_that_the_signals_do_not_depend_on_is_said_to_be_unknown():
+    """An end stop that is never reached: an interval of zero would say that its gap is exact."""
+    measured(0.0)
+    text = FIT.replace(
+        "damper.bump_rate = {", "bump_stop.gap = { from = 0.2, to = 0.4 }\ndamper.bump_rate = {"
+    )
+    Path("car.toml").write_text(CAR + "bump_stop = { gap = 0.3, stiffness = 1e5 }\n")
+    found = phaseplane.fit_parameters(study(text))
+    assert read_summary(found.folder)["half_widths"]["bump_stop.gap"] is None
+    (row,) = [line for line in found.report.splitlines() if line.startswith("bump_stop.gap  ")]
+    assert row.endswith("  not known")
+    assert "bump_stop.gap is not known: the signals do not depend on it" in found.report
+
+
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        ({}, "must be the path of a file"),
+        ({"file": "no.csv"}, "cannot read"),
+        ({"file": "rig.csv", "columns": {"body_acc": "acc_z"}}, "no output 'body_acc'"),
+        ({"file": "rig.csv", "sep": ";"}, "unknown key 'sep'"),
+        ({"file": "rig.csv", "columns": 3}, "must be a table"),
+        ({"file": "rig.csv", "columns": {"a": ["x"]}}, r"columns.a = \['x'\]: must be a string"),
+        ({"file": "rig.csv", "units": {"t": 3}}, "units.t = 3: must be a string"),
+        (
+            {"file": "rig.csv", "columns": {"body_acceleration": "acc_z"}, "time_shift": 10**400},
+            "time_shift = 1000.*: must be a finite number in SI",
+        ),
+        (
+            {
+                "file": "rig.csv",
+                "columns": {"body_acceleration": "acc_z"},
+                "offset": {"body_acceleration": True},
+            },
+            "offset.body_acceleration = True: must be a finite number in SI or a string with a unit",
+        ),
+        (
+            {"file": "rig.csv", "columns": {"body_acceleration": "acc_z"}, "units": {"acc": "g"}},
+            r"units.acc: is not among what is read; did you mean 'acc_z'\?",
+        ),
+        (
+            {
+                "file": "rig.csv",
+                "columns": {"body_acceleration": "acc_z"},
+                "offset": {"body_velocity": 1.0},
+            },
+            "offset.body_velocity: is not among",
+        ),
+    ],
+)
+def test_signals_that_are_not_understood_are_refused(said, words):
+    measured(0.0)
+    with pytest.raises(InputError, match=words):
+        read_signals(said, Path(), {"body_acceleration": "m/s2"})
+
+
+def test_signals_of_results_need_no_units():
+    run = phaseplane.run("car.toml")
+    run.write("out")
+    found = read_signals({"file": "out/results.csv", "time_shift": 1.0}, Path(), run.units)
+    np.testing.assert_allclose(found["time"], run.time + 1.0)
+    np.testing.assert_array_equal(found["body_velocity"], run["body_velocity"])
