@@ -38,8 +38,8 @@ MACROS = [("Py_LIMITED_API", "0x030B0000"), ("CYTHON_LIMITED_API", "1")] if STAB
 FLAGS = ["-g0", "-Wno-all", "-w", "-ffp-contract=off", "-fno-wrapv", "-fno-math-errno"]
 # What makes steps fast is that small functions are inlined and that others are compiled for the
 # arguments they get. Inlining may enlarge the code by 80 %, twice the default: steps take 3 to 7 % less
-# time. At -O3 fixed steps take 5 % more time; only substeps gain (below). Aligned to the 64 bytes of a
-# cache line, steps of a session do not take 7 % longer when code elsewhere grows, as with 32 bytes.
+# time. At -O3 fixed steps take 5 % more time; only substeps gain (below). Functions begin at
+# cache lines: aligned to half of one, steps of a session took 7 % longer after code elsewhere had grown.
 FLAGS_OF_GCC = [
     "-O2",
     "-finline-limit=400",

@@ -117,7 +117,7 @@ def _clearest(
     if together:  # all planes on one sheet; otherwise a close-up of one plane
         return frames[int(clear.min(axis=1).argmax())], planes[0]
     clear /= np.maximum(abs(bounds(points)[1]), np.finfo(float).tiny)  # at rest there is no range
-    # even if in each step two points lie together, such as D before and after it
+    # no step at rest, even if two points of each step that moves lie together, such as both D
     clear[(points[..., 1:3] == points[..., :1]).any(axis=-1)] = -1.0
     frame, plane = divmod(int(clear.argmax()), len(planes))
     return frames[frame], planes[plane]

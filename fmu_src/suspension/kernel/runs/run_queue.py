@@ -105,7 +105,7 @@ class RunQueue:
             status = one.reason_to_end(filling.instants[filling.count - 1])
             if status != 0:
                 self._end(status)
-        one.raise_failure(0)
+        one.raise_failure(0)  # an interrupt alone
         return [
             (self.status[k], self.filled[k], self.time[k], self.steps[k], self.log_end[k])
             for k in range(self.made)
