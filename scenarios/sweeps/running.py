@@ -307,7 +307,7 @@ def _executor(count: int, dask: str) -> Iterator[tuple[Executor, Callable[[], No
     """Yield local processes or the workers of a Dask cluster, and a function that stops them early."""
     with ExitStack() as stack:
         if not dask and count == 1:  # a process is not worth its start for a single worker
-            _STOPPING.clear()
+            stack.callback(_STOPPING.clear)  # what comes after the sweep runs in this process, too
             thread = ThreadPoolExecutor(1)
             stack.callback(thread.shutdown, cancel_futures=True)
             yield thread, _STOPPING.set

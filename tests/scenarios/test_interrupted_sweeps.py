@@ -170,14 +170,17 @@ def test_an_interrupt_waits_for_the_run_under_way_alone(monkeypatch: pytest.Monk
                 assert running._STOPPING.wait(HANGS)
             yield Row(run, (123.0, 45))
 
-    monkeypatch.setattr(running, "_in_process", interrupted)
     many = sweep_file(GRID.replace("count = 3", "count = 60"))
-    result = phaseplane("sweep", many, "--workers", "1")
+    with monkeypatch.context() as patch:
+        patch.setattr(running, "_in_process", interrupted)
+        result = phaseplane("sweep", many, "--workers", "1")
     assert result.exit_code == 130
     said = "phaseplane: interrupted after 3 of 120 runs; start it again to continue\n"
     assert result.stderr.lstrip() == said
     (journal,) = Path("out/sweeps").glob(".sweep.*.journal")
     assert len(journal.read_text().splitlines()) == 1 + 3
+    plan = load_plan(many)
+    assert len(running.run_chunk(plan, range(2), "process")) == 2  # of a study after it
 
 
 def test_a_run_that_an_interrupt_meets_ends_as_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
