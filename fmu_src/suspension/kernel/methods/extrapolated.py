@@ -84,7 +84,10 @@ class Extrapolated(Method):
             return status
         if self.columns.extrapolate() != 0:
             return DIVERGED
-        self.balance.end(t + h, True)
+        if self.order > 2 or self.balance.bends.count or self.balance.branches.stuck:
+            self.balance.end(t + h, True)
+        else:
+            self.balance.end_in_equilibrium()
         self.errors.find_jerks(h)
         if self.errors.controlled:
             self._find_error(h)

@@ -150,6 +150,18 @@ class Balance:
             self._find_loads(self.instants - 1, True)
         self._solve(self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
 
+    def end_in_equilibrium(self) -> None:
+        """Find the jerk at the end of a prepared attempt that has found the acceleration there itself.
+
+        In straight branches the single incremental step ends in equilibrium: its acceleration is that of
+        the equation of motion. To find it once more would take a tenth of a fixed step.
+        """
+        # with a constant in place of n the compiler unrolls the loops
+        if self.n == 2:
+            self._find_jerk(2, self.motion.vb, self.motion.ab, self.motion.jb)
+        else:
+            self._find_jerk(self.n, self.motion.vb, self.motion.ab, self.motion.jb)
+
     def accelerations(self, t: float, q: Doubles, v: Doubles, a: Doubles) -> None:
         """Find the accelerations of any state within a step, at time t."""
         self.signals.all_signals(t)
@@ -203,6 +215,10 @@ class Balance:
     def _solve_motion(self, n: int, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> None:
         self._find_force(n, self.instants - 1, q, v)
         multiply(self.flexibility, 0, self.f, 0, n, a, 0)
+        self._find_jerk(n, v, a, j)
+
+    @inline
+    def _find_jerk(self, n: int, v: Doubles, a: Doubles, j: Doubles) -> None:
         resist(self.damping, a, self.stiffness, v, 0, n, self.load_rate, 0, self.f)
         if self.bends.count:
             self._add_bend_rates(n, v, a)

@@ -39,6 +39,8 @@ class Bends:
         # of each curved row, at the state last evaluated; literal sizes, as these are C arrays
         self.force, self.force_k, self.force_c = [0.0] * 64, [0.0] * 64, [0.0] * 64
         self.bow = [0.0] * 64  # its second derivative along a line
+        # the modulation of the damper that follows, and two derivatives
+        self.factor, self.factor_k, self.factor_kk = 1.0, 0.0, 0.0
 
     def enter(self) -> None:
         """List the curved pieces, row by row."""
@@ -92,11 +94,7 @@ class Bends:
 
         `bow` is the second derivative along a line on which d and w change in proportion to dd and dw.
         """
-        force = 0.0
-        k = 0.0
-        c = 0.0
-        bow = 0.0
-        factor, factor_k, factor_kk = 1.0, 0.0, 0.0
+        self.force[p] = self.force_k[p] = self.force_c[p] = self.bow[p] = 0.0
         for i in range(self.first[p], self.first[p + 1]):
             law = self.law[i]
             x = w if law == DAMPER else d
@@ -104,22 +102,32 @@ class Bends:
                 self.piece[i] = self.laws.place(self.piece[i], x)
                 self._bound(i)
             self.laws.read_piece(self.piece[i], x)
-            value, slope, curvature = self.laws.value, self.laws.slope, self.laws.curvature
+            if law == MODULATION:
+                self._keep_factor()
+                continue
+            if law == DAMPER and self.modulated:
+                self._modulate(p, dd, dw)
+            self.force[p] += self.laws.value
             if law == SPRING:
-                force += value
-                k += slope
-                bow += curvature * dd * dd
-            elif law == MODULATION:
-                factor, factor_k, factor_kk = value, slope, curvature
+                self.force_k[p] += self.laws.slope
+                self.bow[p] += self.laws.curvature * dd * dd
             else:
-                force += factor * value
-                c += factor * slope
-                bow += factor * curvature * dw * dw
-                if self.modulated:
-                    k += factor_k * value
-                    bow += (2.0 * factor_k * slope * dw + factor_kk * value * dd) * dd
-                    factor, factor_k, factor_kk = 1.0, 0.0, 0.0
-        self.force[p], self.force_k[p], self.force_c[p], self.bow[p] = force, k, c, bow
+                self.force_c[p] += self.laws.slope
+                self.bow[p] += self.laws.curvature * dw * dw
+
+    def _keep_factor(self) -> None:
+        """Keep the modulation last read, for the damper that follows."""
+        self.factor = self.laws.value
+        self.factor_k, self.factor_kk = self.laws.slope, self.laws.curvature
+
+    def _modulate(self, p: int, dd: float, dw: float) -> None:
+        """Multiply the damper last read by its modulation, and add what follows from that alone."""
+        value, slope = self.laws.value, self.laws.slope
+        self.force_k[p] += self.factor_k * value
+        self.bow[p] += (2.0 * self.factor_k * slope * dw + self.factor_kk * value * dd) * dd
+        self.laws.value, self.laws.slope = self.factor * value, self.factor * slope
+        self.laws.curvature *= self.factor
+        self.factor, self.factor_k, self.factor_kk = 1.0, 0.0, 0.0
 
     def stays(self, p: int, d: float, w: float) -> bool:
         """Return whether d and w are in the same pieces of row p as those found last."""

@@ -226,8 +226,8 @@ class Columns:
     def extrapolate(self) -> int:
         """Find the end of the motion's attempt: that of the last column plus small corrections.
 
-        `error_q` and `error_v` become the differences of the last two columns of the table. Return 1 if
-        the end is not finite.
+        `error_q` and `error_v` become the differences of the last two columns of the table; a single
+        column ends with its own acceleration. Return 1 if the end is not finite.
         """
         if self.columns == 1:
             return self._extrapolate(2, 1) if self.n == 2 else self._extrapolate(self.n, 1)
@@ -249,7 +249,10 @@ class Columns:
                 y = self.v[n * c + i] - self.v[last + i]
                 end_v += self.weight[c] * y
                 error_v += self.check[c] * y
-            self.error_q[i], self.error_v[i] = error_q, error_v
+            if columns == 1:
+                self.motion.ab[i] = self.a[i]  # in equilibrium, if all forces are straight
+            else:
+                self.error_q[i], self.error_v[i] = error_q, error_v
             end_q += self.q[last + i]
             end_v += self.v[last + i]
             if not (isfinite(end_q) and isfinite(end_v)):
