@@ -13,11 +13,11 @@ from phaseplane.suspension.batch import Outcome, run_many
 from phaseplane.suspension.variables import Value
 
 from ..errors import InputError, NoResultError
-from ..measures.solution import Solution
+from ..measures.solution import Solution, stepped
 from ..progress import Progress, silent
 from ..results.signals import signals_in
 from ..scene.schema import Scene
-from ..simulate.controlling import controlled
+from ..simulate.controlling import driven
 from ..sweeps.plan import Plan, scene_of_file
 from ..toml_files import read_content
 from .files import FitFile, SearchOfFit, read_study
@@ -229,10 +229,8 @@ def _runs(
     """Return a run for each set of parameters, under the controller of the scene if it has one."""
     if scene.controller is None:
         return run_many(scene.fmu.model, sets, times.tolist(), names)
-    under = partial(
-        controlled, controller=scene.controller, time=times, outputs=names, going_on=lambda _: True
-    )
-    return (under(scene.fmu.model, given) for given in sets)
+    drive = partial(driven, controller=scene.controller)
+    return (stepped(scene.fmu.model, one, times, names, drive=drive) for one in sets)
 
 
 def _apart(numbers: Points, task: Task) -> dict[str, Points]:

@@ -7,8 +7,9 @@ from math import nan
 
 import numpy as np
 import numpy.typing as npt
-from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.variables import Value, outputs
+
+from ..measures.solution import stepped
 
 Reals = npt.NDArray[np.float64]
 
@@ -27,15 +28,9 @@ def energies(
     times : s, ascending; the run starts at the first time
     """
     names = [name for name in outputs(model) if name.endswith("_energy")]
-    session = Session(model, parameters, float(times[0]))
-    found = {name: np.full(len(times), nan) for name in names}
-    for k, t in enumerate(times):
-        try:
-            session.advance(float(t))
-        except SimulationError:
-            break
-        for name in names:
-            found[name][k] = session.value(name)
+    run = stepped(model, parameters, np.asarray(times, float), names)
+    missing = (0, len(times) - len(run.columns["time"]))
+    found = {name: np.pad(run.columns[name], missing, constant_values=nan) for name in names}
     sources = [name for name in names if name.endswith("_supplied_energy")]
     idle = [name for name in sources if not np.nan_to_num(found[name]).any()]
     for name in sources if len(sources) - len(idle) < 2 else idle:

@@ -191,43 +191,41 @@ def simulated(
     ))  # fmt: skip
 
 
+def in_steps(session: Session, time: Column) -> Iterator[tuple[float, bool]]:
+    """Step a session from time to time; yield each instant, and whether it is one of `time`."""
+    for instant in time.tolist():
+        session.advance(instant)
+        yield instant, True
+
+
 def stepped(
     model: str,
     given: Mapping[str, object],
     time: Column,
     outputs: Collection[str],
     going_on: GoingOn | None = None,
+    drive: Callable[[Session, Column], Iterator[tuple[float, bool]]] = in_steps,
 ) -> Solution:
-    """Return a run stepped from time to time, for outputs that one call does not return."""
+    """Return a run whose outputs are read row by row, up to its failure.
+
+    Parameters
+    ----------
+    going_on : called after each instant with its time, s; returns whether to continue
+    drive : steps the session, as `in_steps`
+    """
     rows: list[list[Value]] = []
     session, failure = None, ""
     try:
         session = Session(model, given, float(time[0]))
         read, places = session.many(tuple(outputs)), list(range(len(outputs)))
-        for t in time.tolist():
-            session.advance(t)
-            rows.append(read(places))
-            if going_on is not None and not going_on(t):
-                failure = f"the run was interrupted at {t:.6g} s"
+        for instant, is_row in drive(session, time):
+            if is_row:
+                rows.append(read(places))
+            if going_on is not None and not going_on(instant):
+                failure = f"the run was interrupted at {instant:.6g} s"
                 break
     except (SimulationError, ArithmeticError, ValueError) as error:
         failure = str(error)
-    return by_rows(time, outputs, rows, failure, session)
-
-
-def by_rows(
-    time: Column,
-    outputs: Collection[str],
-    rows: Sequence[Sequence[Value]],
-    failure: str,
-    session: Session | None,
-) -> Solution:
-    """Return a run whose outputs were read row by row, up to its failure.
-
-    Parameters
-    ----------
-    session : None if it did not start
-    """
     table = np.array(rows, float).reshape(len(rows), len(outputs))
     columns = dict(zip(outputs, table.T, strict=True))
     ends = {name: float(column[-1]) for name, column in columns.items() if len(column)}

@@ -1,62 +1,27 @@
-"""Runs under a controller, in this process."""
+"""Sessions stepped under a controller."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
 from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 from phaseplane.suspension.session import Session, SimulationError
 
-from ..measures.solution import Column, GoingOn, Solution, by_rows
+from ..measures.solution import Column
 from ..scene.controller import Controller
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from phaseplane.suspension.variables import Value
-
 _CLOSE = 1e-9  # s between two instants that are the same
 _MOST_AWAKENINGS = 50  # by events within one period
 
 
-def controlled(
-    model: str,
-    given: Mapping[str, Value],
-    controller: Controller,
-    time: Column,
-    outputs: Collection[str],
-    going_on: GoingOn,
-) -> Solution:
-    """Return a run in which a controller sets the model's inputs.
+def driven(session: Session, time: Column, controller: Controller) -> Iterator[tuple[float, bool]]:
+    """Step a session under a controller; yield each instant reached, and whether it is one of `time`.
 
     Between two evaluations an input follows the rule for sampled inputs of the model. A run whose
     controller is triggered by events stops at each event, the controller is evaluated, and it continues.
-
-    Parameters
-    ----------
-    model, given : the model and its parameters
-    controller : what sets the inputs
-    time : instants to read the outputs at, s, ascending from 0
-    outputs : names of the outputs
-    going_on : called after each instant with its time, s; whether to go on
-    """
-    session = Session(model, given)
-    rows, failure = [], ""
-    try:
-        for instant, is_row in driven(session, controller, time):
-            if is_row:
-                rows.append([session.value(name) for name in outputs])
-            if not going_on(instant):
-                failure = f"the run was interrupted at {instant:.6g} s"
-                break
-    except SimulationError as error:
-        failure = str(error)
-    return by_rows(time, outputs, rows, failure, session)
-
-
-def driven(session: Session, controller: Controller, time: Column) -> Iterator[tuple[float, bool]]:
-    """Step a session under a controller; yield each instant reached, and whether it is one of `time`.
 
     Raises
     ------

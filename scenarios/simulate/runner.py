@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import asdict, replace
+from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -18,12 +19,20 @@ from phaseplane.suspension.session import Session, SimulationError
 from .. import simulate
 from ..errors import InputError, RunError, one_line
 from ..measures import catalogue, outputs_needed
-from ..measures.solution import Column, Solution, instants, refinement, solved, solved_by
+from ..measures.solution import (
+    Column,
+    Solution,
+    instants,
+    refinement,
+    solved,
+    solved_by,
+    stepped,
+)
 from ..progress import Progress, silent
 from ..results.folder import Results
 from ..scene.equation import EQUATION
 from ..scene.expectations import judged_measures, remarks
-from .controlling import controlled, driven
+from .controlling import driven
 from .drive import INTERRUPTED, Drive, Passed, Watch
 from .evaluation import evaluate
 from .interrupts import deferred_interrupt, wait_until
@@ -165,7 +174,8 @@ def _driven(
     wanted = {*scene.columns, *(scene.outputs_expected - expected)}
     if scene.controller is not None:
         wanted |= {output for one in measures for output in one.needs} | expected
-        own = controlled(model, given, scene.controller, time, wanted, going_on)
+        drive = partial(driven, controller=scene.controller)
+        own = stepped(model, given, time, wanted, going_on, drive)
     else:
         own = next(solved(model, [given], time, measures, expected, wanted, going_on))
     if not len(own.columns["time"]):
@@ -196,7 +206,7 @@ def events_of(scene: Scene) -> list[Event]:
         if scene.controller is None:
             session.advance(scene.duration)
         else:
-            for _ in driven(session, scene.controller, _times(scene)[0]):
+            for _ in driven(session, _times(scene)[0], scene.controller):
                 pass
     return session.events
 
