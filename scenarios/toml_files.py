@@ -8,6 +8,8 @@ from math import inf, nan
 from pathlib import Path
 from typing import Any
 
+from phaseplane.suspension.units import to_si
+
 from .errors import InputError, read_text
 
 
@@ -41,6 +43,16 @@ def real(value: object) -> float:
         return float(value)
     except OverflowError:
         return inf
+
+
+def in_si(value: object, unit: str) -> float:
+    """Return a number in SI, or a string with a unit; not a number if it is neither.
+
+    Raises
+    ------
+    ValueError : a string that is no number, or of a unit that does not fit.
+    """
+    return to_si(value, unit) if isinstance(value, str) else real(value)
 
 
 def dotted(

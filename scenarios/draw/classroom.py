@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension.roads.extent import LENGTH
 from phaseplane.suspension.session import simulate
-from phaseplane.suspension.units import to_si
 from phaseplane.suspension.variables import Value, refuse_unknown
 
 from phaseplane import exercises
@@ -23,6 +22,7 @@ from ..errors import InputError, one_line
 from ..scene.equation import EQUATION, check_equation, formula_of
 from ..scene.fmus import Fmu, find_fmu
 from ..scene.layers import Layers, case_titles, find_scene, flattened, overlay, read_layers
+from ..toml_files import in_si
 from .constructions import draw_construction
 from .planes import CONSTRUCTED, planes_of
 
@@ -172,16 +172,15 @@ def _read(asked: Mapping[str, Any]) -> tuple[Fmu, dict[str, Value], dict[str, An
     if LENGTH not in checked:
         parameters.pop(LENGTH, None)
     settings = {**_DEFAULTS, **tables.get("construction", {})}
-    if isinstance(settings["plane_distance"], str):
-        settings["plane_distance"] = to_si(settings["plane_distance"], "m")
+    settings["plane_distance"] = in_si(settings["plane_distance"], "m")
     return fmu, parameters, settings
 
 
 def _seconds(value: object, name: str) -> float:
-    seconds = to_si(value, "s") if isinstance(value, str) else value
-    if not isinstance(seconds, int | float) or not 0.0 < seconds < 1e6 * pi:
+    seconds = in_si(value, "s")
+    if not 0.0 < seconds < 1e6 * pi:
         raise InputError(f"{name} = {value!r}: must be a time above 0, such as 0.1 or '2.5 ms'")
-    return float(seconds)
+    return seconds
 
 
 def _toml(value: object) -> str:

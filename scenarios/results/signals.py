@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from phaseplane.suspension.measurement_files import Wanted, headings, read_columns
-from phaseplane.suspension.units import nearest, to_si
+from phaseplane.suspension.units import nearest
 
 from ..errors import InputError, blaming, read_errors, refuse_unknown_keys, shown
-from ..toml_files import real
+from ..toml_files import in_si
 from .tables import read_table
 
 if TYPE_CHECKING:
@@ -156,7 +156,7 @@ def _refuse_others(key: str, given: Mapping[str, Any], known: Collection[str]) -
 
 def _si(key: str, value: object, unit: str) -> float:
     with blaming(f"{key} = {shown(value)}"):
-        number = to_si(value, unit) if isinstance(value, str) else real(value)
+        number = in_si(value, unit)
         if not isfinite(number):
             raise ValueError("must be a finite number in SI or a string with a unit")
     return number

@@ -7,13 +7,13 @@ from dataclasses import asdict, dataclass
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
-from phaseplane.suspension.units import nearest, to_si
+from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import Variable
 
 from .. import results
 from ..errors import shown
 from ..measures import COUNT, Measure, Reading, has_sign
-from ..toml_files import real
+from ..toml_files import in_si
 from .fields import (
     FACTOR,
     FLAG,
@@ -196,7 +196,7 @@ def bounds_from(raw: object, unit: str) -> Bounds:
         if name not in ("min", "max"):
             raise ValueError(f"{shown(name)} is unknown; must be min and/or max")
         si = unit if unit != COUNT else "1"
-        bounds[name] = to_si(value, si) if isinstance(value, str) else real(value)
+        bounds[name] = in_si(value, si)
         if not isfinite(bounds[name]):
             raise ValueError(f"{name} must be a finite number{format_unit(si)}")
     if bounds.get("min", -inf) > bounds.get("max", inf):

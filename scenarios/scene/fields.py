@@ -13,10 +13,10 @@ from dataclasses import MISSING, Field
 from math import isfinite, isnan
 from typing import Any, NamedTuple, TypeVar
 
-from phaseplane.suspension.units import nearest, to_si
+from phaseplane.suspension.units import nearest
 
 from ..errors import shown
-from ..toml_files import real
+from ..toml_files import in_si, real
 
 Reader = Callable[[Any], Any]
 _Table = TypeVar("_Table")
@@ -53,6 +53,17 @@ def refusing(key: str, words: str = "") -> Iterator[None]:
         raise
     except ValueError as error:
         raise RefusedError(key, f"{words}{error}") from None
+
+
+@contextmanager
+def refusing_value(key: str, value: object) -> Iterator[None]:
+    """Report what is refused in the block as a refusal of the value of this key."""
+    try:
+        yield
+    except RefusedError:
+        raise
+    except ValueError as error:
+        raise RefusedError.value(key, value, str(error)) from None
 
 
 class Kind(NamedTuple):
@@ -117,7 +128,8 @@ def read_table(kind: type[_Table], content: object, where: str = "") -> _Table:
             value = content[name]
             if value is None and field.default is None:  # as stored with results
                 continue
-            read[field.name] = read_value(field.metadata["kind"], value, f"{prefix}{name}")
+            with refusing_value(f"{prefix}{name}", value):
+                read[field.name] = field.metadata["kind"].read(value)
         elif field.default is MISSING:
             required = (n for n, one in known.items() if one.default is MISSING)
             has = f"[{where}]" if where else "the file"
@@ -125,27 +137,8 @@ def read_table(kind: type[_Table], content: object, where: str = "") -> _Table:
                 f"{prefix}{name}",
                 f"{shown(f'{prefix}{name}')} is missing; {has} needs {', '.join(required)}",
             )
-    try:
+    with refusing_value(where, content):
         return kind(**read)
-    except RefusedError:
-        raise
-    except ValueError as error:
-        raise RefusedError.value(where, content, str(error)) from None
-
-
-def read_value(kind: Kind, value: object, key: str) -> Any:
-    """Read one value.
-
-    Raises
-    ------
-    RefusedError : if it is not allowed; names the dotted key.
-    """
-    try:
-        return kind.read(value)
-    except RefusedError:
-        raise
-    except ValueError as error:
-        raise RefusedError.value(key, value, str(error)) from None
 
 
 def schema_of(table: type) -> dict[str, Any]:
@@ -230,7 +223,7 @@ def quantity(unit: str, *, zero: bool = False) -> Kind:
     """Return the type of a positive number (or zero) in SI, or a string with a unit."""
 
     def read(value: object) -> float:
-        number = to_si(value, unit) if isinstance(value, str) else real(value)
+        number = in_si(value, unit)
         if isnan(number):
             raise ValueError(
                 f"must be a number{format_unit(unit)} or a string such as '1.5 {unit}'"

@@ -20,7 +20,7 @@ from ..results.tables import read_table as read_columns
 from .controller import read_controller
 from .equation import EQUATION, check_equation, outputs_of_starts
 from .expectations import Bounds, During, Reference, bounds_from, unknown_measure
-from .fields import RefusedError, read_table, refusing
+from .fields import RefusedError, read_table, refusing, refusing_value
 from .file import SceneFile
 from .fmus import Fmu, find_fmu
 from .schema import Scene, excess
@@ -194,13 +194,11 @@ def _bounds(fmu: Fmu, given: Mapping[str, Any]) -> dict[str, Bounds | tuple[Boun
             )
         if name not in known:
             raise RefusedError(key, f"expect: {unknown_measure(name, known)}")
-        try:
+        with refusing_value(key, raw):
             if isinstance(raw, list) and raw:
                 expected[name] = tuple(bounds_from(one, known[name].unit) for one in raw)
             else:
                 expected[name] = bounds_from(raw, known[name].unit)
-        except ValueError as error:
-            raise RefusedError.value(key, raw, str(error)) from None
     return expected
 
 

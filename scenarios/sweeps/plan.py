@@ -35,7 +35,7 @@ from ..scene.layers import KEYS, Setting, from_top
 from ..scene.loading import load_scene
 from ..scene.names import SCENE_FILES, SWEEPS, file_meant, meant, sweep_titles
 from ..scene.schema import Scene
-from ..toml_files import dotted, read_content
+from ..toml_files import dotted, in_si, read_content
 
 METHODS = ("grid", "list", "latin_hypercube", "sobol")
 _OF_RANGE = ("from", "to", "count")
@@ -70,10 +70,7 @@ class Range:
         ------
         ValueError : if they are not numbers, or not in that unit.
         """
-        first, last = (
-            to_si(x, unit) if isinstance(x, str) else float(x) for x in (self.start, self.end)
-        )
-        return first, last
+        return in_si(self.start, unit), in_si(self.end, unit)
 
 
 def _varied(content: object) -> dict[str, Range | tuple[Any, ...]]:
