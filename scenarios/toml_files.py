@@ -10,7 +10,7 @@ from typing import Any
 
 from phaseplane.suspension.units import to_si
 
-from .errors import InputError, read_text
+from .errors import InputError, blaming, read_text
 
 
 def read_content(path: Path, name: str = "") -> dict[str, Any]:
@@ -19,20 +19,15 @@ def read_content(path: Path, name: str = "") -> dict[str, Any]:
     Parameters
     ----------
     name : its name in messages, if that is not its path
-
-    Raises
-    ------
-    InputError : if it cannot be read.
     """
     if path.is_dir():
         raise InputError(f"{path} is a folder; give the path of a .toml file")
-    text = read_text(path, name)
+    text, place = read_text(path, name), f"cannot read {name or path}"
     try:
-        return tomllib.loads(text)
+        with blaming(f"{place}: not TOML"):
+            return tomllib.loads(text)
     except RecursionError:
-        raise InputError(f"cannot read {name or path}: nested too deeply") from None
-    except ValueError as error:
-        raise InputError(f"cannot read {name or path}: not TOML: {error}") from None
+        raise InputError(f"{place}: nested too deeply") from None
 
 
 def real(value: object) -> float:

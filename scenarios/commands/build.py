@@ -77,21 +77,18 @@ def build(
     MODEL can also be a scene or the file of a system; the start values of the FMU are then the
     parameters of the scene. Its controller is not packed. A reference result is written next to each FMU.
     """
-    before = {path: _is_native(path) for path in output.glob("*.fmu")}
-    if native:
-        if ssp:
-            raise InputError(
-                "--ssp: a system is packed from FMUs that run Python; leave out --native"
-            )
-        wanted = tuple(filter(None, (platforms or "").split(",")))
-        pack = vehicle_fmus.native.pack.build
-        paths = _packed(
-            models, output, partial(pack, fmi=int(fmi or 2), platforms=wanted), settings
-        )
-    elif settings or platforms or fmi:
+    if native and ssp:
+        raise InputError("--ssp: a system is packed from FMUs that run Python; leave out --native")
+    if not native and (settings or platforms or fmi):
         raise InputError("--fmi, --set and --platforms are for native FMUs; give --native, too")
-    else:
-        paths = build_models(models, output, ssp)
+    wanted = tuple(filter(None, (platforms or "").split(",")))
+    pack = (
+        partial(vehicle_fmus.native.pack.build, fmi=int(fmi or 2), platforms=wanted)
+        if native
+        else partial(vehicle_fmus.build.build, ssp=ssp)
+    )
+    before = {path: _is_native(path) for path in output.glob("*.fmu")}
+    paths = build_models(models, output, pack, settings)
     warn(_replaced(paths, before))
     files = [str(path) for path in paths]
     click.echo(as_json({"files": files}) if as_data else "\n".join(files))
@@ -118,33 +115,22 @@ def _replaced(paths: Iterable[Path], before: Mapping[Path, bool]) -> Iterator[st
             )
 
 
-def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list[Path]:
-    """Pack the FMUs of the given models, or of all, each with a reference result beside it.
-
-    Parameters
-    ----------
-    ssp : whether to pack each vehicle on its road as an SSP system too
-    """
-    return _packed(models, folder, partial(vehicle_fmus.build.build, ssp=ssp))
-
-
-def _packed(
+def build_models(
     models: Sequence[str],
     folder: Path,
-    pack: Callable[..., list[Path]],
+    pack: Callable[..., list[Path]] | None = None,
     settings: Sequence[str] = (),
 ) -> list[Path]:
     """Pack models and scenes, or all models; a scene under its own name, with its parameters.
 
+    Each has a reference result beside it.
+
     Parameters
     ----------
+    pack : packs models into a folder; by default as FMUs that run Python
     settings : start values, as `name=value`; each is for the models that have such a parameter
-
-    Raises
-    ------
-    InputError : if there is no such model, parameter or platform, or the folder cannot be written to.
-    RunError : if an FMU could not be packed, or the disk is full.
     """
+    pack = pack or vehicle_fmus.build.build
     names = list(dict.fromkeys(models)) or list(FILES)
     scenes = _scenes_among(names)
     try:
@@ -175,12 +161,7 @@ def _packed(
 
 
 def _scenes_among(names: Iterable[str]) -> list[Scene]:
-    """Return the scenes among models and scenes.
-
-    Raises
-    ------
-    InputError : if there is no such scene, or two FMUs would have the same name.
-    """
+    """Return the scenes among models and scenes."""
     known = (*FILES, *case_names())
     for name in names:
         if name not in known and Path(name).suffix not in SCENE_FILES:
@@ -201,12 +182,7 @@ def _scenes_among(names: Iterable[str]) -> list[Scene]:
 
 
 def _own_system(scene: Scene) -> dict[str, Path]:
-    """Return the file of a scene's system, by the name of the system, if it has one.
-
-    Raises
-    ------
-    InputError : if its model is not from this package.
-    """
+    """Return the file of a scene's system, by the name of the system, if it has one."""
     fmu = scene.fmu
     if not fmu.is_ours or fmu.path is not None:
         raise InputError(

@@ -162,32 +162,25 @@ def measure(
     Parameters
     ----------
     repeats : number of timings of each run
-    progress : called with the fraction done, 0 to 1
 
     Returns
     -------
     A point for each setting, up to the first at rounding error; settings finer than one that was too
     slow are failures.
     """
-    with silenced() if any(s.family == "peer" for s in compared) else nullcontext():
-        return _measured(problem, compared, repeats, progress)
-
-
-def _measured(
-    problem: Problem, compared: Sequence[Solver], repeats: int, progress: Progress
-) -> list[Point]:
     bench = Workbench(problem, truth(problem))
     points: list[Point] = []
     timed: list[_Timed] = []
-    for k, solver in enumerate(compared):
-        for found in _tried(bench, solver):
-            (timed if isinstance(found, _Timed) else points).append(found)  # type: ignore[arg-type]
-        progress(0.7 * (k + 1) / len(compared))
-    for k in range(repeats):
-        for one in timed:
-            if one.spent < _LONG_ENOUGH:
-                one.again()
-        progress(0.7 + 0.3 * (k + 1) / repeats)
+    with silenced() if any(s.family == "peer" for s in compared) else nullcontext():
+        for k, solver in enumerate(compared):
+            for found in _tried(bench, solver):
+                (timed if isinstance(found, _Timed) else points).append(found)  # type: ignore[arg-type]
+            progress(0.7 * (k + 1) / len(compared))
+        for k in range(repeats):
+            for one in timed:
+                if one.spent < _LONG_ENOUGH:
+                    one.again()
+            progress(0.7 + 0.3 * (k + 1) / repeats)
     points += [one.point(one.seconds) for one in timed]
     order = {(solver.name, solver.family): k for k, solver in enumerate(compared)}
     return sorted(points, key=lambda p: (order[p.solver, p.family], -p.value))
