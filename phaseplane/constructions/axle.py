@@ -26,7 +26,6 @@ from phaseplane.constructions.laws import (
     Jumps,
     Strut,
     check,
-    check_contact,
 )
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.primitives import Curve, Plane
@@ -35,6 +34,7 @@ from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import StoredFrames
 from phaseplane.suspension.characteristics import Characteristic, linear
 from phaseplane.suspension.roads import Signal
+from phaseplane.suspension.systems import CONTACTS
 
 _WINDOWS = 8  # for which the excitation is kept: a step asks several times for each of its own
 
@@ -90,7 +90,6 @@ class AxleData:
     auxiliary_levels: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        """Check the parameters."""
         stiffness = ("tyre_stiffness",) if self.tyre is None else ()
         check(
             self,
@@ -194,7 +193,7 @@ class Axle:
         plane = plane_at(
             f"{self.prefix}suspension_deflection", n, omega, origin, place.sense, scale, self.foot
         )
-        guards = (_scaled_velocity,) if self.data.friction else ()
+        guards = (lambda y_bar, _y: y_bar,) if self.data.friction else ()
         return Lienard.of_strut(
             plane, self.strut, self.data.auxiliary_levels, self.data.friction, guards
         )
@@ -444,9 +443,9 @@ class AxlePlanes(Construction):
     plane_distance: float = 0.25
 
     def __post_init__(self) -> None:
-        """Check the parameters."""
         check(self, positive=("plane_distance", "plane_scales"))
-        check_contact(self.contact)
+        if self.contact not in CONTACTS:
+            raise ValueError(f"contact = {self.contact!r}: must be one of {', '.join(CONTACTS)}")
         _ = [(axle.strut, axle.tyre) for axle in self.axles]
 
     @property
@@ -545,7 +544,3 @@ class AxlePlanes(Construction):
         for axle, flies, by_force in zip(self.axles, self.flying(mode), by_forces, strict=True):
             read |= axle.readings(flies, points, time, by_force, before)
         return read
-
-
-def _scaled_velocity(y_bar: float, _y: float) -> float:
-    return y_bar

@@ -27,7 +27,6 @@ class BodyMasses:
     coupling_mass: float
 
     def __post_init__(self) -> None:
-        """Check the masses."""
         check(self, positive=("front_mass", "rear_mass"), finite=("coupling_mass",))
         if not self.determinant > 0.0:
             raise ValueError(

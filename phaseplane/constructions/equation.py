@@ -60,7 +60,6 @@ class EquationPlane(SwitchedPlane):
     unit: str = ""
 
     def __post_init__(self) -> None:
-        """Check the parameters."""
         check(
             self,
             positive=("angular_frequency", "scale"),

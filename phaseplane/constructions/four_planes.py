@@ -58,7 +58,6 @@ class HalfCarPlanes(AxlePlanes):
     title: ClassVar[str] = "Half car in four phase planes"
 
     def __post_init__(self) -> None:
-        """Check the parameters."""
         super().__post_init__()
         if self.front.friction or self.rear.friction:
             raise ValueError("a strut with dry friction is constructed with one axle only")

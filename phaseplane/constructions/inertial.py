@@ -111,7 +111,6 @@ class HalfCarRigidTyresPlanes(Construction):
     schemes: ClassVar[Mapping[str, Scheme]] = {CONTACT: _SCHEME}
 
     def __post_init__(self) -> None:
-        """Check the parameters."""
         check(
             self,
             positive=("plane_distance", "plane_scales"),

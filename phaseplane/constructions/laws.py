@@ -9,7 +9,6 @@ from math import copysign, isfinite
 
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.roads import Segment, Signal, constant
-from phaseplane.suspension.systems import CONTACTS
 
 _WAYS = 64  # parts of a jump, over which a damper that depends on the deflection is averaged
 _ROUNDING = 1e-9  # of the terms of a road's velocity: smaller differences are ignored
@@ -42,7 +41,6 @@ class Strut:
     damper: Damper
 
     def __post_init__(self) -> None:
-        """Check the laws."""
         spring, damper = self.spring, self.damper
         if not isinstance(spring, Characteristic):
             raise ValueError(f"spring = {spring!r}: must be a Characteristic")
@@ -139,17 +137,6 @@ def check(
             for part, x in zip(parts, pair, strict=True):
                 if not (isfinite(x) and fits(x)):
                     raise ValueError(f"{part}{name} = {x!r}: must be finite{words}")
-
-
-def check_contact(rule: str) -> None:
-    """Refuse an unknown contact rule.
-
-    Raises
-    ------
-    ValueError : if the rule is neither `gap` nor `force`.
-    """
-    if rule not in CONTACTS:
-        raise ValueError(f"contact = {rule!r}: must be one of {', '.join(CONTACTS)}")
 
 
 def _rate_terms(segment: Segment, t: float) -> float:

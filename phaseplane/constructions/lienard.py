@@ -6,7 +6,6 @@ from bisect import bisect_right
 from cmath import isfinite
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import pairwise
 from math import ceil, copysign, floor
 
@@ -110,7 +109,10 @@ class Lienard:
         # off the grid, since many guards vanish at y-bar = 0, which is on it
         places = [height + 1e3 * beside for height in heights]
         for guard in self.guards:
-            course = partial(_along, guard, y)
+
+            def course(y_bar: float, guard: Epsilon = guard) -> float:
+                return guard(y_bar, y)
+
             values = [course(place) for place in places]
             for i, (low, high) in enumerate(pairwise(places)):
                 if values[i] * values[i + 1] < 0.0:
@@ -185,10 +187,6 @@ class Lienard:
         return tuple(
             Curve("auxiliary", vertices, " and ".join(labels)) for vertices, labels in found
         )
-
-
-def _along(guard: Epsilon, y: float, y_bar: float) -> float:
-    return guard(y_bar, y)
 
 
 def _same(one: Sequence[complex], other: Sequence[complex], tiny: float) -> bool:

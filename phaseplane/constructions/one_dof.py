@@ -64,7 +64,6 @@ class OneDofPlane(SwitchedPlane):
     protractor: ClassVar[complex] = complex(-0.1, -0.12)
 
     def __post_init__(self) -> None:
-        """Check the parameters."""
         check(
             self,
             positive=("mass", "scale"),

@@ -52,7 +52,6 @@ class QuarterCarPlanes(AxlePlanes):
     title: ClassVar[str] = "Quarter car in two phase planes"
 
     def __post_init__(self) -> None:
-        """Check the parameters."""
         check(self, positive=("sprung_mass",))
         super().__post_init__()
 

@@ -76,7 +76,6 @@ class ElastoplasticPlane(OnePlane):
     }
 
     def __post_init__(self) -> None:
-        """Check the parameters."""
         check(
             self,
             positive=("mass", "spring_rate", "yield_force", "scale"),

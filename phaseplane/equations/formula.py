@@ -90,7 +90,6 @@ class Formula:
     section: str = "parameters"
 
     def __post_init__(self) -> None:
-        """Read the text."""
         for name in self.parameters:
             check_name(name)
         self._check_widths()

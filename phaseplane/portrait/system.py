@@ -124,7 +124,6 @@ class Window:
     top: float
 
     def __post_init__(self) -> None:
-        """Check the sides."""
         most = _LARGEST
         if not (-most < self.left < self.right < most and -most < self.bottom < self.top < most):
             raise ValueError(

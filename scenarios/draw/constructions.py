@@ -18,15 +18,12 @@ from ..errors import DrawingError, InputError, blaming
 from .planes import planes_of
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
     from phaseplane.constructions import Construction
     from phaseplane.constructions.primitives import Drawing
 
+    from ..columns import Columns
     from ..scene.schema import Scene
 
-    Columns = Mapping[str, npt.NDArray[np.float64]]
     ReadAt = Callable[[Sequence[float], Sequence[str]], Columns]
 
 _SPARSE = 0.5  # of the distance between planes: motions that need less are too small to be seen

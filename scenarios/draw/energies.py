@@ -6,17 +6,15 @@ from collections.abc import Mapping, Sequence
 from math import nan
 
 import numpy as np
-import numpy.typing as npt
 from phaseplane.suspension.variables import Value, outputs
 
+from ..columns import Column
 from ..measures.solution import stepped
-
-Reals = npt.NDArray[np.float64]
 
 
 def energies(
-    model: str, parameters: Mapping[str, Value], times: Sequence[float] | Reals
-) -> dict[str, Reals]:
+    model: str, parameters: Mapping[str, Value], times: Sequence[float] | Column
+) -> dict[str, Column]:
     """Return the energies at the times of a run by name, J; NaN once the run has failed.
 
     Work is listed by road and force only if several do any.

@@ -22,12 +22,10 @@ from ..scene.sections import FIGURES
 from .recording_content import of_results
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
     from phaseplane.constructions.primitives import Drawing
     from phaseplane.figures.style import Figure
 
+    from ..columns import Column
     from ..results.folder import Results
     from ..scene.schema import Scene
 
@@ -171,7 +169,7 @@ def _by_starts(results: Results) -> dict[str, dict[str, tuple[Any, Any]]]:
     return found
 
 
-def histories(results: Results, axle: str = "") -> dict[str, npt.NDArray[np.float64]]:
+def histories(results: Results, axle: str = "") -> dict[str, Column]:
     """Return the columns under their names in pictures and recordings; those of one axle, if given."""
     renamed = {"ground_elevation": "road_elevation", "ground_velocity": "road_velocity"}
     own = {

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from phaseplane.suspension.models import build
 from phaseplane.suspension.variables import MODELS, Value
 
@@ -17,16 +16,15 @@ from phaseplane.picture.quantities import rate_of
 from .. import draw
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
     from phaseplane.suspension.systems import Axle, System
 
     from phaseplane.constructions.primitives import Drawing
     from phaseplane.recording import Content, Vehicle
 
+    from ..columns import Column, Columns
     from ..results.folder import Results
     from ..scene.schema import Scene
 
-    Columns = Mapping[str, npt.NDArray[np.float64]]
 
 # The displacements whose phase planes are drawn by default: the first group that exists.
 _PLANES = (
@@ -90,7 +88,7 @@ def content(
     )
 
 
-def readings(drawing: Drawing) -> dict[str, npt.NDArray[np.float64]]:
+def readings(drawing: Drawing) -> dict[str, Column]:
     """Return the readings of a construction up to its end, except those that check it, and its switches.
 
     Without the rates of its planes: with them, they would be drawn as the motion of a run.

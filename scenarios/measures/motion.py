@@ -15,7 +15,7 @@ from phaseplane.suspension.variables import Variable
 from .reading import Measure, Reading, Run, late
 
 if TYPE_CHECKING:
-    from .reading import Column
+    from ..columns import Column
 
 _ROUNDING = 1e-12  # of the largest magnitude
 _STARTED = re.compile(r"start(\d+)_(\w+)")  # of an equation with several starts

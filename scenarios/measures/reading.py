@@ -14,8 +14,8 @@ from phaseplane.suspension.variables import Value
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    Column = npt.NDArray[np.float64]
-    Columns = Mapping[str, Column]
+    from ..columns import Column, Columns
+
 
 COUNT = "count"  # the unit of counts
 

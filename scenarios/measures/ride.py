@@ -20,7 +20,7 @@ from phaseplane.suspension.variables import Variable
 from .reading import Measure, Reading, Run
 
 if TYPE_CHECKING:
-    from .reading import Column
+    from ..columns import Column
 
 _SOURCE = "ISO 2631-1:1997"
 LONGEST_INTERVAL = 2e-3  # s, between points of the weighted acceleration

@@ -21,7 +21,7 @@ from phaseplane.suspension.variables import Variable
 from .reading import Measure, Reading, Run
 
 if TYPE_CHECKING:
-    from .reading import Column
+    from ..columns import Column
 
 _SPEED = 80.0 / 3.6  # m/s
 _FOOTPRINT = 0.25  # m

@@ -19,10 +19,9 @@ from phaseplane.suspension.batch import Outcome, outputs_at_end, outputs_over_ti
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.variables import Value
 
+from ..columns import Column, Columns
 from .reading import Measure, late
 
-Column = npt.NDArray[np.float64]
-Columns = Mapping[str, Column]
 GoingOn = Callable[[float], bool]
 
 INTERVAL = 1e-3  # s, at most between two times

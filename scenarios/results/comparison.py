@@ -13,8 +13,8 @@ from phaseplane.suspension.units import counted
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    Column = npt.NDArray[np.float64]
-    Columns = Mapping[str, Column]
+    from ..columns import Column, Columns
+
 
 _ROUNDING = 1e-6  # of the longer run's duration: instants this close are the same
 _MOST_NAMED = 3

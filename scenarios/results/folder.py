@@ -22,8 +22,7 @@ from .plain import as_json
 from .tables import read_table, write_table
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
+    from ..columns import Columns
 
 OUTPUT = Path("out")
 """The folder of results unless the user names one."""
@@ -105,7 +104,7 @@ class Results:
     summary : plain data: the scene, its measures, and whether the run reached its end
     """
 
-    columns: Mapping[str, npt.NDArray[np.float64]]
+    columns: Columns
     summary: Mapping[str, Any]
 
     @property

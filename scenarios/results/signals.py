@@ -22,7 +22,7 @@ from ..toml_files import in_si
 from .tables import read_table
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
+    from ..columns import Column
 
 KEYS = {
     "file": ("string", "CSV file, or a table of results"),
@@ -48,7 +48,7 @@ MEASURED: dict[str, Any] = {
 
 def read_signals(
     said: Mapping[str, Any], folder: Path, known: Mapping[str, str]
-) -> dict[str, npt.NDArray[np.float64]]:
+) -> dict[str, Column]:
     """Return `time` and measured columns by the names of the outputs they are of, in SI.
 
     Parameters
@@ -105,7 +105,7 @@ def read_signals(
 
 def signals_in(
     path: Path, content: Mapping[str, Any], known: Mapping[str, str]
-) -> dict[str, npt.NDArray[np.float64]]:
+) -> dict[str, Column]:
     """Return the signals that the table [measured] of a TOML file describes, as `read_signals`.
 
     Parameters
@@ -123,7 +123,7 @@ def signals_in(
 def _from_table(
     path: Path, heading: str, tables: Mapping[str, Mapping[str, Any]], shift: float,
     known: Mapping[str, str],
-) -> dict[str, npt.NDArray[np.float64]]:  # fmt: skip
+) -> dict[str, Column]:  # fmt: skip
     """Return the columns of a table of results, whose units are SI."""
     found, _ = read_table(path)
     columns = tables["columns"] or {

@@ -22,10 +22,9 @@ from phaseplane.suspension.units import nearest
 from ..errors import InputError
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
+    from ..columns import Column, Columns
 
-    Columns = Mapping[str, npt.NDArray[np.float64]]
-    Table = tuple[dict[str, npt.NDArray[np.float64]], dict[str, Any]]
+    Table = tuple[dict[str, Column], dict[str, Any]]
 
 _NUMERIC = re.compile(r"[-+]?(\d|\.\d|nan|inf)", re.IGNORECASE)
 _AT_ONCE = 1000  # rows of a CSV
@@ -86,7 +85,7 @@ def check_ending(path: Path) -> None:
             raise InputError(f"{path}: HDF5 needs h5py: pip install 'phaseplane[hdf5]'") from None
 
 
-def _numbers(column: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def _numbers(column: Column) -> Column:
     return column.astype(int) if column.dtype == bool else column
 
 
@@ -101,7 +100,7 @@ def _write_csv(columns: Columns, _metadata: str, path: Path) -> None:
             table.writelines(",".join(map(repr, row)) + "\n" for row in zip(*part, strict=True))
 
 
-def _read_csv(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
+def _read_csv(path: Path) -> tuple[dict[str, Column], str]:
     with path.open(encoding=encoding_of(path), newline="") as table:
         lines = table.readlines()
     names = [name.strip() for name in next(csv.reader(lines[:1]), [])]
@@ -139,7 +138,7 @@ def _write_parquet(columns: Columns, metadata: str, path: Path) -> None:
     parquet.write_table(table.replace_schema_metadata({_METADATA: metadata}), path)
 
 
-def _read_parquet(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
+def _read_parquet(path: Path) -> tuple[dict[str, Column], str]:
     from pyarrow import parquet  # noqa: PLC0415  (heavy)
 
     table = parquet.read_table(path)
@@ -156,7 +155,7 @@ def _write_hdf5(columns: Columns, metadata: str, path: Path) -> None:
             file.create_dataset(name, data=column, compression="gzip")
 
 
-def _read_hdf5(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
+def _read_hdf5(path: Path) -> tuple[dict[str, Column], str]:
     import h5py  # noqa: PLC0415  (heavy)
 
     with h5py.File(path, "r") as file:
@@ -180,7 +179,7 @@ def _write_mat(columns: Columns, metadata: str, path: Path) -> None:
     savemat(path, content, long_field_names=True, do_compression=True)
 
 
-def _read_mat(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
+def _read_mat(path: Path) -> tuple[dict[str, Column], str]:
     from scipy.io import loadmat  # noqa: PLC0415  (heavy)
 
     content = loadmat(path)
@@ -195,7 +194,7 @@ def _read_mat(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
 
 
 _Write = Callable[["Columns", str, Path], None]
-_Read = Callable[[Path], "tuple[dict[str, npt.NDArray[np.float64]], str]"]
+_Read = Callable[[Path], "tuple[dict[str, Column], str]"]
 _FORMS: dict[str, tuple[_Write, _Read]] = {
     ".csv": (_write_csv, _read_csv),
     ".parquet": (_write_parquet, _read_parquet),

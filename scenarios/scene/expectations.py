@@ -27,8 +27,7 @@ from .fields import (
 )
 
 if TYPE_CHECKING:
-    from ..measures.reading import Column
-    from ..results.tables import Columns
+    from ..columns import Column, Columns
 
 _TOLERANCE = 1e-6
 _COMMON = "set common = true to compare only the rows, times and columns that both have"

@@ -30,7 +30,8 @@ from .table_files import with_files
 if TYPE_CHECKING:
     from phaseplane.suspension.variable import Variable
 
-    from ..results.tables import Columns
+    from ..columns import Columns
+
 
 _Value = TypeVar("_Value")
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from phaseplane.suspension.acting import Idle
     from phaseplane.suspension.variables import Value
 
-    from ..results.tables import Columns
+    from ..columns import Columns
     from .controller import Controller
     from .expectations import Bounds, During, Reference
     from .fmus import Fmu

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from phaseplane.suspension.session import Session, SimulationError
 
-from ..measures.solution import Column
+from ..columns import Column
 from ..scene.controller import Controller
 
 if TYPE_CHECKING:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
-Columns = dict[str, npt.NDArray[np.float64]]
+from ..columns import Columns
 
 
 class RowsSoFar(Protocol):
@@ -45,7 +44,7 @@ class Drive:
 class Passed:
     """The rows of a run that is done, up to the time that has passed since it was begun."""
 
-    def __init__(self, columns: Mapping[str, npt.NDArray[np.float64]]) -> None:
+    def __init__(self, columns: Columns) -> None:
         self.names = list(columns)
         self._table = np.column_stack([np.asarray(column, float) for column in columns.values()])
         self.count = 0

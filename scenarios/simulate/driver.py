@@ -23,7 +23,7 @@ from phaseplane.vehicle_fmus.wrapper import mend_unpacked
 from ..errors import InputError, RunError, one_line
 from ..progress import Progress, silent
 from ..scene.fmus import Fmu
-from .drive import INTERRUPTED, Columns, Drive, Watch
+from .drive import INTERRUPTED, Drive, Watch
 from .fmu_cache import cached_fmu, is_plain
 from .interrupts import wait_until
 from .sharing import share_modules
@@ -32,6 +32,7 @@ from .stepping import Rows, initialise, integrate, is_fmi3, most_rows, step_thro
 if TYPE_CHECKING:
     from fmpy.model_description import ModelDescription
 
+    from ..columns import Columns
     from ..scene.schema import Scene
 
 
@@ -274,4 +275,4 @@ def _columns(columns: Columns, complaint: str) -> Columns:
             complaint or f"outputs are not finite at the start: {', '.join(unfit) or 'ok is false'}"
         )
         raise RunError(f"the run could not start: {why}")
-    return columns | {name: column[:rows] for name, column in over_time.items()}
+    return {**columns, **{name: column[:rows] for name, column in over_time.items()}}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,11 +15,9 @@ from ..measures.solution import Solution, apart, instants, refinement, simulated
 from ..scene.equation import EQUATION
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
+    from ..columns import Columns
     from ..scene.schema import Scene
 
-    Columns = Mapping[str, npt.NDArray[np.float64]]
 
 _AGREES = 1e-6  # of their peaks: largest difference between rows and solution
 

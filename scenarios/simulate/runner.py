@@ -17,10 +17,10 @@ from phaseplane.suspension.roads import extent
 from phaseplane.suspension.session import Session, SimulationError
 
 from .. import simulate
+from ..columns import Column, Columns
 from ..errors import InputError, RunError, one_line
 from ..measures import catalogue, outputs_needed
 from ..measures.solution import (
-    Column,
     Solution,
     instants,
     refinement,
@@ -40,7 +40,6 @@ from .versions import versions
 
 if TYPE_CHECKING:
     from ..scene.schema import Scene
-    from .drive import Columns
     from .driver import OpenFmu
 
 

@@ -7,11 +7,11 @@ from functools import partial
 from time import perf_counter
 
 import numpy as np
-import numpy.typing as npt
 from phaseplane.suspension.variables import Value
 
 from phaseplane.equations import motion
 
+from ..columns import Column
 from ..progress import Progress, silent
 from ..scene.equation import formula_of
 from .drive import INTERRUPTED
@@ -19,12 +19,12 @@ from .drive import INTERRUPTED
 
 def solve(
     parameters: Mapping[str, Value],
-    times: npt.NDArray[np.float64],
+    times: Column,
     *,
     starts: Sequence[tuple[float, float]] = (),
     progress: Progress = silent,
     interrupted: Callable[[], int] = lambda: 0,
-) -> tuple[dict[str, npt.NDArray[np.float64]], float, str]:
+) -> tuple[dict[str, Column], float, str]:
     """Return the motion at the given times, to ten digits, followed through the switches of f.
 
     Parameters
@@ -50,7 +50,7 @@ def solve(
         progress((number + part) / len(starts))
         return number > 0 or not interrupted()
 
-    columns: dict[str, npt.NDArray[np.float64]] = {}
+    columns: dict[str, Column] = {}
     rows, complaint = len(times), ""
     for number, start in enumerate(starts):
         # after an interrupt, the others still follow up to where the first has come

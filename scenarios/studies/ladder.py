@@ -26,12 +26,11 @@ from ..results.comparison import compared
 from ..results.report import aligned
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
     from phaseplane.suspension.systems import System
 
+    from ..columns import Column, Columns
     from ..scene.schema import Scene
 
-    Columns = dict[str, npt.NDArray[np.float64]]
 
 _REPEATS = 3
 # Compared unless the scene names its outputs: the motion of the body, and the suspension.
@@ -306,7 +305,7 @@ def _run(rung: Rung, scene: Scene, names: Sequence[str]) -> tuple[Columns, float
     """Return the outputs of a rung under the scene's names, and its shortest run time, s."""
     interval = scene.show.output_interval
     time = instants(scene.duration, interval, refinement(scene.duration, interval))
-    columns: Columns = {"time": time}
+    columns: dict[str, Column] = {"time": time}
     best = 0.0
     for part in rung.parts:
         own = {

@@ -23,13 +23,11 @@ from ..errors import InputError, one_line
 from ..scene.equation import EQUATION
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Sequence
 
-    import numpy.typing as npt
-
+    from ..columns import Column, Columns
     from ..scene.schema import Scene
 
-    Columns = Mapping[str, npt.NDArray[np.float64]]
 
 _TOLERANCE = 1e-12  # of the integrator for the exact motion
 _HALVINGS = 2
@@ -66,7 +64,7 @@ class RuleResult:
 class _Motion:
     """Displacements by name at the ends of steps, with the number of steps and the time."""
 
-    times: npt.NDArray[np.float64]
+    times: Column
     columns: Columns
     steps: int
     seconds: float
@@ -154,7 +152,7 @@ def _errors(scene: Scene, motion: _Motion) -> dict[str, float]:
 
 def _simulated(
     scene: Scene,
-    times: npt.NDArray[np.float64],
+    times: Column,
     names: Sequence[str],
     method: str = "extrapolated",
     step: float = 0.0,
