@@ -58,6 +58,17 @@ def test_a_fit_finds_the_parameters_within_its_confidence(noise):
     assert found.summary["samples"] == 301
 
 
+@pytest.mark.parametrize("control", ["", 'actuator_force = "-500 * body_velocity"'])
+def test_parameters_that_the_model_refuses_are_failed_runs(control):
+    """A spring that softens carries no large preload; at the true values there is neither."""
+    written(f"{CAR}\n[controller]\n{control}" if control else CAR, "car.toml")
+    phaseplane.run("car.toml", duration=0.2, outputs=["body_displacement"]).write("rig")
+    softer = "spring.cubic = { from = -1e7, to = 1e6 }\nspring.preload = { from = 0, to = 1000 }"
+    task = study(f'[vary]\n{softer}\n[measured]\nfile = "rig/results.csv"\n[search]\nstarts = 4\n')
+    found = phaseplane.fit_parameters(task)
+    assert abs(found.values["spring.cubic"]) < 1.0
+
+
 def test_intervals_are_those_of_each_signals_own_noise():
     """An exact signal that depends on no parameter tells nothing of them."""
     measured(0.02)
