@@ -140,12 +140,12 @@ def plain(equations: Equations) -> tuple[Rates, Margin | None]:
 
     def rhs(t: float, y: Vector, p: Vector) -> Vector:
         dy = [0.0] * size
-        functions["rhs"](t, y.tolist(), dy, p)
+        functions["rhs"](t, y.tolist(), dy, p.tolist())
         return np.array(dy)
 
     def margin(t: float, y: Vector, p: Vector) -> float:
         g = [0.0] * guards
-        functions["guards"](t, y.tolist(), g, p)
+        functions["guards"](t, y.tolist(), g, p.tolist())
         return min(g)
 
     return rhs, margin if guards else None
