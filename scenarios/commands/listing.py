@@ -7,6 +7,7 @@ from phaseplane.suspension.models import ALL, FILES
 from phaseplane.suspension.variables import Variable
 
 from ..results.plain import as_json
+from ..results.quantities import with_unit
 from ..scene.fmus import Fmu, described
 from ..scene.layers import case_titles
 from ..scene.names import sweep_titles
@@ -54,4 +55,4 @@ def _list_parameters(fmu: Fmu, as_data: bool) -> None:
         click.echo(words)
         for v in listed:
             value = f"{v.start:g}" if isinstance(v.start, float) else str(v.start) or "none"
-            click.echo(f"  {v.name:<{width}}  {value} {'' if v.unit == '1' else v.unit}".rstrip())
+            click.echo(f"  {v.name:<{width}}  {with_unit(value, v.unit)}")

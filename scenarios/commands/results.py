@@ -18,6 +18,7 @@ from ..results.inspection import (
     first_difference,
     format_contents,
     format_difference,
+    results_in,
     timed,
 )
 from ..results.plain import as_json
@@ -68,9 +69,10 @@ def show(
     check_recording(save)
     if plane and not (figure or save):
         raise InputError("--plane needs a file to write: --figure F.png or --save F.rrd")
-    data = contents(paths[0], columns, figure, plane, paths[1:])
+    results = results_in(paths[0])
+    data = contents(results, paths[0], columns, figure, plane, paths[1:])
     if save is not None:
-        found, units = timed(paths[0], columns, plane)
+        found, units = timed(results, paths[0], columns, plane)
         title = str(data["summary"].get("title") or paths[0].name)
         recording.record(draw.recording_content.of_table(title, found, units, plane), save)
         data["files"] = [*data.get("files", []), str(save)]

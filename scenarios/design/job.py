@@ -23,7 +23,7 @@ from ..errors import InputError, NoResultError, one_line
 from ..measures import catalogue, has_sign
 from ..progress import Progress, silent
 from ..results.folder import Place, replace_folder, write_summary
-from ..results.quantities import quantity, shown_in
+from ..results.quantities import quantity, shown_in, with_unit
 from ..results.report import UNCOMPILED, aligned
 from ..results.tables import write_table
 from ..scene.expectations import Bounds
@@ -187,7 +187,7 @@ def _scene(space: Space, values: Mapping[str, float], folder: Path) -> str:
 
 def _value(space: Space, k: int, value: float) -> str:
     unit, size = space.plan.shown[k]
-    return f"{value / size:.5g} {unit if unit != '1' else ''}".rstrip()
+    return with_unit(f"{value / size:.5g}", unit)
 
 
 # -- optimum ---------------------------------------------------------------------------------------
@@ -330,7 +330,7 @@ def _format_fit(found: Fit) -> list[str]:
     rows: list[tuple[str, ...]] = [("parameter", "before", "fitted", "within (95 %)")]
     for k, key in enumerate(space.plan.keys):
         unit, size = space.plan.shown[k]
-        within = f"+- {found.errors[k] / size:.2g} {unit if unit != '1' else ''}".rstrip()
+        within = with_unit(f"+- {found.errors[k] / size:.2g}", unit)
         values = (_value(space, k, float(x)) for x in (given[key], found.values[k]))
         rows.append((key, *values, within if isfinite(found.errors[k]) else "not known"))
     left = [("signal", "difference left")]

@@ -28,6 +28,7 @@ _MOST_COMPARED = 6  # columns in the picture of a comparison
 
 
 def contents(
+    results: Results,
     what: Path,
     names: Sequence[str] = (),
     figure: FigureFile | None = None,
@@ -38,7 +39,7 @@ def contents(
 
     Parameters
     ----------
-    what : results folder, or a single table
+    what : the folder or the table that they are from
     names : columns to list and draw; all if empty
     figure : picture to write, of the columns over time
     plane : two columns that the picture shows one over the other instead, the abscissa first
@@ -48,7 +49,6 @@ def contents(
     ------
     InputError : if there are no results or no such column.
     """
-    results = results_in(what)
     columns = _chosen(results, names, what)
     units = results.summary.get("units", {})
     if not isinstance(units, Mapping):
@@ -250,7 +250,7 @@ def first_difference(data: Mapping[str, Any]) -> str:
 
 
 def timed(
-    path: Path, names: Sequence[str], plane: tuple[str, str] | None
+    results: Results, path: Path, names: Sequence[str], plane: tuple[str, str] | None
 ) -> tuple[dict[str, Any], dict[str, str]]:
     """Return `time` and the chosen columns of results with their units; all columns if none is chosen.
 
@@ -258,7 +258,6 @@ def timed(
     ------
     InputError : as `contents`, and if there is no column `time`.
     """
-    results = results_in(path)
     columns = {"time": _time(results, path, "a recording needs one")}
     columns |= _chosen(results, names, path) | (_chosen(results, plane, path) if plane else {})
     units = results.summary.get("units", {})

@@ -20,6 +20,11 @@ def shown_in(unit: str) -> tuple[str, float]:
     return ("", 1.0) if unit in _NO_UNITS else _SHOWN_IN.get(unit, (unit, 1.0))
 
 
+def with_unit(text: str, unit: str) -> str:
+    """Return a number that has been written, with its unit if it has one."""
+    return text if unit in _NO_UNITS else f"{text} {unit}"
+
+
 def number(value: float) -> str:
     """Return a number with at least four significant digits and three decimals; rounding errors as 0."""
     if isinstance(value, int):
@@ -44,7 +49,7 @@ def quantity(value: object, unit: str) -> str:
         return ", ".join(quantity(one, unit) for one in value) or "none"
     if not isinstance(value, float) or (unit == "count" and value.is_integer()):
         return f"{value:.0f}" if isinstance(value, float) else str(value)
-    return f"{number(factor * value)} {shown}".rstrip()
+    return with_unit(number(factor * value), shown)
 
 
 def reading(measured: Mapping[str, Any], width: int = 0, units: int = 0) -> str:

@@ -14,6 +14,7 @@ from phaseplane.suspension.variables import ParameterError, Value, refuse_unknow
 from .. import results
 from ..errors import InputError, SystemFileError, shown
 from ..measures import catalogue
+from ..results.quantities import with_unit
 from ..results.signals import KEYS as SIGNAL_KEYS
 from ..results.signals import read_signals
 from ..results.tables import read_table as read_columns
@@ -161,7 +162,7 @@ def _parameter(fmu: Fmu, name: str, raw: object, declared: Mapping[str, Variable
         refuse_unknown([name], declared, f"{fmu.model} has no parameter")
         value = declared[name].checked(raw)
         if name in fmu.fixed and value != declared[name].start:
-            now, start = (_with_unit(v, declared[name].unit) for v in (value, declared[name].start))
+            now, start = (_written(v, declared[name].unit) for v in (value, declared[name].start))
             packed = "without one" if declared[name].start == "" else f"for {start}"
             raise ParameterError(
                 f"{name} = {now}: this FMU was packed {packed}, and its structure depends on it; "
@@ -175,10 +176,10 @@ def _parameter(fmu: Fmu, name: str, raw: object, declared: Mapping[str, Variable
     raise RefusedError(f"parameters.{name}", why)
 
 
-def _with_unit(value: Value, unit: str) -> str:
+def _written(value: Value, unit: str) -> str:
     if isinstance(value, bool | str):
         return str(value).lower() if isinstance(value, bool) else shown(value)
-    return f"{value:g} {'' if unit == '1' else unit}".rstrip()
+    return with_unit(f"{value:g}", unit)
 
 
 def _bounds(fmu: Fmu, given: Mapping[str, Any]) -> dict[str, Bounds | tuple[Bounds, ...]]:

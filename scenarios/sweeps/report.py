@@ -11,7 +11,7 @@ from phaseplane.suspension.variables import Value
 
 from ..errors import InputError, blaming, shown
 from ..measures import catalogue, has_sign
-from ..results.quantities import quantity
+from ..results.quantities import quantity, with_unit
 from ..results.report import UNCOMPILED, aligned
 from .plan import Plan
 from .running import Row
@@ -153,7 +153,7 @@ def _where(plan: Plan, run: int) -> str:
     parts = []
     for key, (unit, size), value in zip(plan.keys, plan.shown, plan.points[run], strict=True):
         number = f"{value / size:.4g}" if isinstance(value, float) else _as_given(value)
-        parts.append(f"{key} = {number}{f' {unit}' if unit not in ('', '1') else ''}")
+        parts.append(f"{key} = {with_unit(number, unit)}")
     return ", ".join(parts)
 
 
