@@ -27,6 +27,7 @@ from .reference import largest_error, truth
 from .workbench import Run, UnableError, Workbench, silenced, timed
 
 Family = Literal["incremental", "FMU", "construction", "peer"]
+Knob = Literal["tolerance", "step"]
 
 REPEATS = 7
 _TOLERANCES = tuple(10.0**-k for k in range(1, 13))
@@ -56,7 +57,7 @@ class Solver:
 
     name: str
     family: Family
-    knob: Literal["tolerance", "step"]
+    knob: Knob
     values: tuple[float, ...]
     prepare: Callable[[Workbench, float], Run]
     needs: tuple[str, ...] = ()
@@ -94,22 +95,18 @@ def solvers(*, with_peers: bool) -> tuple[Solver, ...]:
 
 
 def _project() -> Iterator[Solver]:
-    def by_default(bench: Workbench, value: float) -> Run:
-        return project_solvers.in_process(bench, method="extrapolated", tolerance=value)
+    def incremental(name: str, knob: Knob, values: tuple[float, ...], **options: Any) -> Solver:
+        return Solver(
+            name, "incremental", knob, values,
+            lambda bench, value: project_solvers.in_process(bench, **options, **{knob: value}),
+        )  # fmt: skip
 
-    def stepping(method: str, **options: Any) -> Callable[[Workbench, float], Run]:
-        return lambda bench, value: project_solvers.in_process(
-            bench, method=method, step=value, **options
-        )
-
-    yield Solver("extrapolated", "incremental", "tolerance", _TOLERANCES, by_default)
+    yield incremental("extrapolated", "tolerance", _TOLERANCES)
     for order in (4, 6, 8):
-        name = f"extrapolated, order {order}"
-        prepare = stepping("extrapolated", order=order)
-        yield Solver(name, "incremental", "step", _FRACTIONS, prepare)
+        yield incremental(f"extrapolated, order {order}", "step", _FRACTIONS, order=order)
     for method in METHODS:
         if method != "extrapolated":
-            yield Solver(method, "incremental", "step", _FRACTIONS, stepping(method))
+            yield incremental(method, "step", _FRACTIONS, method=method)
     yield Solver("extrapolated", "FMU", "tolerance", _TOLERANCES[::2], project_solvers.through_fmu)
     for rule in RULES:
         prepare = partial(project_solvers.drawn, rule)

@@ -26,17 +26,11 @@ from .workbench import Prepared, Run, UnableError, Workbench
 _SAME = 1e-6  # of an interval: a drawn point this close to an output time counts as there
 
 
-def in_process(bench: Workbench, *, energy: bool = False, **options: Any) -> Prepared:
-    """Return a run that is one call of the integrator, set up beforehand.
-
-    Parameters
-    ----------
-    energy : whether to keep the energy ledger
-    options : further options of `Integrator`
-    """
+def in_process(bench: Workbench, **options: Any) -> Prepared:
+    """Return a run that is one call of the integrator, set up beforehand; without ledger by default."""
     problem = bench.problem
     try:
-        integrator = problem.integrator(energy=energy, **options)
+        integrator = problem.integrator(**{"energy": False, **options})
     except ValueError as error:
         raise UnableError(str(error)) from None
     start, times = integrator.snapshot(), problem.times

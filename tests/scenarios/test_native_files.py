@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import complaint, phaseplane, printed, settings, written
-from phaseplane.scenarios.commands.build import _packed
+from phaseplane.scenarios.commands.build import build_models
 from phaseplane.scenarios.scene.fmus import find_fmu
 from phaseplane.scenarios.studies.problems import find_problem
 from phaseplane.scenarios.studies.project_solvers import through_fmu
@@ -109,7 +109,7 @@ def test_a_scene_is_packed_with_other_start_values(tmp_path: Path) -> None:
         packed.extend(accepted_parameters(models, parameters, {}))
         return []
 
-    _packed([name, "OneDof"], tmp_path, recorded, ["speed=50 km/h"])
+    build_models([name, "OneDof"], tmp_path, recorded, ["speed=50 km/h"])
     speeds = {model: start["speed"] for model, start, _ in packed}
     assert speeds == pytest.approx({"QuarterCar": 50 / 3.6, "OneDof": 50 / 3.6})
 
