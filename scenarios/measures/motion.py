@@ -34,21 +34,17 @@ def of_motion(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
     """Yield `peak.X`, `rms.X` and `amplitude.X` of every output X that is a real number."""
     for name, output in outputs.items():
         if type(output.start) is float and not name.endswith(_NOT_MOTION):
-            unit = output.unit or "1"
-            yield Measure(
-                f"peak.{name}", unit, (name,), partial(peak, name),
-                f"signed value of largest magnitude of {name}", details="peak",
-            )  # fmt: skip
-            yield Measure(
-                f"rms.{name}", unit, (name,), partial(root_mean_square, name),
-                f"root mean square of {name}", details="mean",
-            )  # fmt: skip
-            yield Measure(
-                f"amplitude.{name}", unit, (name,), partial(amplitude, name),
-                f"half the range of {name} over the second half of the run: the amplitude of a "
-                "steady vibration once the transient has died away",
-                details="late range",
-            )  # fmt: skip
+            for what, take, about, details in (
+                ("peak", peak, f"signed value of largest magnitude of {name}", "peak"),
+                ("rms", root_mean_square, f"root mean square of {name}", "mean"),
+                ("amplitude", amplitude,
+                 f"half the range of {name} over the second half of the run: the amplitude of a "
+                 "steady vibration once the transient has died away", "late range"),
+            ):  # fmt: skip
+                yield Measure(
+                    f"{what}.{name}", output.unit or "1", (name,), partial(take, name), about,
+                    details=details,
+                )  # fmt: skip
 
 
 def peak(name: str, run: Run) -> Reading:

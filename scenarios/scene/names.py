@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Literal
 
 from phaseplane.suspension.variables import MODELS
+
+from ..toml_files import read_content
 
 CASES = Path(__file__).parents[1] / "cases"
 SWEEPS = CASES / "sweeps"
@@ -32,8 +33,8 @@ def sweep_names() -> tuple[str, ...]:
 
 def sweep_titles() -> dict[str, str]:
     """Return the names and titles of the sweeps in the package."""
-    texts = {name: (SWEEPS / f"{name}.toml").read_text("utf-8") for name in sweep_names()}
-    return {name: str(tomllib.loads(text).get("title", "")) for name, text in texts.items()}
+    contents = {name: read_content(SWEEPS / f"{name}.toml") for name in sweep_names()}
+    return {name: str(content.get("title", "")) for name, content in contents.items()}
 
 
 _KEYS_OF = {
