@@ -144,7 +144,7 @@ def run_scene(
     if save is not None:
         place.check_apart("--save", save)
     if scene.reference is not None:
-        place.check_apart(f"{scene.name}: reference.file =", scene.reference_path)
+        place.check_apart(f"{scene.name}: reference.file =", scene.reference.path)
     problems: list[str] = []
     facts: dict[str, Any] = {"drawn": None, "problems": problems}
     drawing = None

@@ -111,7 +111,7 @@ class Run(Table):
         """
         place = Place.chosen(Path(folder), "", "run", self.scene.file)
         if self.scene.reference is not None:
-            place.check_apart(f"{self.scene.name}: reference.file =", self.scene.reference_path)
+            place.check_apart(f"{self.scene.name}: reference.file =", self.scene.reference.path)
         summary = {**self.summary, **_NOT_SHOWN_IN_PYTHON, "origin": place.origin}
         with replace_folder(place) as draft:
             drawing = draw_scene(self.scene) if self.scene.show.figures_construction else None

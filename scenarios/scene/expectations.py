@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from math import inf, isfinite
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension.units import nearest
@@ -140,7 +141,16 @@ class Reference:
         False,
     )
 
-    def judged(self, file: str, reference: Columns, columns: Columns) -> dict[str, Any]:
+
+@dataclass(frozen=True, slots=True)
+class ReferenceTable:
+    """A reference, the path of its file, and the columns read from it."""
+
+    said: Reference
+    path: Path
+    columns: Columns = field(repr=False)
+
+    def judged(self, columns: Columns) -> dict[str, Any]:
         """Return whether the worst column is within tolerance, and rows and columns are the same.
 
         Parameters
@@ -149,19 +159,20 @@ class Reference:
         reference : its columns
         columns : the columns the run shows, and its other columns that the file has too
         """
-        entry = {"min": None, "max": self.tolerance, "value": None, "time": None, "holds": False}
+        file, most = self.path.name, self.said.tolerance
+        entry = {"min": None, "max": most, "value": None, "time": None, "holds": False}
         try:
-            found = results.comparison.compared(columns, reference, self.columns)
+            found = results.comparison.compared(columns, self.columns, self.said.columns)
         except ValueError as error:
             return {"measure": f"difference from {file}", **entry, "reason": str(error)}
         worst = found.differences[0]
-        unshared = [] if self.common else found.unshared("the run", file)
+        unshared = [] if self.said.common else found.unshared("the run", file)
         return {
             "measure": f"difference of {worst.name} from {file}",
             **entry,
             "value": worst.relative,
             "time": worst.time,
-            "holds": worst.relative <= self.tolerance and not unshared,
+            "holds": worst.relative <= most and not unshared,
             "reason": "; ".join([*unshared, _COMMON] if unshared else []),
             "compared": found.as_data(),
         }

@@ -20,7 +20,7 @@ from ..results.signals import read_signals
 from ..results.tables import read_table as read_columns
 from .controller import read_controller
 from .equation import EQUATION, check_equation, outputs_of_starts
-from .expectations import Bounds, During, Reference, bounds_from, unknown_measure
+from .expectations import Bounds, During, Reference, ReferenceTable, bounds_from, unknown_measure
 from .fields import RefusedError, read_table, refusing, refusing_value
 from .file import SceneFile
 from .fmus import Fmu, find_fmu
@@ -30,8 +30,6 @@ from .table_files import with_files
 
 if TYPE_CHECKING:
     from phaseplane.suspension.variable import Variable
-
-    from ..columns import Columns
 
 
 _Value = TypeVar("_Value")
@@ -79,7 +77,7 @@ def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path
         construction=construction,
         expect=_bounds(fmu, expect),
         during=_during(fmu, expect.get("during", ())),
-        **_reference(fmu, expect, folders),
+        reference=_reference(fmu, expect, folders),
     )
     _check_names(scene)
     _check_counts(scene, named="output_interval" in (content.get("show") or {}))
@@ -216,13 +214,15 @@ def _during(fmu: Fmu, given: object) -> tuple[During, ...]:
     return tuple(during)
 
 
-def _reference(fmu: Fmu, expect: Mapping[str, Any], folders: Mapping[str, Path]) -> dict[str, Any]:
-    """Return the reference, the folder that its path is relative to, and its columns.
+def _reference(
+    fmu: Fmu, expect: Mapping[str, Any], folders: Mapping[str, Path]
+) -> ReferenceTable | None:
+    """Return the reference with its columns.
 
     A reference with other names, units or times is read as measured signals; see `results.signals`.
     """
     if "reference" not in expect:
-        return {}
+        return None
     said = expect["reference"]
     folder = folders.get(f"{REFERENCE}.file", Path())
     if isinstance(said, Mapping) and (
@@ -240,8 +240,9 @@ def _reference(fmu: Fmu, expect: Mapping[str, Any], folders: Mapping[str, Path])
             )
         with refusing(REFERENCE, f"{REFERENCE}.file: "):
             columns = read_columns(folder / reference.file)[0]
-    _check_reference(fmu, reference, folder / reference.file, columns)
-    return {"reference": reference, "reference_folder": folder, "reference_columns": columns}
+    table = ReferenceTable(reference, folder / reference.file, columns)
+    _check_reference(fmu, table)
+    return table
 
 
 def _signals(fmu: Fmu, said: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -253,23 +254,23 @@ def _signals(fmu: Fmu, said: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         return read_signals(signals, folder, units)
 
 
-def _check_reference(fmu: Fmu, reference: Reference, path: Path, columns: Columns) -> None:
-    known = [name for name in fmu.outputs() if name in columns]
-    for name in reference.columns or ():
+def _check_reference(fmu: Fmu, table: ReferenceTable) -> None:
+    known = [name for name in fmu.outputs() if name in table.columns]
+    for name in table.said.columns or ():
         if name not in known:
             raise RefusedError(
                 REFERENCE,
                 f"{REFERENCE}.columns: {shown(name)} is not both a column of the file and an "
                 f"output of {fmu.model}{nearest(name, known)}",
             )
-    if "time" not in columns or not known:
+    if "time" not in table.columns or not known:
         raise RefusedError(
             REFERENCE,
-            f"{REFERENCE}.file: {path} has no column time, or no column that is an output of "
+            f"{REFERENCE}.file: {table.path} has no column time, or no column that is an output of "
             f"{fmu.model}",
         )
-    with refusing(REFERENCE, f"{REFERENCE}.file: {path}: "):
-        results.comparison.check_comparable(columns, reference.columns or known)
+    with refusing(REFERENCE, f"{REFERENCE}.file: {table.path}: "):
+        results.comparison.check_comparable(table.columns, table.said.columns or known)
 
 
 def _check_names(scene: Scene) -> None:

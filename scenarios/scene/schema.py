@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..errors import InputError
 from ..measures import catalogue, default_measures
@@ -18,9 +18,8 @@ if TYPE_CHECKING:
     from phaseplane.suspension.acting import Idle
     from phaseplane.suspension.variables import Value
 
-    from ..columns import Columns
     from .controller import Controller
-    from .expectations import Bounds, During, Reference
+    from .expectations import Bounds, During, ReferenceTable
     from .fmus import Fmu
 
 # Shown by default: the motion, the road, and the contact with the road.
@@ -60,8 +59,6 @@ class Scene:
     expect : bounds on measures by name; several if each value of a measure has its own
     during : bounds on outputs within an interval of time; in the file `expect.during`
     reference : results that the run must agree with; in the file `expect.reference`
-    reference_columns : the columns of the reference; empty without one
-    reference_folder : the folder that its path is relative to
     unchecked : expectations of a base scene that no longer apply, as the motion differs
     idle : parameters that are given but have no effect
     """
@@ -78,9 +75,7 @@ class Scene:
     construction: Construction = field(default_factory=Construction)
     expect: Mapping[str, Bounds | tuple[Bounds, ...]] = field(default_factory=dict)
     during: tuple[During, ...] = ()
-    reference: Reference | None = None
-    reference_columns: Columns = field(default_factory=dict, repr=False)
-    reference_folder: Path = Path()
+    reference: ReferenceTable | None = None
     unchecked: tuple[str, ...] = ()
     idle: tuple[Idle, ...] = ()
 
@@ -115,16 +110,11 @@ class Scene:
             )
 
     @property
-    def reference_path(self) -> Path:
-        """The file of the reference."""
-        return self.reference_folder / (self.reference.file if self.reference else "")
-
-    @property
     def outputs_expected(self) -> set[str]:
         """The outputs that `during` and `reference` check."""
         wanted = {during.output for during in self.during}
         if self.reference is not None:
-            compared = self.reference.columns or self.reference_columns
+            compared = self.reference.said.columns or self.reference.columns
             wanted |= set(compared) & set(self.fmu.outputs())
         return wanted
 
@@ -190,10 +180,7 @@ class Scene:
     def only(self, measures: Sequence[str]) -> Scene:
         """Return the same scene with only these measures as its results."""
         show = Show(output_interval=self.show.output_interval, outputs=(), measures=tuple(measures))
-        nothing: dict[str, Any] = {
-            "expect": {}, "during": (), "reference": None, "reference_columns": {}, "unchecked": (),
-        }  # fmt: skip
-        return replace(self, show=show, **nothing)
+        return replace(self, show=show, expect={}, during=(), reference=None, unchecked=())
 
     @cached_property
     def outputs(self) -> tuple[str, ...]:

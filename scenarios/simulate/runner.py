@@ -317,9 +317,5 @@ def _remarks(scene: Scene) -> Iterator[str]:
 def _against_reference(scene: Scene, columns: Columns) -> Iterator[dict[str, Any]]:
     """Yield the comparison with the reference, of the columns shown and those that the file has too."""
     if scene.reference is not None:
-        wanted = {"time", *scene.columns, *scene.reference_columns}
-        yield scene.reference.judged(
-            scene.reference_path.name,
-            scene.reference_columns,
-            {name: column for name, column in columns.items() if name in wanted},
-        )
+        wanted = {"time", *scene.columns, *scene.reference.columns}
+        yield scene.reference.judged({n: x for n, x in columns.items() if n in wanted})

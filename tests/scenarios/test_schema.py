@@ -188,8 +188,7 @@ def test_bounds_take_units_and_exclude_what_was_not_measured() -> None:
 
 def test_the_scene_has_the_keys_that_its_file_may_have() -> None:
     assert set(KEYS) - {"extends"} == {field.name for field in fields(Scene)} - {
-        "name", "file", "unchecked", "idle", "during", "reference", "reference_folder",
-        "reference_columns",
+        "name", "file", "unchecked", "idle", "during", "reference",
     }  # fmt: skip
 
 
