@@ -60,8 +60,7 @@ def read_columns(
     OSError : the file cannot be read.
     """
     name = Path(path).name
-    if len(delimiter) != 1:
-        raise ValueError(f"delimiter = {delimiter!r}: must be one character; a tab is \\t")
+    _check_delimiter(delimiter)
     if decimal not in (".", ",") or decimal == delimiter:
         raise ValueError(
             f"decimal = {decimal!r}: must be '.' or ',', and not the delimiter {delimiter!r}"
@@ -213,10 +212,17 @@ def headings(path: str | PathLike[str], delimiter: str = ",") -> list[str]:
 
     Raises
     ------
+    ValueError : the delimiter is not one character.
     OSError : the file cannot be read.
     """
+    _check_delimiter(delimiter)
     with open(path, encoding=encoding_of(path), newline="") as file:
         return next(_numbered(csv.reader(file, delimiter=delimiter)), (0, []))[1]
+
+
+def _check_delimiter(delimiter: str) -> None:
+    if len(delimiter) != 1:
+        raise ValueError(f"delimiter = {delimiter!r}: must be one character; a tab is \\t")
 
 
 def is_number(cell: str) -> bool:

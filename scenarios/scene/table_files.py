@@ -88,9 +88,7 @@ def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
     file = said.get("file")
     if not isinstance(file, str) or not file:
         raise InputError(f"file = {shown(file)}: must be the path of a CSV file")
-    delimiter = said.get("delimiter", ",")
-    if not isinstance(delimiter, str) or len(delimiter) != 1:
-        raise InputError(f"delimiter = {shown(delimiter)}: must be one character")
+    delimiter = str(said.get("delimiter", ","))
     pairs = {
         "columns": said["columns"] if "columns" in said else _both(folder / file, delimiter),
         "units": said.get("units", ["", ""]),

@@ -133,6 +133,7 @@ def test_the_schema_and_the_guide_know_of_files() -> None:
         ),
         ('"measured/road.csv"', "3", "file = 3: must be the path"),
         ('["m", "mm"]', '["m", "mm"], delimiter = ";;"', "must be one character"),
+        ('columns = ["distance", "profile"], ', 'delimiter = "", ', "must be one character"),
         (
             "road.table =",
             "sprung_mass =",
