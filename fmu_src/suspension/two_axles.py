@@ -63,7 +63,7 @@ def both_axles(declared: Iterable[Variable]) -> tuple[Variable, ...]:
 def axle_masses(
     sprung_mass: float, pitch_radius_of_gyration: float, cg_to_front: float, cg_to_rear: float
 ) -> tuple[float, float, float]:
-    """Return the body's masses over its axles: front, rear and coupling mass (AP57 eqs. 33, 34).
+    """Return the body's masses over its axles: front, rear and coupling mass (AP57 eq. 1).
 
     M1 = (rho^2 + b^2) M / L^2,  M2 = (rho^2 + a^2) M / L^2,  M3 = (a b - rho^2) M / L^2
 

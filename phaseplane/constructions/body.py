@@ -11,7 +11,7 @@ AXLES = ("front", "rear")
 
 @dataclass(frozen=True)
 class BodyMasses:
-    """The body as masses over its two axles (AP57 eqs. 33 and 34).
+    """The body as masses over its two axles (AP57 eq. 1).
 
     Parameters
     ----------

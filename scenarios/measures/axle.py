@@ -61,8 +61,7 @@ def _of_axle(prefix: str) -> Iterator[Measure]:
                       f"number of hits of the {stop.replace('_', ' ')}", details="switches")  # fmt: skip
     yield measure("mean_height_shift", "m", ("suspension_deflection",), _shift,
                   "mean of the suspension deflection over the second half of the run; a damper softer "
-                  "in bump than in rebound lowers the body", "AP57 section 1",
-                  details="late mean")  # fmt: skip
+                  "in bump than in rebound lowers the body", details="late mean")  # fmt: skip
     yield measure("damper_power", "W", ("damper_force", "suspension_deflection_rate"), _power,
                   "mean power dissipated by the damper, force times rate",
                   details="mean")  # fmt: skip

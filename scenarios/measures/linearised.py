@@ -35,7 +35,7 @@ class Mode:
     Parameters
     ----------
     frequency : natural frequency |s| / 2 pi, Hz
-    damping_ratio : -Re s / |s|; 1 for a real eigenvalue
+    damping_ratio : -Re s / |s|; 1 if s = 0
     """
 
     frequency: float

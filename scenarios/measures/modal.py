@@ -28,7 +28,7 @@ def of_modes(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
     ):
         about = (
             f"{name.replace('_', ' ')} of small damped motions about rest, lowest frequency first: "
-            f"{meant} of each eigenvalue s; `phaseplane modes` lists those without damping, too"
+            f"{meant} of each eigenvalue s"
         )
         taken = partial(_of_run, what)
         yield Measure(name, unit, (), taken, about, at_end=True, single=tuple(extremes))

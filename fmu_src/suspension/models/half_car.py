@@ -104,7 +104,7 @@ def system(p: Mapping[str, Value]) -> System:
 
 
 _PAGE = """\
-<p>A body and two wheels on tyres that cannot pull on the road: four degrees of freedom (AP57 sections 1
+<p>A body and two wheels on tyres that cannot pull on the road: four degrees of freedom (AP57 sections 2
 and 7). The wheels leave the road independently. The start values are two quarter cars of the worked
 example of AP57 section 8, joined by a body that does not couple them. Displacements are positive upwards
 and, like the forces, measured from static equilibrium; forces are positive in extension, that is, they
@@ -123,7 +123,7 @@ pull the body down and the wheels up.</p>
 <p class="equation"><i>T<sub>i</sub></i> = <i>c</i><sub>2<i>i</i></sub> (<i>x</i><sub><i>i</i>2</sub>
 &minus; &xi;<i><sub>i</sub></i>) + <i>k</i><sub>2<i>i</i></sub> (x&#775;<sub><i>i</i>2</sub> &minus;
 &xi;&#775;<i><sub>i</sub></i>) on the road</p>
-<p>with the body's masses over the axles (AP57 section 1)</p>
+<p>with the body's masses over the axles</p>
 <p class="equation"><i>M</i><sub>1</sub> = (&rho;<sup>2</sup> + <i>b</i><sup>2</sup>)
 <i>M</i>/<i>L</i><sup>2</sup>, &emsp; <i>M</i><sub>2</sub> = (&rho;<sup>2</sup> + <i>a</i><sup>2</sup>)
 <i>M</i>/<i>L</i><sup>2</sup>, &emsp; <i>M</i><sub>3</sub> = (<i>a b</i> &minus; &rho;<sup>2</sup>)

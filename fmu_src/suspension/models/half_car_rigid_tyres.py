@@ -77,7 +77,7 @@ AP57 section 8, joined by a body that does not couple them. Displacements are po
 the forces, measured from static equilibrium; forces are positive in extension, that is, they pull the
 body down.</p>
 <p>With the body over the front axle <i>x</i><sub>1</sub>, over the rear axle <i>x</i><sub>2</sub>, and
-<i>y<sub>i</sub></i> = <i>x<sub>i</sub></i> &minus; &xi;<i><sub>i</sub></i> (AP57 eq. 33; the masses, section 1):</p>
+<i>y<sub>i</sub></i> = <i>x<sub>i</sub></i> &minus; &xi;<i><sub>i</sub></i> (AP57 eq. 33; the masses, eq. 1):</p>
 <p class="equation"><i>M</i><sub>1</sub> x&#776;<sub>1</sub> + <i>M</i><sub>3</sub> x&#776;<sub>2</sub> +
 &Phi;<sub>1</sub>(y&#775;<sub>1</sub>, <i>y</i><sub>1</sub>) + <i>F</i><sub>1</sub>(<i>y</i><sub>1</sub>) =
 <i>p b</i>/<i>L</i></p>

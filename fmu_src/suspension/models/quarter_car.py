@@ -100,7 +100,7 @@ force</p>
 &xi;&#775;).</p>
 <p>With <code>contact</code> = <code>gap</code> (the default) the wheel leaves the road when <i>N</i> falls to zero
 or a gap opens under the tyre, and touches down when the gap closes; with <code>force</code> it is on the road
-whenever <i>N</i> is positive (AP57 eqs. 26 to 28). In flight (AP57 eqs. 29, 30):</p>
+whenever <i>N</i> is positive (AP57 eqs. 26 to 28). In flight (AP57 eq. 29):</p>
 <p class="equation"><i>M</i> x&#776;<sub>1</sub> + &Phi;(y&#775;, <i>y</i>) + <i>F</i>(<i>y</i>) =
 <i>p</i></p>
 <p class="equation"><i>m</i> x&#776;<sub>2</sub> &minus; &Phi;(y&#775;, <i>y</i>) &minus; <i>F</i>(<i>y</i>) =
