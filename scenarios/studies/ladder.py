@@ -91,10 +91,18 @@ def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dic
 
     Raises
     ------
-    InputError : if there is no smaller model, a scene is not run by its model alone, or the models
-        have no output of motion in common.
+    InputError : if there is no smaller model, a scene is not run by its model alone, two systems have
+        one name, or the models have no output of motion in common.
     RunError : if the scene itself does not run to its end.
     """
+    named: dict[str, Scene] = {}
+    for each in (scene, *smaller):
+        other = named.setdefault(each.fmu.model, each)
+        if other.fmu.system != each.fmu.system:  # the last one read would be run for both
+            raise InputError(
+                f"{other.name} and {each.name} both name their system {each.fmu.model}; give one of "
+                "them another name"
+            )
     for each in (scene, *smaller):
         _check(each)
     if scene.fmu.model not in _DESCENDS and not smaller:
@@ -109,9 +117,9 @@ def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dic
     except Exception as error:
         raise RunError(f"{scene.name}: {error}") from error
     rungs = [_rung_data(whole, tolerance, seconds, 0.0)]
-    named = (_as_it_stands(replace(s, duration=scene.duration), s.name) for s in smaller)
+    given = (_as_it_stands(replace(s, duration=scene.duration), s.name) for s in smaller)
     wanted = {name: truth[name] for name in ("time", *names)}
-    for rung in (*_below(scene, truth), *named):
+    for rung in (*_below(scene, truth), *given):
         try:
             columns, seconds = _run(rung, scene, names)
             worst = compared(wanted, columns).differences[0]

@@ -118,6 +118,7 @@ def test_only_a_parameter_that_none_of_the_systems_uses_is_reported() -> None:
     [
         ("one.toml", "OneDof has no smaller model"),
         ("own.toml", "name the files of smaller models: phaseplane ladder own.toml SMALLER..."),
+        ("own.toml softer.toml", "own and softer both name their system Own"),
         ("own.toml ap57", "give coordinates that describe the same motion the same name"),
         ("own.toml van_der_pol", "van_der_pol: Equation cannot be compared"),
         ("skyhook", "skyhook has a controller, but the ladder runs models without one"),
@@ -126,6 +127,7 @@ def test_only_a_parameter_that_none_of_the_systems_uses_is_reported() -> None:
 def test_what_cannot_be_on_a_ladder_is_refused(files: str, words: str) -> None:
     written('fmu="OneDof"\nduration=1', "one.toml")
     written(system("Own", (30e3, 30e3)), "own.toml")
+    written(system("Own", (10e3, 10e3)), "softer.toml")
     assert words in complaint(f"ladder {files}")
 
 
