@@ -42,6 +42,8 @@ if TYPE_CHECKING:
     from ..scene.schema import Scene
     from .driver import OpenFmu
 
+_PACKED_FOR = ("x86_64-linux", "x86_64-windows")  # platforms of PythonFMU
+
 
 class Interrupted(KeyboardInterrupt):
     """A run was interrupted by Ctrl-C or SIGTERM.
@@ -79,14 +81,10 @@ def run(
         nothing; its results say when it stopped and why.
     Interrupted : on Ctrl-C or SIGTERM, at the end of the step.
     """
-    if scene.fmu.model == EQUATION or scene.fmu.system is not None or scene.controller is not None:
+    why = _why_in_process(scene)
+    if why or scene.fmu.model == EQUATION:
         results = solve(scene, progress=progress)
-        if scene.fmu.model != EQUATION:
-            why = (
-                "a controller sets its inputs"
-                if scene.controller
-                else "the model is a user-defined system"
-            )
+        if why:
             words = f"run in this process, with the same results as through an FMU: {why}"
             remarks = [*results.summary["remarks"], words]
             results = replace(results, summary={**results.summary, "remarks": remarks})
@@ -94,6 +92,19 @@ def run(
     # an FMU that is being loaded runs Python, too, and its wrapper swallows what is raised there
     with deferred_interrupt(), simulate.driver.opened(scene.fmu) as (fmu, build_time):
         return run_with(fmu, scene, build_time, progress=progress, watch=watch, realtime=realtime)
+
+
+def _why_in_process(scene: Scene) -> str:
+    """Return why a scene that an FMU could run is run without one, or ""."""
+    if scene.controller is not None:
+        return "a controller sets its inputs"
+    if scene.fmu.system is not None:
+        return "the model is a user-defined system"
+    if scene.fmu.path is None and scene.fmu.model != EQUATION:
+        from fmpy import platform_tuple as here  # noqa: PLC0415  (heavy)
+
+        return "" if here in _PACKED_FOR else f"PythonFMU has no library for {here}"
+    return ""
 
 
 def _in_time(results: Results, watch: Watch | None) -> Results:

@@ -273,6 +273,19 @@ def test_an_fmu_without_a_library_for_this_platform_does_not_load(
         run(scene_of(bare))
 
 
+def test_a_model_runs_without_an_fmu_where_pythonfmu_has_no_library(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = load_scene("ap57", ["duration=20 ms"], expect=False)
+    packed = run(scene)
+    monkeypatch.setattr("fmpy.platform_tuple", "aarch64-darwin")
+    monkeypatch.setattr("phaseplane.scenarios.simulate.driver.platform", "darwin64")
+    bare = run(scene)
+    assert any("no library for aarch64-darwin" in words for words in bare.summary["remarks"])
+    for name, column in packed.columns.items():
+        assert column.tobytes() == bare.columns[name].tobytes(), name
+
+
 def test_an_fmu_that_refuses_its_parameters_tells_why(
     fmu: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
