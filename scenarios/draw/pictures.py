@@ -129,7 +129,9 @@ def figure_of(
     ValueError : if the construction or the results lack what the picture shows.
     """
     if name not in FIGURES:
-        raise InputError(f"no picture {shown(name)}{nearest(name, FIGURES)}")
+        raise InputError(
+            f"no picture {shown(name)}; pictures are {', '.join(FIGURES)}{nearest(name, FIGURES)}"
+        )
     printed = look or figures.Look()
     if name == "time_histories":
         if results is None:

@@ -54,5 +54,5 @@ def test_what_cannot_be_shown_is_refused() -> None:
         show("ap57", "speed=3")
     with pytest.raises(InputError, match=r"^show\(\): .*did you mean 'speed'"):
         show("ap57", {"sped": 3})
-    with pytest.raises(InputError, match="no picture 'figure77'"):
+    with pytest.raises(InputError, match="no picture 'figure77'; pictures are time_histories, "):
         show("ap57", SHORT, "figure77")
