@@ -33,11 +33,11 @@ _LONGEST = 36  # most characters of an entry in the legend
 
 @styled
 def sweep(varied: Quantities, measured: Quantities, *, title: str = "") -> Figure:
-    """Draw the measures of a sweep over the varied parameters.
+    """Draw the first six measures of a sweep over the varied parameters.
 
     Curves over one number, a family of curves if other parameters take few values, maps if only two
     numbers are varied; otherwise every measure over every number. If all parameters are texts, they are
-    ticks. A measure that no run has is left out.
+    ticks. Measures that no run has do not count.
 
     Parameters
     ----------
