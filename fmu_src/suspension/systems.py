@@ -2,8 +2,8 @@
 
     M q'' + sum b f(b' q - u, b' q' - u') = p(t),   tangents K = sum k b b', B = sum c b b'
 
-with u the road under the element. A new model needs only a new `System`. See the full car in the
-description of `System` for an example.
+with u the road under the element. A new model needs only a new `System`: the page
+`docs/python.md` makes that of a full car.
 """
 
 from __future__ import annotations
@@ -244,43 +244,6 @@ class System:
     axles, motions : definitions of further outputs; the integrator does not use them
     internal : set by `with_internal`: for each of the last coordinates, which are internal, the
         direction along which its element acts
-
-    Examples
-    --------
-    A full car of seven degrees of freedom: heave, pitch, roll and four wheels, each of which may
-    leave the road. The body over a wheel that is x ahead of the centre of gravity and y to its left
-    moves by heave + x pitch + y roll.
-
-    >>> from phaseplane.suspension import characteristics, roads
-    >>> from phaseplane.suspension.engine import Integrator
-    >>> from phaseplane.suspension.systems import Element, System
-    >>> mass, pitch_inertia, roll_inertia, wheel_mass = 1200.0, 1800.0, 450.0, 30.0  # kg, kg m2
-    >>> wheels = {"front_left": (1.25, 0.7), "front_right": (1.25, -0.7),
-    ...           "rear_left": (-1.25, 0.7), "rear_right": (-1.25, -0.7)}  # m
-    >>> weight = (mass / 4 + wheel_mass) * 9.80665  # on one tyre, N
-    >>> spring, tyre = characteristics.linear(15e3), characteristics.linear(150e3)
-    >>> damper, tyre_damper = characteristics.damper(2000.0, 500.0), characteristics.linear(1e3)
-    >>> elements, signals = [], {}
-    >>> for k, (name, (x, y)) in enumerate(wheels.items()):
-    ...     on_wheel = tuple(float(i == k) for i in range(4))
-    ...     signals[name] = roads.bump(0.05, 1.0, 20.0, start=(1.25 - x) / 20.0)
-    ...     elements += [
-    ...         Element(f"{name}_strut", (1.0, x, y, *(-w for w in on_wheel)), spring, damper),
-    ...         Element(f"{name}_tyre", (0.0, 0.0, 0.0, *on_wheel), tyre, tyre_damper, name, weight),
-    ...     ]
-    >>> inertia = (mass, pitch_inertia, roll_inertia, *4 * (wheel_mass,))
-    >>> car = System(
-    ...     coordinates=("heave", "pitch", "roll", *wheels),
-    ...     mass=tuple(tuple(m * (i == j) for j in range(7)) for i, m in enumerate(inertia)),
-    ...     elements=tuple(elements),
-    ...     signals=signals,
-    ...     scales=7 * (0.05,),
-    ... )
-    >>> integrator = Integrator(car)
-    >>> integrator.advance(0.2)  # 0: no failure
-    0
-    >>> integrator.sample(0.2)
-    >>> heave, pitch, roll = integrator.sample_q[:3]
     """
 
     coordinates: tuple[str, ...]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -10,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from phaseplane.suspension import roads, systems
+from phaseplane.suspension import roads
 from phaseplane.suspension.batch import outputs_over_time, run_many
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import build
@@ -83,12 +82,6 @@ def test_the_body_obeys_newton_and_euler_at_its_centre_of_gravity(model: str) ->
 
 
 # -- a system of a user's own ----------------------------------------------------------------------
-
-
-def test_the_example_of_a_full_car_runs() -> None:
-    found = doctest.testmod(systems)
-    assert found.attempted > 10
-    assert found.failed == 0
 
 
 def full_car(left: roads.Signal, right: roads.Signal) -> System:
