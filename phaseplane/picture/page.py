@@ -241,7 +241,8 @@ def _legend_text(drawing: Drawing, role: str) -> str:
         return f"{words} (of {of})" if valued else words
     if role != "excitation":
         return words
-    if any(name.endswith("road_elevation") for f in drawing.frames[:1] for name in f.readings):
+    read = [name for frame in drawing.frames[:1] for name in frame.readings]
+    if any(name.endswith("road_elevation") for name in read):
         flies = any(FLIGHT in key for key in drawing.schemes)
         return words if flies else "road"
-    return "load" if drawing.planes[0].displacement.unit == "m" else "change of f"
+    return "load" if "load_force" in read else "change of f"

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from textwrap import wrap
 
+from phaseplane.constructions.construction import CONTACT, FLIGHT
 from phaseplane.constructions.letters import LEVEL, axis_letter, rate_letter, typeset
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.sheet import Event, events_of, plane_of
@@ -166,7 +167,9 @@ def step_head(drawing: Drawing, frame: Frame) -> str:
     """Return number, mode, time and events of a step, in Markdown."""
     events = " ".join(event_text(event) for event in events_of(frame, drawing.planes))
     scheme = frame.scheme.replace(STUCK, f",{STUCK}")
-    mode = f", {_row(scheme)}" if len(drawing.schemes) > 1 else ""
+    # contact is told only of a wheel that may leave the road
+    told = scheme != CONTACT or any(FLIGHT in key for key in drawing.schemes)
+    mode = f", {_row(scheme)}" if told and len(drawing.schemes) > 1 else ""
     return (
         f"**Step {frame.step} (0 to {len(drawing.frames) - 1}){mode}**: "
         f"t = {frame.time:.5f} s, lasts {number(1e3 * frame.duration, 4)} ms. {markdown(events)}"

@@ -207,6 +207,8 @@ def _elastoplastic(system: System, settings: Mapping[str, Any], start: Start) ->
 def _of_equation(parameters: Mapping[str, Value], settings: Mapping[str, Any]) -> Construction:
     formula = formula_of(parameters)
     scales = settings.get("plane_scales")
+    if parameters["unit"] == "m":  # drawn at its size, as all displacements
+        scales = scales or (1.0,)
     return constructions.EquationPlane(
         formula.switching,
         angular_frequency=float(parameters["angular_frequency"]),

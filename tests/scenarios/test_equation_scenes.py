@@ -21,9 +21,12 @@ from small_sweep import rows, sweep_file
 from phaseplane import figures
 from phaseplane.constructions.letters import MINUS
 from phaseplane.constructions.sheet import state_point
-from phaseplane.figures.style import Look
+from phaseplane.figures.planes import step_page
+from phaseplane.figures.style import PLAIN, Look
 from phaseplane.picture.frames import motions_of
 from phaseplane.picture.subject import paths_of
+from phaseplane.picture.text import step_head
+from phaseplane.picture.views import frame_at
 
 PENDULUM = """
 fmu = "Equation"
@@ -117,6 +120,19 @@ def test_several_starts_have_their_integral_curves_on_one_sheet(pendulum: str) -
         length = abs(np.diff(curve.vertices)).sum()
         assert length == pytest.approx(abs(np.diff(path.ravel())).sum(), rel=1e-3)
         assert plane.displacement.read(curve.vertices[0]) == pytest.approx(start[0])
+
+
+def test_an_equation_has_no_road(pendulum: str) -> None:
+    """No step of it is in contact, and nothing loads it; where x is in metres, so is the sheet."""
+    changed = ["equation=x + R*sign(v) - sin(3*t)", "unit=m", "displacement_start=0.1", "R=0.01"]
+    scene = load_scene(pendulum, [*changed, "construction.starts=[]"])
+    drawing = draw_construction("Equation", scene.all_parameters, asdict(scene.construction), 1.0)
+    assert drawing.planes[0].displacement.scale == 1.0
+    chosen = frame_at(drawing, None)
+    ordinary = f"**Step {chosen.step} (0 to {len(drawing.frames) - 1})**: t = "
+    assert step_head(drawing, chosen).startswith(ordinary)
+    page = step_page(drawing, chosen, PLAIN)
+    assert ("excitation", "change of f") in page.legend()
 
 
 def test_motions_from_several_starts_are_columns_of_one_table(
