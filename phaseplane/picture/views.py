@@ -36,9 +36,12 @@ def frame_at(drawing: Drawing, index: int | None) -> Frame:
 
 
 def telling_frame(drawing: Drawing, mode: str = "") -> Frame:
-    """Return the step of a mode (default: the first) whose letters are farthest apart on its sheet."""
-    mode = mode or drawing.frames[0].scheme
+    """Return the step of a mode whose letters are farthest apart on its sheet.
+
+    By default of the most ordinary mode that there is: a car may begin and end held by dry friction.
+    """
     frames = drawing.frames
+    mode = mode or next(key for key in drawing.schemes if key in frames.schemes)
     frames = frames.at([i for i, scheme in enumerate(frames.schemes) if scheme == mode])
     return frames[int(room_for_letters(drawing, frames).argmax())]
 

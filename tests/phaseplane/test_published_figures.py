@@ -24,6 +24,7 @@ from phaseplane.constructions import (
     rule_named,
 )
 from phaseplane.constructions.storage import StoredFrames
+from phaseplane.picture.views import telling_frame
 
 CM = 0.01
 
@@ -282,6 +283,7 @@ def test_figure_7_shows_a_suspension_that_moves() -> None:
     sticking = construct_motion(ap57(lift_off=False, friction=300.0), step=STEP, steps=40)
     assert sticking.frames[0].scheme != "contact"
     assert {"A₁*", "C₁", "D₁"} <= set(texts(figures.figure7(sticking)))
+    assert telling_frame(sticking).scheme == "contact"
     with pytest.raises(ValueError, match="in step 0 its suspension sticks"):
         figures.figure7(sticking, 0)
 
