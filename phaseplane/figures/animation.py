@@ -106,8 +106,9 @@ def storyboard(
     high = min(wide * view.half.imag / view.half.real, 4.5)
     scale = min(wide / view.half.real, high / view.half.imag) / 2.0
     stays = new_page(drawing, view, look, scale=scale)
-    draw_axes(stays, step_lines(stays, chosen))
-    draw_curves(stays)
+    lines = step_lines(stays, chosen)
+    draw_axes(stays, lines)
+    draw_curves(stays, clear=lines)
     arms = arms_page(drawing, drawing.frames.at([chosen.step]))
     ticks = list(staged(stays, arms, chosen.step))
     captions = [fill(tick.caption, int(13.0 * wide)) for tick in ticks]

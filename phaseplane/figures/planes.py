@@ -63,7 +63,7 @@ def step_page(drawing: Drawing, frame: Frame, look: Look, beside: float = 0.0) -
         rows = np.array([[x - aside * page.em for aside in (0.0, 1.2)] for x in distances(page)])
         lines = np.append(lines, rows.reshape(-1, 1) + 1j * np.array(ends), axis=0)
     draw_axes(page, lines)
-    draw_curves(page)
+    draw_curves(page, clear=lines)
     draw_own_curves(page, frame)
     draw_trails(page, recent=0)  # the lettered step is rarely one of the last
     draw_missed(page)

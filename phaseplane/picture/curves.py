@@ -15,7 +15,7 @@ from phaseplane.constructions.storage import Frame
 from .frames import columns
 from .letters import away
 from .page import PLATE, VALUE, Arrow, Page, Text, value_text
-from .paper import SEEN, Box, Strip, arcs, telling_vertices
+from .paper import NOTHING, SEEN, Box, Points, Strip, arcs, telling_vertices
 from .subject import centre_of, joined
 from .text import level_text
 
@@ -29,8 +29,11 @@ _SAME = 1e-3  # of the width of their family: distance of curves that coincide
 RECENT = 200  # steps of a long motion that are drawn in full, more than the viewer has in a block
 
 
-def draw_curves(page: Page, roles: Sequence[str] | None = CURVES) -> None:
-    """Draw the fixed curves of the given roles, or of all, with their labels."""
+def draw_curves(page: Page, roles: Sequence[str] | None = CURVES, clear: Points = NOTHING) -> None:
+    """Draw the fixed curves of the given roles, or of all.
+
+    Their labels keep clear of some segments, too, if they can.
+    """
     chosen = [c for c in page.drawing.curves if roles is None or c.role in roles]
     for curve in chosen:  # motions from other starts recede behind the one that is drawn
         page.lines(curve.role, [curve.vertices], 0.6 if curve.role == "trail" else 1.0)
@@ -49,7 +52,7 @@ def draw_curves(page: Page, roles: Sequence[str] | None = CURVES) -> None:
             page.write_first(replace(name, centre=beside + up * 1j * page.em) for up in ups)
     for curve in chosen:
         if curve.role == "auxiliary" and curve.label:
-            _along(page, curve)
+            _along(page, curve, clear)
         # further integral curves are named where they begin, since many of them end together
         place = {"shortcut": -1, "trail": 0}.get(curve.role)
         if place is not None and page.view.holds(curve.vertices[place]):
@@ -120,7 +123,7 @@ def words_at_end(curve: Curve, curves: Sequence[Curve]) -> str:
     return ", ".join(typeset(c.label) for c in alike) if alike[0] is curve else ""
 
 
-def _along(page: Page, curve: Curve) -> None:
+def _along(page: Page, curve: Curve, clear: Points) -> None:
     """Write the label of a curve beyond its end, or else on it, as near to its end as there is room."""
     named, planes = curve.label.partition(" =")[0], page.drawing.planes
     plane = next((p for p in planes if p.displacement.label == named), planes[0])
@@ -132,8 +135,10 @@ def _along(page: Page, curve: Curve) -> None:
     plate = text.box(page.em).grown(PLATE * page.em).half
     way = (ends[-1] - ends[-2]) / abs(ends[-1] - ends[-2])
     beyond = ends[-1] + way * away(plate, way)
-    backwards = reversed(places.T.ravel().tolist())
-    page.write_first(replace(text, centre=complex(z)) for z in (beyond, *backwards))
+    centres = np.array([beyond, *reversed(places.T.ravel().tolist())])
+    struck = Box(centres[:, None], np.array(plate)).inside(*clear.T).any(axis=1)
+    ranked = centres[np.argsort(struck, kind="stable")].tolist()
+    page.write_first(replace(text, centre=z) for z in ranked)
 
 
 def draw_trails(

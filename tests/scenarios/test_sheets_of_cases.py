@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
+from inspect import unwrap
 from itertools import combinations, pairwise, product
 
 import numpy as np
 import pytest
 import rerun as rr
 from drawn_cases import DRAWN, PANES, REFUSED, SYSTEMS_OF_ONES_OWN, drawing_of
+from phaseplane.scenarios.draw.constructions import draw_construction
 from phaseplane.scenarios.draw.planes import CONSTRUCTED
 from phaseplane.scenarios.draw.recording_content import readings
 from phaseplane.scenarios.errors import DrawingError, InputError
@@ -16,7 +19,8 @@ from phaseplane.scenarios.scene.loading import load_scene
 
 from phaseplane.constructions.letters import typeset
 from phaseplane.figures.canvas import new_page
-from phaseplane.figures.planes import step_page
+from phaseplane.figures.planes import step_lines, step_page
+from phaseplane.figures.single_steps import figure2
 from phaseplane.figures.style import PLAIN
 from phaseplane.picture.curves import curve_through
 from phaseplane.picture.frames import table
@@ -144,6 +148,24 @@ def test_no_line_strikes_the_name_of_an_axis(name: str) -> None:
                 for curve in (c for c in drawing.curves if c.role == "auxiliary"):
                     starts, ends = segments_of([curve.vertices]).T
                     assert not Box(*np.array([box.centre, box.half])).inside(starts, ends).any()
+
+
+def test_no_line_of_figure_2_strikes_its_texts() -> None:
+    """With a bump stop P is far up, level with where the values of the curves would be."""
+    stop = ["bump_stop.gap=3 cm", "bump_stop.stiffness=500 kN/m", "construction.step=5 ms"]
+    road = ["road.shape=bump", "road.height=12 cm", "road.length=2 m", "speed=40 km/h"]
+    scene = load_scene("OneDof", [*stop, *road, "duration=1.5"])
+    settings = asdict(scene.construction)
+    drawing = draw_construction("OneDof", scene.all_parameters, settings, scene.duration)
+    page, _ = unwrap(figure2)(drawing, look=PLAIN)
+    dimensions = [(arrow.start, arrow.tip) for arrow in page.of(Arrow) if arrow.both]
+    assert len(dimensions) == 1
+    step = step_lines(page, frame_at(drawing, None))
+    for text in (text for text in page.texts if text.kind == "name" or text.role == "auxiliary"):
+        box = text.box(page.em)
+        for segments in (np.array(dimensions), step):
+            struck = Box(np.array(box.centre), np.array(box.half)).inside(*segments.T)
+            assert not struck.any(), text.text
 
 
 @pytest.mark.slow
