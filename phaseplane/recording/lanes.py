@@ -23,9 +23,10 @@ LANES = "/lanes"
 _MOST_SEEN = 2  # lanes that have room; others are scrolled to
 _CALM, _LOUD = "calm", "loud"
 _DARK = 0.65  # brightness of bands, relative to that of curves
-# by the ending of a column: what it is about, the words for its two states, and the hue of the second
+# by the ending of a column: what it is about, the words for its two states, and the hue of the second;
+# the viewer orders lanes by name: contact comes first, that of all wheels
 _SWITCHES = {
-    "airborne": ("wheel", "on the road", "off the road", RED),
+    "airborne": ("contact", "on the road", "off the road", RED),
     "yielding": ("spring", "elastic", "yielding", ORANGE),
     "sticking": ("dry friction", "slips", "sticks", ORANGE),
 }
@@ -57,7 +58,7 @@ def lanes_of(content: Content) -> dict[str, Lane]:
     for name, (times, active) in known.items():
         for ending, (what, calm, loud, hue) in _SWITCHES.items():
             if name.endswith(ending):
-                lane = f"{in_words(name.removesuffix(ending))}{what}"
+                lane = f"{what} {in_words(name.removesuffix(ending))}".strip()
                 found[lane] = Lane(calm, loud, hue, times, active, drawn.get(name))
     axles = content.vehicle.axles if content.vehicle else ()
     for axle in axles:
@@ -65,10 +66,10 @@ def lanes_of(content: Content) -> dict[str, Lane]:
             continue
         travel = content.column(axle.body) - content.column(axle.wheel)
         for words, gap, side in (
-            ("bump stop", axle.bump_gap, -1.0), ("rebound stop", axle.rebound_gap, 1.0)
+            ("stop in bump", axle.bump_gap, -1.0), ("stop in rebound", axle.rebound_gap, 1.0)
         ):  # fmt: skip
             if gap is not None:
-                name = words if len(axles) == 1 else f"{axle.name} {words}"
+                name = words if len(axles) == 1 else f"{words} {axle.name}"
                 met = side * travel > gap
                 found[name] = Lane("free", "touches", ORANGE, content.times, met)
     if content.live:  # which of them will matter is not known yet
@@ -79,7 +80,7 @@ def lanes_of(content: Content) -> dict[str, Lane]:
 def lanes_height(content: Content) -> float:
     """Return the height of a few lanes in the viewer, in pixels; zero without lanes."""
     lanes = min(len(lanes_of(content)), _MOST_SEEN)
-    return 55.0 + 40.0 * lanes if lanes else 0.0
+    return 55.0 + 45.0 * lanes if lanes else 0.0
 
 
 def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:

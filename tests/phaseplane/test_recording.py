@@ -139,7 +139,7 @@ def test_contact_has_a_lane_on_every_timeline(tmp_path: Path, every: int) -> Non
     )
     made = replace(drawing(), frames=frames)
     shown = replace(content(), drawing=made, histories={**histories, "airborne": flies})
-    rows = read_back(shown, tmp_path).rows["/lanes/wheel"]
+    rows = read_back(shown, tmp_path).rows["/lanes/contact"]
     off = {
         name: [r[name] for r in rows if name in r and r["StateChange:state"] == ["loud"]]
         for name in ("t", "step", "stage")

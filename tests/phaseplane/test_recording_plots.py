@@ -23,10 +23,10 @@ from phaseplane.recording.sinks import new_recording
 def test_lanes_show_what_changes(tmp_path: Path) -> None:
     airborne = (TIME > 0.2) & (TIME < 0.3)
     made = read_back(Content("a run", histories={**MOTION, "airborne": airborne}), tmp_path)
-    states = [(row["t"], row["StateChange:state"]) for row in made.rows["/lanes/wheel"]]
+    states = [(row["t"], row["StateChange:state"]) for row in made.rows["/lanes/contact"]]
     assert [state for _, state in states] == [["calm"], ["loud"], ["calm"]]
     assert states[1][0] == pytest.approx(TIME[airborne][0])
-    labels = made.static["/lanes/wheel"]["StateConfiguration:labels"]
+    labels = made.static["/lanes/contact"]["StateConfiguration:labels"]
     assert labels == ["on the road", "off the road"]
     calm = read_back(Content("a run", histories={**MOTION, "airborne": 0 * TIME}), tmp_path)
     assert not any(path.startswith("/lanes") for path in calm.rows)
@@ -36,7 +36,7 @@ def test_the_words_on_lanes_are_legible_on_light_ground(tmp_path: Path) -> None:
     """The viewer writes white, on bands through which a fifth of the ground is seen."""
     stops = replace(QUARTER, axles=(replace(QUARTER.axles[0], rebound_gap=0.01),))
     made = read_back(Content("a run", histories=MOTION, vehicle=stops), tmp_path)
-    for lane in ("wheel", "rebound_stop"):
+    for lane in ("contact", "stop_in_rebound"):
         for colour in made.static[f"/lanes/{lane}"]["StateConfiguration:colors"]:
             parts = np.array([*int(colour).to_bytes(4, "big")][:3])
             seen = 1.0 - 200.0 / 255.0 * (1.0 - parts / 255.0)
