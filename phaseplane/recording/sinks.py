@@ -17,7 +17,8 @@ from .content import Content
 from .layout import blueprint
 from .recorder import Recorder
 
-_LONGEST = 180  # characters of a name in the viewer's list
+_LONGEST = 170  # characters of a title in the viewer's list
+_NUMBER = 6  # characters of a recording's id that tell it from others of its title
 
 
 def new_recording(content: Content, recording_id: str = "") -> rr.RecordingStream:
@@ -30,12 +31,12 @@ def new_recording(content: Content, recording_id: str = "") -> rr.RecordingStrea
     ------
     ValueError : if rerun is switched off by its environment variable.
     """
-    digest = content.digest()
-    # A viewer has one layout per application, so each scene is its own application.
+    number = recording_id or content.digest()
+    # A viewer has one layout per application, so each recording is its own application.
     # Rows are sent when the recorder says so, not by the clock: equal recordings have equal chunks.
     recording = rr.RecordingStream(
-        _entry(content.title),
-        recording_id=recording_id or digest,
+        f"{_entry(content.title)} {number[:_NUMBER]}",
+        recording_id=number,
         send_properties=False,
         batcher_config=rr.ChunkBatcherConfig.NEVER(),
     )
