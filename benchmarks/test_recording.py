@@ -200,7 +200,7 @@ def test_what_a_viewer_costs_a_run(realtime: bool) -> None:
                 assert live is not None
                 sleep(1.0)
                 results = run(scene, watch=live.watch, realtime=realtime)
-                assert live.complete(results) == ([], [])
+                assert live.complete(results, None) == ([], [])
                 assert live.live.rows_drawn > 100
             watched.append(results.summary["run_time"])
     print(f"\nalone {min(alone):.2f} s, watched {min(watched):.2f} s")

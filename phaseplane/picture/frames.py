@@ -72,7 +72,7 @@ def switches_of(drawing: Drawing) -> dict[str, npt.NDArray[np.bool_]]:
     Each at all points of a construction, by the names of the columns of a run. Those that never occur
     are left out.
     """
-    schemes = [frame.scheme for frame in drawing.instants]
+    schemes = drawing.frames.schemes + ([drawing.end.scheme] if drawing.end is not None else [])
     forces = [n for n in drawing.frames[0].readings if n.endswith("contact_force")]
     _, read = read_over(drawing, forces)
     found = {

@@ -181,7 +181,7 @@ def step_text(
 ) -> str:
     """Return the description of a step, a note on all steps, and the readings, in Markdown."""
     head = " ".join(filter(None, (step_head(drawing, frame), note)))
-    return f"{head}\n\n{readings_table(frame.readings, quantities, is_laid_over(drawing))}"
+    return f"{head}\n\n{readings_table(frame.readings, quantities, not frame.mode)}"
 
 
 def end_text(drawing: Drawing, quantities: Mapping[str, Quantity | None], run: float = 0.0) -> str:

@@ -233,7 +233,11 @@ def _strips(points: Points, offsets: npt.NDArray[np.int32]) -> pa.Array:
     return pa.ListArray.from_arrays(offsets, batch.as_arrow_array(), type=_STRIPS)
 
 
-_INSTEAD = {0x2098: "m", 0x209B: "s", 0x209C: "t", 0x2009: " "}  # of indices and a thin space
+# of indices and a thin space; dots over xi are not shown
+_INSTEAD = (
+    ("\u2098", "m"), ("\u209b", "s"), ("\u209c", "t"), ("\u2009", " "),
+    ("\u03be\u0308", "\u03be\u2033"), ("\u03be\u0307", "\u03be\u2032"),
+)  # fmt: skip
 # Characters of the viewer's font. The viewer does not skip a missing glyph; it fails.
 _LEGIBLE = frozenset(
     "\n"
@@ -244,15 +248,12 @@ _LEGIBLE = frozenset(
     + "\u2070\u2074\u2075\u2076\u2077\u2078\u2079" + "".join(map(chr, range(0x2080, 0x208A)))
     + "\u2190\u2191\u2192\u2193\u2202\u2206\u2212\u221a\u221e\u2248\u2260\u2264\u2265"
 ) - {"\u03a2"}  # fmt: skip
-
-# dots over this letter are not shown
-_DOTS_OF_XI = (("\u03be\u0308", "\u03be\u2033"), ("\u03be\u0307", "\u03be\u2032"))
 _ILLEGIBLE = re.compile(f"[^{re.escape(''.join(sorted(_LEGIBLE)))}]")
 
 
 def legible(text: str) -> str:
     """Return the text with a question mark for every character that the viewer cannot show."""
-    text = unicodedata.normalize("NFC", text.translate(_INSTEAD))
-    for dots, primes in _DOTS_OF_XI:
-        text = text.replace(dots, primes)
+    text = unicodedata.normalize("NFC", text)
+    for unseen, instead in _INSTEAD:
+        text = text.replace(unseen, instead)
     return _ILLEGIBLE.sub("?", text)
