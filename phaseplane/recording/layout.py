@@ -218,11 +218,13 @@ def _plot(panel: Panel, content: Content) -> rrb.TimeSeriesView:
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
     margin = 0.05 * (high - low) or 1.0
     named = MOST_NAMED // 2 if content.drawing is not None else MOST_NAMED  # where plots are low
+    # the latest values of a live run, which are on the right, are to be seen
+    corner = rrb.Corner2D.LeftTop if content.live else rrb.Corner2D.RightTop
     ends = (number(end if abs(end) > _ROUNDING * (high - low) else 0.0, 3) for end in (low, high))
     return rrb.TimeSeriesView(
         origin=panel.path,
         name=f"{panel.title}, {' to '.join(ends)}" if high > low else panel.title,
-        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=len(panel.names) <= named),
+        plot_legend=rrb.PlotLegend(corner=corner, visible=len(panel.names) <= named),
         axis_x=None if content.live else _whole_time(),
         axis_y=rrb.ScalarAxis(range=(low - margin, high + margin)) if finite.size else None,
         overrides={panel.points(name): rr.SeriesPoints() for name in panel.drawn},
