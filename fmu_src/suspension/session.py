@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 from array import array
+from binascii import crc32
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -434,33 +435,32 @@ class Session:
 
     def snapshot(self) -> bytes:
         """Return the whole state as bytes (JSON); `restore` continues from it to the bit."""
-        return json.dumps(
-            {
-                "model": self.model,
-                "parameters": self._now,
-                "ok": self.ok,
-                "tuned": self._tuned,
-                "handed": self._handed,
-                "run": self._run.snapshot().hex(),
-                "integrator": self._integrator.snapshot().hex(),
-                "coming": self._events.coming(self.time),
-                "kept": self._kept,
-                "behind": self._behind.hex()
-                if self._kept or self._integrator.time > self.time
-                else "",
-            }
-        ).encode()
+        kept = {
+            "model": self.model,
+            "parameters": self._now,
+            "ok": self.ok,
+            "tuned": self._tuned,
+            "handed": self._handed,
+            "run": self._run.snapshot().hex(),
+            "integrator": self._integrator.snapshot().hex(),
+            "coming": self._events.coming(self.time),
+            "kept": self._kept,
+            "behind": self._behind.hex() if self._kept or self._integrator.time > self.time else "",
+        }
+        return json.dumps({**kept, "checksum": _checksum(kept)}).encode()
 
     def restore(self, state: bytes) -> None:
         """Return to a snapshot of a session of the same model and parameters.
 
         Raises
         ------
-        ValueError : a snapshot of another model or with other parameters.
+        ValueError : a snapshot of another model or with other parameters, or one that is damaged.
         """
         kept = json.loads(state)
         if (kept["model"], kept["parameters"]) != (self.model, self._now):
             raise ValueError("this state belongs to another model or to other parameters")
+        if kept.get("checksum") != _checksum(kept):
+            raise ValueError("this state is damaged")
         self._integrator.restore(bytes.fromhex(kept["integrator"]))
         self._behind = bytes.fromhex(kept["behind"])
         self.ok, self._tuned = kept["ok"], kept["tuned"]
@@ -469,6 +469,11 @@ class Session:
         self._events.resume(self.time, kept["coming"])
         self._read_lines()
         self._sample()
+
+
+def _checksum(kept: Mapping[str, Any]) -> int:
+    """Return the checksum of the bytes in a snapshot: numbers in damaged ones may point anywhere."""
+    return crc32("".join(kept[name] for name in ("run", "integrator", "behind")).encode())
 
 
 def refuse_step(ok: bool, now: float, until: float) -> None:

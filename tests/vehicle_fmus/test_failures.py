@@ -179,7 +179,9 @@ def damaged(state: bytes) -> list[bytes]:
     """States that say they are of this FMU, and are not whole."""
     content = json.loads(state)
     without = [{k: v for k, v in content.items() if k != key} for key in ("inputs", "session")]
-    odd = [{**content, "session": text} for text in ("{}", "garbage")]
+    session = json.loads(content["session"])
+    session["integrator"] = session["integrator"].replace("0", "f")  # would be read from anywhere
+    odd = [{**content, "session": text} for text in ("{}", "garbage", json.dumps(session))]
     return [json.dumps(state).encode() for state in (*without, *odd)]
 
 
