@@ -111,6 +111,24 @@ def test_no_step_follows_the_end(vehicle: Any) -> None:
         assert vehicle.get("ok")
 
 
+def test_no_initialisation_during_a_run(vehicle: Any) -> None:
+    """It would begin anew, or leave no model, while the host goes on."""
+    with vehicle.instance():
+        for call, repeat in (
+            ("fmi2SetupExperiment", lambda: vehicle.fmu.setupExperiment(startTime=0.0)),
+            ("fmi2ExitInitializationMode", vehicle.fmu.exitInitializationMode),
+        ):
+            running(vehicle)
+            state = vehicle.fmu.getFMUstate()
+            repeat()
+            assert vehicle.get("ok")
+            refused_step(vehicle)
+            assert f"{call} cannot be called during a run: reset the FMU first" in vehicle.texts
+            vehicle.fmu.setFMUstate(state)
+            vehicle.step(0.01, 0.02)
+            vehicle.fmu.reset()
+
+
 def test_a_bad_start_value_is_told_to_a_host_without_logging(
     quarter_car_folder: str, capfd: pytest.CaptureFixture[str]
 ) -> None:

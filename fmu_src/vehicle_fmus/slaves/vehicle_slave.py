@@ -101,6 +101,8 @@ class VehicleSlave(Fmi2Slave):
         self, start_time: float, stop_time: float | None, tolerance: float | None
     ) -> None:
         """Store the start time, the stop time and the host's tolerance."""
+        if self._is_late("fmi2SetupExperiment"):
+            return
         if self.resources in sys.path:
             sys.path.remove(self.resources)  # the wrapper put it there; all is imported by now
         self._start_time, self._tolerance = start_time, tolerance
@@ -115,6 +117,8 @@ class VehicleSlave(Fmi2Slave):
         ParameterError : a parameter or input that is out of range or unreadable, or an output that
             was set; see `_RAISES`.
         """
+        if self._is_late("fmi2ExitInitializationMode"):
+            return
         try:
             if self._refusal:
                 raise ParameterError(self._refusal)
@@ -135,6 +139,12 @@ class VehicleSlave(Fmi2Slave):
             for remark in remarks(self._session.parameters, self._stop_time):
                 self.log(remark)
         self._report()
+
+    def _is_late(self, call: str) -> bool:
+        """Return whether initialisation has ended, and refuse the next step if so."""
+        if self._initialised:
+            self._refuse(f"{call} cannot be called during a run: reset the FMU first")
+        return self._initialised
 
     # -- stepping ----------------------------------------------------------------------------------
 

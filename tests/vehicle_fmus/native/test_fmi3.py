@@ -304,14 +304,23 @@ def test_the_next_corner_of_the_road_is_told(native_fmu: Packer, tmp_path: Path)
 
 
 def test_a_host_looks_within_steps_and_may_return_there(native_fmu: Packer, tmp_path: Path) -> None:
-    """What it sees are the outputs of a run that stops there; looking changes nothing."""
+    """What it sees are the outputs of a run that stops there; looking changes nothing.
+
+    A step cannot be taken from under it by a reset, by the end, or by a state.
+    """
     seen: list[tuple[float, float]] = []
+    refused: list[bool] = []
     ends: list[float] = []
 
     def look(
         _: Any, time: float, _set: bool, get: bool, done: bool, can: bool, asked: Any, end: Any
     ) -> None:
         assert (get, done, can) == (True, True, True)
+        if not seen:
+            for call in (host.one.reset, host.one.terminate, host.one.getFMUState):
+                with pytest.raises(Exception, match="status 3"):
+                    call()
+                refused.append(True)
         seen.append((time, host.value("body_displacement")))
         if ends:
             asked[0], end[0] = True, ends[0]
@@ -320,6 +329,7 @@ def test_a_host_looks_within_steps_and_may_return_there(native_fmu: Packer, tmp_
     host = Awake(fmu, tmp_path / "looking", intermediateUpdate=look)
     host.run(0.2, 0.05)
     assert len(seen) > 20
+    assert len(refused) == 3
     times = [time for time, _ in seen]
     assert times == sorted(times)
     assert {0.05, 0.1, 0.2} <= set(times)

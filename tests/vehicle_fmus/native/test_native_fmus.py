@@ -315,9 +315,9 @@ def test_a_road_set_on_a_built_in_road_is_warned_of(
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_a_restored_state_reads_as_it_was_left(
-    fmi: int, native_fmu: Packer, slave: Any, tmp_path: Path
+    fmi: int, native_fmu: Packer, slave: Any, tmp_path: Path, capfd: Any
 ) -> None:
-    """Forces too, of a wheel so light that its motion decays within a step."""
+    """Forces too, of a wheel so light that its motion decays within a step; a damaged one is refused."""
     outputs = [REFERENCE[v.name] for v in variables("QuarterCar")
                if v.causality == "output" and isinstance(v.start, float)]  # fmt: skip
     with slave(native_fmu("QuarterCar", fmi=fmi), tmp_path) as one:
@@ -330,6 +330,11 @@ def test_a_restored_state_reads_as_it_was_left(
             left = one.getReal(outputs)
             one.setFMUstate(one.getFMUstate())
             assert one.getReal(outputs) == left
+        damaged = bytearray(one.serializeFMUstate(one.getFMUstate()))
+        damaged[-1] ^= 1
+        with pytest.raises(Exception, match="status 3"):
+            one.deSerializeFMUstate(bytes(damaged))
+        assert "this state is damaged" in capfd.readouterr().out
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
@@ -378,23 +383,59 @@ def test_a_step_that_ends_before_its_start_by_rounding_goes_nowhere(
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_no_step_follows_the_end(
+def test_calls_out_of_place_are_refused_and_change_nothing(
     fmi: int, native_fmu: Packer, slave: Any, tmp_path: Path, capfd: Any
 ) -> None:
-    names = [v.name for v in variables("QuarterCar")]
-    with slave(native_fmu("QuarterCar", fmi=fmi), tmp_path) as one:
+    """In every mode the calls that FMI allows in others, and then the run that there is without them."""
+    body = [REFERENCE["body_displacement"]]
+    fmu = native_fmu("QuarterCar", fmi=fmi)
+    with slave(fmu, tmp_path / "plain") as plain, slave(fmu, tmp_path / "tried") as one:
+        calls = {
+            "EnterInitializationMode": one.enterInitializationMode,
+            "ExitInitializationMode": one.exitInitializationMode,
+            "DoStep": lambda: one.doStep(0.1, 0.1),
+            "Terminate": one.terminate,
+            "Set": lambda: one.setReal([REFERENCE["damper.scale"]], [2.0]),
+        }
+        if fmi == 2:
+            calls["SetupExperiment"] = lambda: one.setupExperiment(startTime=5.0)
+
+        def refuse(mode: str, *allowed: str) -> None:
+            for name, call in calls.items():
+                if name not in allowed:
+                    with pytest.raises(Exception, match="status 3"):
+                        call()
+                    said = capfd.readouterr().out
+                    assert f"fmi{fmi}{name}" in said
+                    assert f"cannot be called {mode}, but only" in said
+
         for _ in range(2):
-            one.setupExperiment(startTime=0.0)
-            one.enterInitializationMode()
-            one.exitInitializationMode()
-            one.doStep(0.0, 0.1)
+            for each in (plain, one):
+                each.setupExperiment(startTime=0.0)
+            refuse("after instantiation", "SetupExperiment", "EnterInitializationMode", "Set")
+            for each in (plain, one):
+                each.enterInitializationMode()
+            refuse("in initialization mode", "ExitInitializationMode", "Set")
+            for each in (plain, one):
+                each.exitInitializationMode()
+                each.doStep(0.0, 0.1)
+            refuse("in step mode", "DoStep", "Terminate", "Set")
+            for each in (plain, one):
+                each.doStep(0.1, 0.1)
+            state = one.getFMUstate()
             one.terminate()
-            assert one.getReal([names.index("body_displacement")])[0] != 0.0
-            with pytest.raises(Exception, match=r"status [23]"):
-                one.doStep(0.1, 0.1)
-            one.reset()
-    said = capfd.readouterr().out
-    assert ("the run has been terminated" if fmi == 2 else "cannot be called after the end") in said
+            refuse("after the end")
+            assert one.getReal(body) == plain.getReal(body) != [0.0]
+            with pytest.raises(Exception, match="status 3"):
+                one.setFMUstate(None)
+            assert "there is no state: get or deserialize one first" in capfd.readouterr().out
+            one.setFMUstate(state)
+            for each in (plain, one):
+                each.doStep(0.2, 0.1)
+                each.terminate()
+            assert one.getReal(body) == plain.getReal(body)
+            for each in (plain, one):
+                each.reset()
 
 
 @pytest.mark.slow

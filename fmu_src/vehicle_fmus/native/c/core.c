@@ -10,6 +10,7 @@
 #define PLACES 5 /* of a function whose derivative is that of the polynomial through them */
 #define APART 1e-3 /* distance of these places, of the size of what is varied */
 enum { FINE, WARNING }; /* what a message is, as in both versions of FMI */
+enum { INSTANTIATED = 1, INITIALIZATION = 2, EVENT = 4, STEP = 8, TERMINATED = 16, LOOKING = 32 };
 #define DUE 4 /* instants that can wait: at most two of one step, and one of the inputs */
 
 typedef struct Stop {
@@ -28,7 +29,6 @@ typedef struct State {
     double start, tolerance;
     double handed; /* end of the step for which the courses of the inputs were found, until one is set */
     int kept;      /* whether `behind` is of that step */
-    int initialised; /* whether initialisation has ended */
     int ready;       /* whether machine and conduct belong to the parameters */
     int ok, tuned, warned, passed_over;
     double due[DUE]; /* instants of switches that the host has not been told of */
@@ -36,7 +36,7 @@ typedef struct State {
     Stop stop[DUE];     /* end stops met or left that are yet to be reported */
     int stops;
     char met[ELEMENTS]; /* whether the last report of an end stop says that it was met */
-    int mode; /* of an FMI 3.0 interface */
+    int mode;
     char ticks[2 * TYRES + 1]; /* lift-off and touchdown of each tyre since the last look */
 } State;
 
@@ -78,6 +78,25 @@ static int fail(Instance *one, const char *format, ...) {
     return 1;
 }
 
+/* Return whether a call is out of place in the present mode, and note that. */
+static int misplaced(Instance *one, const char *call, int allowed) {
+    static const char *const modes[] = {"after instantiation", "in initialization mode", "in event mode",
+        "in step mode", "after the end", "in intermediate update mode"};
+    char places[256] = "";
+    int k = 0;
+    if (one->now.mode & allowed) return 0;
+    while (one->now.mode >> (k + 1)) k++;
+    for (size_t i = 0; i < sizeof modes / sizeof modes[0]; i++) {
+        const size_t used = strlen(places);
+        if (!(allowed & 1 << i)) continue;
+        snprintf(places + used, sizeof places - used, "%s %s", used ? " or" : "", modes[i]);
+    }
+    return fail(one, "%s cannot be called %s, but only%s%s", call, modes[k], places,
+                one->now.mode == TERMINATED ? ": first reset the FMU, or restore a state" : "");
+}
+
+static int is_initialised(const State *now) { return now->mode > INITIALIZATION; }
+
 /* Note that what outputs are read from is not that of the present time. */
 static void forget(Instance *one) {
     one->forces_known = one->roads_known = one->energies_known = 0;
@@ -97,6 +116,7 @@ static void reset_instance(Instance *one) {
     memset(now, 0, sizeof *now);
     for (int k = 0; k < VARIABLES; k++) now->parameters[k] = variables[k].start;
     now->ok = 1;
+    now->mode = INSTANTIATED;
     one->reason[0] = one->refusal[0] = 0;
     one->quiet = one->idle = 0;
     conduct_make(&now->conduct);
@@ -567,7 +587,7 @@ static int begin(Instance *one) {
 static int end_initialisation(Instance *one) {
     if (one->refusal[0]) return fail(one, "%s", one->refusal);
     if (begin(one)) return 1;
-    one->now.initialised = 1;
+    one->now.mode = one->event_mode ? EVENT : STEP;
     return 0;
 }
 
@@ -592,7 +612,7 @@ static int take_value(Instance *one, unsigned k, double value) {
     const Variable *v = &variables[k];
     if (v->causality == OUTPUT) return fail(one, "%s = %g: an output cannot be set", v->name, value);
     if (v->causality == INPUT) {
-        if (now->initialised && !isfinite(value)) {
+        if (is_initialised(now) && !isfinite(value)) {
             return fail(one, "input %s = %g: must be finite", v->name, value);
         }
         if (v->text[0] && value != 0.0 && !one->idle) {
@@ -602,12 +622,12 @@ static int take_value(Instance *one, unsigned k, double value) {
         now->inputs[k] = value;
         now->is_set[k] = 1;
         now->handed = -INFINITY;
-        if (now->initialised) {
+        if (is_initialised(now)) {
             Run_set_input(&now->conduct.run, v->index, value);
         } else {
             now->ready = 0;
         }
-    } else if (!now->initialised) {
+    } else if (!is_initialised(now)) {
         now->parameters[k] = value + 0.0; /* never -0 */
         now->ready = 0;
     } else if (!v->tunable || v->kind != REAL) {
@@ -622,7 +642,8 @@ static int take_value(Instance *one, unsigned k, double value) {
 }
 
 static int set_value(Instance *one, unsigned k, double value) {
-    return take_value(one, k, value) && refuse(one);
+    const int is_switch = variables[k].kind == BOOLEAN; /* any but 0 is true */
+    return take_value(one, k, is_switch ? value != 0.0 : value) && refuse(one);
 }
 
 static int set_text(Instance *one, unsigned k, const char *text) {
@@ -662,10 +683,10 @@ static double get_value(Instance *one, unsigned k) {
     const Variable *v = &variables[k];
     if (v->causality == PARAMETER) return now->parameters[k];
     if (v->causality == INPUT) {
-        return now->initialised ? now->conduct.run.inputs->value[v->index]
+        return is_initialised(now) ? now->conduct.run.inputs->value[v->index]
                                 : now->is_set[k] ? now->inputs[k] : v->start;
     }
-    if (!now->ready && !now->initialised) begin(one); /* reported at the end of initialisation */
+    if (!now->ready && !is_initialised(now)) begin(one); /* reported at the end of initialisation */
     if (k == V_OK) return now->ready && now->ok;
     if (!now->ready || !now->ok) return v->kind == REAL ? NAN : 0.0;
     if (needs_forces(k)) find_forces(one);
@@ -728,24 +749,52 @@ static int find_rate(Instance *one, unsigned k, int order, double *rate) {
 
 /* ---- whole state --------------------------------------------------------------------------- */
 
-#define SERIALIZED (sizeof GUID + sizeof(State))
+#define SERIALIZED (sizeof(Serialized))
+#define NO_STATE "there is no state: get or deserialize one first"
 
-/* Write a state to bytes, if there is one and they are enough; return whether it failed. */
-static int write_state(void *bytes, size_t size, const State *state) {
-    if (!state || size < SERIALIZED) return 1;
-    memcpy(bytes, GUID, sizeof GUID);
-    memcpy((char *) bytes + sizeof GUID, state, sizeof(State));
+typedef struct Serialized {
+    char guid[sizeof GUID];
+    unsigned long long sum; /* of the state: numbers of a damaged one may point anywhere */
+    State state;
+} Serialized;
+
+/* Return the checksum of bytes (FNV-1a). */
+static unsigned long long checksum_of(const void *bytes, size_t size) {
+    unsigned long long sum = 14695981039346656037ULL;
+    for (size_t k = 0; k < size; k++) sum = (sum ^ ((const unsigned char *) bytes)[k]) * 1099511628211ULL;
+    return sum;
+}
+
+/* Write a state to bytes; return whether it failed. */
+static int write_state(Instance *one, void *bytes, size_t size, const State *state) {
+    const unsigned long long sum = state ? checksum_of(state, sizeof *state) : 0;
+    char *to = bytes;
+    if (!state) return fail(one, NO_STATE);
+    if (size < SERIALIZED) {
+        return fail(one, "a state needs %lu bytes, not %lu", (unsigned long) SERIALIZED,
+                    (unsigned long) size);
+    }
+    memset(to, 0, SERIALIZED);
+    memcpy(to, GUID, sizeof GUID);
+    memcpy(to + offsetof(Serialized, sum), &sum, sizeof sum);
+    memcpy(to + offsetof(Serialized, state), state, sizeof *state);
     return 0;
 }
 
 /* Read a state from bytes to new memory if there is none; return whether it failed. */
 static int read_state(Instance *one, const void *bytes, size_t size, State **state) {
-    if (size != SERIALIZED || memcmp(bytes, GUID, sizeof GUID) != 0) {
+    const char *from = bytes;
+    unsigned long long sum;
+    if (size != SERIALIZED || memcmp(from, GUID, sizeof GUID) != 0) {
         return fail(one, "this state belongs to another FMU");
+    }
+    memcpy(&sum, from + offsetof(Serialized, sum), sizeof sum);
+    if (sum != checksum_of(from + offsetof(Serialized, state), sizeof(State))) {
+        return fail(one, "this state is damaged");
     }
     if (!*state) *state = malloc(sizeof(State));
     if (!*state) return fail(one, "out of memory");
-    memcpy(*state, (const char *) bytes + sizeof GUID, sizeof(State));
+    memcpy(*state, from + offsetof(Serialized, state), sizeof(State));
     return 0;
 }
 
@@ -762,12 +811,14 @@ static int copy_state(Instance *one, State **state) {
     return 0;
 }
 
-static void restore(Instance *one, const State *state) {
+static int restore(Instance *one, const State *state) {
+    if (!state) return fail(one, NO_STATE);
     one->now = *state;
     one->refusal[0] = 0;
     wire(one);
     /* forces are found from the motion read off the last step, which finding them changes */
     if (state->ready) Integrator_sample(&one->now.machine.integrator, state->conduct.run.time);
+    return 0;
 }
 
 /* ---- directional derivatives ----------------------------------------------------------------- */
@@ -789,7 +840,7 @@ static int find_sensitivity(Instance *one, const unsigned unknown[], size_t unkn
     if (one->refusal[0]) return fail(one, "%s", one->refusal);
     for (size_t k = 0; k < knowns; k++) {
         const Variable *v = &variables[known[k]];
-        if (v->causality == OUTPUT || (v->causality == PARAMETER && one->now.initialised)) {
+        if (v->causality == OUTPUT || (v->causality == PARAMETER && is_initialised(&one->now))) {
             return fail(one, "%s: derivatives are by inputs, and before the end of initialisation by "
                         "parameters", v->name);
         }
@@ -802,7 +853,7 @@ static int find_sensitivity(Instance *one, const unsigned unknown[], size_t unkn
         if (v->causality != OUTPUT) return fail(one, "%s: derivatives are of outputs", v->name);
         sensitivity[k] = 0.0;
     }
-    if (one->now.initialised || h == INFINITY) return 0;
+    if (is_initialised(&one->now) || h == INFINITY) return 0;
     if (copy_state(one, &start)) return 1;
     one->quiet = 1;
     for (size_t side = 0; side < sizeof firsts / sizeof firsts[0]; side++) {

@@ -49,7 +49,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     Host *host;
     (void) resources, (void) visible;
     if (type != fmi2CoSimulation || !guid || strcmp(guid, GUID) != 0) {
-        hand_on(functions, name, fmi2Error, "logStatusError",
+        hand_on(functions, name ? name : "", fmi2Error, "logStatusError",
                 type != fmi2CoSimulation ? "this FMU is for co-simulation only"
                 : "the GUID is not that of the model description");
         return NULL;
@@ -69,8 +69,10 @@ void fmi2FreeInstance(fmi2Component c) { free(c); }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
         fmi2Real start, fmi2Boolean has_stop, fmi2Real stop) {
-    State *now = &((Host *) c)->instance.now;
+    Host *host = c;
+    State *now = &host->instance.now;
     (void) has_stop, (void) stop;
+    if (misplaced(&host->instance, "fmi2SetupExperiment", INSTANTIATED)) return failed(host, fmi2Error);
     now->start = start;
     now->tolerance = has_tolerance ? tolerance : 0.0;
     now->ready = 0;
@@ -78,19 +80,26 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2R
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
-    (void) c;
+    Host *host = c;
+    if (misplaced(&host->instance, "fmi2EnterInitializationMode", INSTANTIATED)) {
+        return failed(host, fmi2Error);
+    }
+    host->instance.now.mode = INITIALIZATION;
     return fmi2OK;
 }
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     Host *host = c;
+    if (misplaced(&host->instance, "fmi2ExitInitializationMode", INITIALIZATION)) {
+        return failed(host, fmi2Error);
+    }
     return end_initialisation(&host->instance) ? failed(host, fmi2Error) : fmi2OK;
 }
 
 fmi2Status fmi2Terminate(fmi2Component c) {
-    Instance *one = &((Host *) c)->instance;
-    fail(one, "the run has been terminated: reset the FMU, or restore a state");
-    refuse(one);
+    Host *host = c;
+    if (misplaced(&host->instance, "fmi2Terminate", STEP)) return failed(host, fmi2Error);
+    host->instance.now.mode = TERMINATED;
     return fmi2OK;
 }
 
@@ -116,6 +125,9 @@ fmi2Status fmi2Reset(fmi2Component c) {
     fmi2Status fmi2Set##Name(fmi2Component c, const fmi2ValueReference vr[], size_t count,          \
             const Type value[]) {                                                                   \
         Host *host = c;                                                                             \
+        if (misplaced(&host->instance, "fmi2Set" #Name, INSTANTIATED | INITIALIZATION | STEP)) {    \
+            return failed(host, fmi2Error);                                                         \
+        }                                                                                           \
         for (size_t k = 0; k < count; k++) {                                                        \
             if (!is_of_kind(&host->instance, vr[k], KIND) ||                                        \
                 set(&host->instance, vr[k], value[k])) {                                            \
@@ -140,17 +152,13 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real size, fmi2Boolean
     Host *host = c;
     Instance *one = &host->instance;
     (void) no_return;
-    if (one->now.initialised) {
-        if (make_step(one, time, size) == 0) return fmi2OK;
-    } else {
-        fail(one, "a step needs an initialised model");
-    }
-    return failed(host, fmi2Discard);
+    if (misplaced(one, "fmi2DoStep", STEP)) return failed(host, fmi2Error);
+    return make_step(one, time, size) ? failed(host, fmi2Discard) : fmi2OK;
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c) {
-    (void) c;
-    return fmi2Error;
+    fail(&((Host *) c)->instance, "no step can be cancelled: each has ended when fmi2DoStep returns");
+    return failed(c, fmi2Error);
 }
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
@@ -183,9 +191,8 @@ fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
-    if (!state) return fmi2Error;
-    restore(&((Host *) c)->instance, state);
-    return fmi2OK;
+    Host *host = c;
+    return restore(&host->instance, state) ? failed(host, fmi2Error) : fmi2OK;
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
@@ -201,8 +208,8 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
-    (void) c;
-    return write_state(bytes, size, state) ? fmi2Error : fmi2OK;
+    Host *host = c;
+    return write_state(&host->instance, bytes, size, state) ? failed(host, fmi2Error) : fmi2OK;
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size,

@@ -7,10 +7,6 @@
 #define FIRST_CLOCK (VARIABLES + 1)
 #define CLOCKS (2 * TYRES)
 
-enum { INSTANTIATED = 1, INITIALIZATION = 2, EVENT = 4, STEP = 8, TERMINATED = 16, LOOKING = 32 };
-static const char *const modes[] = {"after instantiation", "in initialization mode", "in event mode",
-    "in step mode", "after the end", "in intermediate update mode"};
-
 typedef struct Host {
     Instance instance;
     fmi3InstanceEnvironment environment;
@@ -31,14 +27,6 @@ static fmi3Status failed(Host *host) {
         host->log(host->environment, fmi3Error, "logStatusError", host->instance.reason);
     }
     return fmi3Error;
-}
-
-/* Return whether a call is out of place in the present mode, and note that. */
-static int misplaced(Host *host, const char *call, int allowed) {
-    int k = 0;
-    if (host->instance.now.mode & allowed) return 0;
-    while (host->instance.now.mode >> (k + 1)) k++;
-    return fail(&host->instance, "%s cannot be called %s", call, modes[k]);
 }
 
 const char *fmi3GetVersion(void) { return fmi3Version; }
@@ -87,7 +75,6 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     host->instance.early_return = early_return;
     host->instance.update = update ? let_look : NULL;
     reset_instance(&host->instance);
-    host->instance.now.mode = INSTANTIATED;
     return host;
 }
 
@@ -114,7 +101,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance
     Host *host = c;
     State *now = &host->instance.now;
     (void) has_stop, (void) stop;
-    if (misplaced(host, "fmi3EnterInitializationMode", INSTANTIATED)) return failed(host);
+    if (misplaced(&host->instance, "fmi3EnterInitializationMode", INSTANTIATED)) return failed(host);
     now->start = start;
     now->tolerance = has_tolerance ? tolerance : 0.0;
     now->ready = 0;
@@ -125,21 +112,21 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
     Host *host = c;
     Instance *one = &host->instance;
-    if (misplaced(host, "fmi3ExitInitializationMode", INITIALIZATION)) return failed(host);
-    if (end_initialisation(one)) return failed(host);
-    host->instance.now.mode = one->event_mode ? EVENT : STEP;
-    return fmi3OK;
+    if (misplaced(&host->instance, "fmi3ExitInitializationMode", INITIALIZATION)) return failed(host);
+    return end_initialisation(one) ? failed(host) : fmi3OK;
 }
 
 fmi3Status fmi3Terminate(fmi3Instance c) {
-    ((Host *) c)->instance.now.mode = TERMINATED;
+    Host *host = c;
+    if (misplaced(&host->instance, "fmi3Terminate", EVENT | STEP)) return failed(host);
+    host->instance.now.mode = TERMINATED;
     return fmi3OK;
 }
 
 fmi3Status fmi3Reset(fmi3Instance c) {
     Host *host = c;
+    if (misplaced(&host->instance, "fmi3Reset", ~LOOKING)) return failed(host);
     reset_instance(&host->instance);
-    host->instance.now.mode = INSTANTIATED;
     return fmi3OK;
 }
 
@@ -158,7 +145,7 @@ static int is_readable(Host *host, fmi3ValueReference k, int kind) {
 
 static double value_of(Host *host, fmi3ValueReference k) {
     const State *now = &host->instance.now;
-    if (k == TIME) return now->initialised ? now->conduct.run.time : now->start;
+    if (k == TIME) return is_initialised(now) ? now->conduct.run.time : now->start;
     return get_value(&host->instance, k);
 }
 
@@ -179,7 +166,8 @@ static double value_of(Host *host, fmi3ValueReference k) {
             const fmi3##Name value[], size_t values) {                                              \
         Host *host = c;                                                                             \
         if (!have_room(host, count, values)) return failed(host);                                   \
-        if (misplaced(host, "fmi3Set" #Name, INSTANTIATED | INITIALIZATION | EVENT | STEP)) {       \
+        if (misplaced(&host->instance, "fmi3Set" #Name,                                             \
+                    INSTANTIATED | INITIALIZATION | EVENT | STEP)) {                                \
             return failed(host);                                                                    \
         }                                                                                           \
         for (size_t k = 0; k < count; k++) {                                                        \
@@ -217,7 +205,7 @@ fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference vr[], size_t co
 
 fmi3Status fmi3EnterStepMode(fmi3Instance c) {
     Host *host = c;
-    if (misplaced(host, "fmi3EnterStepMode", EVENT)) return failed(host);
+    if (misplaced(&host->instance, "fmi3EnterStepMode", EVENT)) return failed(host);
     host->instance.now.mode = STEP;
     return fmi3OK;
 }
@@ -229,7 +217,7 @@ fmi3Status fmi3EnterEventMode(fmi3Instance c) {
         fail(one, "this instance was made without event mode");
         return failed(host);
     }
-    if (misplaced(host, "fmi3EnterEventMode", STEP)) return failed(host);
+    if (misplaced(&host->instance, "fmi3EnterEventMode", STEP)) return failed(host);
     come_to(one, one->now.conduct.run.time);
     host->instance.now.mode = EVENT;
     return fmi3OK;
@@ -241,7 +229,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *again, fmi3Bool
     Host *host = c;
     State *now = &host->instance.now;
     double corner;
-    if (misplaced(host, "fmi3UpdateDiscreteStates", EVENT)) return failed(host);
+    if (misplaced(&host->instance, "fmi3UpdateDiscreteStates", EVENT)) return failed(host);
     memset(now->ticks, 0, sizeof now->ticks);
     corner = Network_next_corner(now->machine.integrator.net, now->conduct.run.time);
     host->instance.roads_known = 0;
@@ -264,7 +252,7 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Bo
     int status = 1;
     (void) no_return;
     *event = *terminate = *early = fmi3False;
-    if (!misplaced(host, "fmi3DoStep", STEP)) status = make_step(one, time, size);
+    if (!misplaced(&host->instance, "fmi3DoStep", STEP)) status = make_step(one, time, size);
     *reached = one->now.conduct.run.time;
     if (status) return failed(host);
     *event = one->event_mode && one->now.switched;
@@ -286,7 +274,7 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference
         size_t unknowns, const fmi3ValueReference known[], size_t knowns, const fmi3Float64 seed[],
         size_t seeds, fmi3Float64 sensitivity[], size_t sensitivities) {
     Host *host = c;
-    if (misplaced(host, "fmi3GetDirectionalDerivative", INITIALIZATION | EVENT | STEP | LOOKING) ||
+    if (misplaced(&host->instance, "fmi3GetDirectionalDerivative", INITIALIZATION | EVENT | STEP | LOOKING) ||
         !have_room(host, knowns, seeds) || !have_room(host, unknowns, sensitivities)) {
         return failed(host);
     }
@@ -300,13 +288,14 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference
 
 fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state) {
     Host *host = c;
+    if (misplaced(&host->instance, "fmi3GetFMUState", ~LOOKING)) return failed(host);
     return copy_state(&host->instance, (State **) state) ? failed(host) : fmi3OK;
 }
 
 fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state) {
-    if (!state) return fmi3Error;
-    restore(&((Host *) c)->instance, state);
-    return fmi3OK;
+    Host *host = c;
+    if (misplaced(&host->instance, "fmi3SetFMUState", ~LOOKING)) return failed(host);
+    return restore(&host->instance, state) ? failed(host) : fmi3OK;
 }
 
 fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state) {
@@ -322,8 +311,8 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, size_t
 }
 
 fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
-    (void) c;
-    return write_state(bytes, size, state) ? fmi3Error : fmi3OK;
+    Host *host = c;
+    return write_state(&host->instance, bytes, size, state) ? failed(host) : fmi3OK;
 }
 
 fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size,
