@@ -41,7 +41,7 @@ from .variables import (
     refuse_unknown,
 )
 
-_AT_REST = 1e-12  # s by which a communication point may precede the present, from rounding
+AT_REST = 1e-12  # of the time, 1 s at least, by which a point may precede the present: rounding
 _TOLERANCE = next(v for v in SOLVER_PARAMETERS if v.name == "solver.tolerance")
 
 
@@ -485,7 +485,7 @@ def refuse_step(ok: bool, now: float, until: float) -> None:
     """
     if not ok:
         raise SimulationError(f"the run has already failed, at {now:.9g} s")
-    if not isfinite(until) or until < now - _AT_REST:
+    if not isfinite(until) or until < now - AT_REST * max(1.0, abs(now)):
         raise SimulationError(
             f"cannot step from {now:.9g} s to {until:.9g} s: the end of a step must be finite and "
             "not before its start"

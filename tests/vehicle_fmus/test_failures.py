@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import struct
 import sys
-from math import isnan, nan
+from math import inf, isnan, nan, nextafter
 from typing import Any
 
 import pytest
@@ -93,6 +93,16 @@ def test_hosts_may_count_in_single_precision(start: float, vehicle: Any) -> None
         for k in range(100):
             vehicle.fmu.doStep(single(start + k * size), size)
         assert vehicle.get("ok")
+
+
+@pytest.mark.parametrize("start", [0.0, 1e6, -1e9])
+def test_a_step_of_no_length_may_be_off_by_rounding(start: float, car: Any) -> None:
+    with car.instance():
+        car.start(time=start)
+        car.step(start, start + 0.1)
+        for towards in (-inf, inf):
+            car.fmu.doStep(nextafter(start + 0.1, towards), 0.0)
+        assert car.get("ok")
 
 
 def single(number: float) -> float:

@@ -21,7 +21,7 @@ from phaseplane.suspension import trace as _trace  # noqa: F401  (needed when pa
 from phaseplane.suspension.engine import why_uncompiled
 from phaseplane.suspension.models import inputs
 from phaseplane.suspension.roads.extent import remarks
-from phaseplane.suspension.session import Session, SimulationError
+from phaseplane.suspension.session import AT_REST, Session, SimulationError
 from phaseplane.suspension.variables import (
     ParameterError,
     Value,
@@ -38,7 +38,6 @@ START_VALUES = "start_values.json"  # in the FMU's resources: start values other
 _RAISES = sys.version_info < (3, 12)
 
 _ROUNDING = 1e-6  # of its time, 1 s at least, by which a host may be off: it may count in singles
-_AT_REST = 1e-12  # s by which it may be off in any case
 
 _NOTHING: Mapping[type[Value], Value] = {float: nan, bool: False, int: 0, str: ""}
 # status and category of messages; errors are logged where they are caught
@@ -301,8 +300,8 @@ class VehicleSlave(Fmi2Slave):
 
 def _check_start(present: float, start: float, size: float) -> None:
     """Refuse a step that does not start at the present: of a host that repeats or leaves out steps."""
-    off = min(_ROUNDING * max(1.0, abs(present)), 0.5 * size)
-    if not abs(start - present) <= max(off, _AT_REST):
+    scale = max(1.0, abs(present))
+    if not abs(start - present) <= max(min(_ROUNDING * scale, 0.5 * size), AT_REST * scale):
         raise SimulationError(
             f"the host steps from {start:.12g} s, but the FMU is at {present:.12g} s: step from "
             f"there, or first restore its state at {start:.12g} s"

@@ -361,23 +361,28 @@ def test_a_step_that_is_repeated_or_left_out(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("start", [0.0, 1e6])
 def test_a_step_that_ends_before_its_start_by_rounding_goes_nowhere(
-    native_fmu: Packer, slave: Any, tmp_path: Path
+    start: float, native_fmu: Packer, slave: Any, tmp_path: Path
 ) -> None:
     names = [v.name for v in variables("OneDof")]
     force, rate, body = map(names.index, ("body_force", "damper.rebound_rate", "body_displacement"))
     found = []
-    for name, steps in (("plain", ()), ("touched", (-5e-13,))):
+    now = start + 0.1
+    for name, steps in (
+        ("plain", ()),
+        ("touched", ((now, -5e-13), (float(np.nextafter(now, 0.0)), 0.0))),
+    ):
         with slave(native_fmu("OneDof", ("road.shape", "input")), tmp_path / name) as one:
-            one.setupExperiment(startTime=0.0)
+            one.setupExperiment(startTime=start)
             one.enterInitializationMode()
             one.exitInitializationMode()
             one.setReal([force], [300.0])
-            one.doStep(0.0, 0.1)
-            for size in steps:
-                one.doStep(0.1, size)
+            one.doStep(start, 0.1)
+            for time, size in steps:
+                one.doStep(time, size)
             one.setReal([rate], [900.0])
-            one.doStep(0.1, 0.1)
+            one.doStep(now, 0.1)
             found += one.getReal([body])
     assert found[0] == found[1] != 0.0
 
