@@ -156,6 +156,15 @@ def test_a_bad_start_value_is_told_to_a_host_without_logging(
     assert "sprung_mass = -1: must be greater than 0 in kg" in capfd.readouterr().err
 
 
+def test_percent_signs_are_told_as_they_are(car: Any) -> None:
+    """A host's logger takes a message as a format, with values that are not there."""
+    with car.instance():
+        running(car)
+        car.set(road__shape="100 %d")
+        refused_step(car)
+        assert "road.shape = '100 %d': this parameter cannot change during a run" in car.texts
+
+
 def test_no_output_is_set(vehicle: Any) -> None:
     """Initialisation fails, as after a bad start value; from Python 3.12 on, the first step."""
     name = next(v.name for v in vehicle.description.modelVariables if v.causality == "output")

@@ -175,6 +175,10 @@ class VehicleSlave(Fmi2Slave):
         ended = "the run has been terminated: reset the FMU, or restore a state"
         self._refusal = self._refusal or ended
 
+    def log(self, msg: str, *how: Any) -> None:
+        """Hand a text to the host, whose logger takes it as a format."""
+        super().log(msg.replace("%", "%%"), *how)
+
     def _report(self) -> None:
         """Log the session's messages."""
         if self._session is not None:
