@@ -313,6 +313,19 @@ def test_a_road_set_on_a_built_in_road_is_warned_of(
     assert said.count("has no effect") == said.count(warning) == 1
 
 
+def test_a_derivative_by_a_road_without_effect_leaves_the_warning_to_the_host(
+    native_fmu: Packer, slave: Any, tmp_path: Path, capfd: Any
+) -> None:
+    body, road = REFERENCE["body_acceleration"], REFERENCE["road_elevation"]
+    with slave(native_fmu("QuarterCar"), tmp_path) as one:
+        one.setDebugLogging(True, [])
+        one.enterInitializationMode()
+        assert one.getDirectionalDerivative([body], [road], [1.0]) == [0.0]
+        assert "has no effect" not in capfd.readouterr().out
+        one.setReal([road], [0.01])
+    assert "road_elevation = 0.01 has no effect" in capfd.readouterr().out
+
+
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_a_restored_state_reads_as_it_was_left(
     fmi: int, native_fmu: Packer, slave: Any, tmp_path: Path, capfd: Any

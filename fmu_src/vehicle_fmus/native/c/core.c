@@ -616,7 +616,7 @@ static int take_value(Instance *one, unsigned k, double value) {
         if (is_initialised(now) && !isfinite(value)) {
             return fail(one, "input %s = %g: must be finite", v->name, value);
         }
-        if (v->text[0] && value != 0.0 && !one->idle) {
+        if (v->text[0] && value != 0.0 && !one->idle && !one->quiet) {
             say(one, WARNING, "%s = %g has no effect, %s", v->name, value, v->text);
             one->idle = 1;
         }
