@@ -221,7 +221,7 @@ def headings(path: str | PathLike[str], delimiter: str = ",") -> list[str]:
 
 
 def _check_delimiter(delimiter: str) -> None:
-    if len(delimiter) != 1:
+    if not isinstance(delimiter, str) or len(delimiter) != 1:
         raise ValueError(f"delimiter = {delimiter!r}: must be one character; a tab is \\t")
 
 

@@ -72,7 +72,8 @@ def read_signals(
         for name, value in tables[key].items():
             if key != "offset" and not isinstance(value, str):
                 raise InputError(f"{key}.{name} = {shown(value)}: must be a string")
-    path, delimiter = folder / said["file"], str(said.get("delimiter", ","))
+    path = folder / said["file"]
+    delimiter, decimal = said.get("delimiter", ","), said.get("decimal", ".")
     heading = str(said.get("time", "time"))
     shift = _si("time_shift", said.get("time_shift", 0.0), "s")
     if path.suffix != ".csv":
@@ -97,9 +98,7 @@ def read_signals(
                 for name, column in columns.items()
             ),
         ]  # fmt: skip
-        found = read_columns(
-            path, wanted, delimiter=delimiter, decimal=str(said.get("decimal", "."))
-        )
+        found = read_columns(path, wanted, delimiter=delimiter, decimal=decimal)
     return dict(zip(("time", *columns), map(np.array, found), strict=True))
 
 

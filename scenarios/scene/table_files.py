@@ -88,7 +88,7 @@ def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
     file = said.get("file")
     if not isinstance(file, str) or not file:
         raise InputError(f"file = {shown(file)}: must be the path of a CSV file")
-    delimiter = str(said.get("delimiter", ","))
+    delimiter, decimal = said.get("delimiter", ","), said.get("decimal", ".")
     pairs = {
         "columns": said["columns"] if "columns" in said else _both(folder / file, delimiter),
         "units": said.get("units", ["", ""]),
@@ -108,7 +108,6 @@ def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
     for column, unit, offset, kind in zip(*pairs.values(), kinds, strict=True):
         _si("units", f"1 {unit}", kind)
         wanted.append(Wanted(column, (kind,), unit, _si("offset", offset, kind)))
-    decimal = str(said.get("decimal", "."))
     with read_errors(folder / file):
         columns = read_columns(folder / file, wanted, delimiter=delimiter, decimal=decimal)
     return ", ".join(f"{x!r}:{y!r}" for x, y in zip(*columns, strict=True))

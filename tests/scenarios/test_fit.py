@@ -138,6 +138,7 @@ def test_a_parameter_that_the_signals_do_not_depend_on_is_said_to_be_unknown():
         ({"file": "rig.csv", "sep": ";"}, "unknown key 'sep'"),
         ({"file": "rig.csv", "columns": 3}, "must be a table"),
         ({"file": "rig.csv", "delimiter": ";;"}, "delimiter = ';;': must be one character"),
+        ({"file": "rig.csv", "delimiter": 3}, "delimiter = 3: must be one character"),
         ({"file": "rig.csv", "columns": {"a": ["x"]}}, r"columns.a = \['x'\]: must be a string"),
         ({"file": "rig.csv", "units": {"t": 3}}, "units.t = 3: must be a string"),
         (

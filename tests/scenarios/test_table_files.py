@@ -134,6 +134,8 @@ def test_the_schema_and_the_guide_know_of_files() -> None:
         ('"measured/road.csv"', "3", "file = 3: must be the path"),
         ('["m", "mm"]', '["m", "mm"], delimiter = ";;"', "must be one character"),
         ('columns = ["distance", "profile"], ', 'delimiter = "", ', "must be one character"),
+        ('["m", "mm"]', '["m", "mm"], delimiter = 3', "delimiter = 3: must be one character"),
+        ('["m", "mm"]', '["m", "mm"], decimal = 3', "decimal = 3: must be '.' or ','"),
         (
             "road.table =",
             "sprung_mass =",
