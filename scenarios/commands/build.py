@@ -19,7 +19,7 @@ from phaseplane import vehicle_fmus
 
 from ..errors import InputError, RunError, shown, unwritable
 from ..results.plain import as_json
-from ..scene.loading import load_scene
+from ..scene.loading import check_systems, load_scene
 from ..scene.names import SCENE_FILES, case_names
 from .console import json_option, warn
 
@@ -178,6 +178,7 @@ def _scenes_among(names: Iterable[str]) -> list[Scene]:
                 f"{other} and {name}: both would be packed as {scene.name}.fmu; build them into "
                 "different folders"
             )
+    check_systems(scenes.values())
     return list(scenes.values())
 
 

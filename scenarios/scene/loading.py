@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -66,6 +66,23 @@ def load_scene(
     stated = {*scene.expect, *(one.output for one in scene.during)}
     unchecked = tuple(name for name in layers.unchecked if name not in stated)
     return replace(scene, file=path, unchecked=unchecked, idle=tuple(_idle(scene, layers)))
+
+
+def check_systems(scenes: Iterable[Scene]) -> None:
+    """Check that scenes to be run together name different systems differently.
+
+    Raises
+    ------
+    InputError : if two systems have one name; the last one read would be run for both.
+    """
+    named: dict[str, Scene] = {}
+    for scene in scenes:
+        other = named.setdefault(scene.fmu.model, scene)
+        if other.fmu.system != scene.fmu.system:
+            raise InputError(
+                f"{other.given_as} and {scene.given_as} both name their system {scene.fmu.model}; give "
+                "one of them another name"
+            )
 
 
 def _layers_of(reference: str | Mapping[str, Any]) -> tuple[Layers, str, Path | None]:

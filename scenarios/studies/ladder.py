@@ -24,6 +24,7 @@ from ..errors import InputError, RunError, one_line
 from ..measures.solution import instants, refinement
 from ..results.comparison import compared
 from ..results.report import aligned
+from ..scene.loading import check_systems
 
 if TYPE_CHECKING:
     from phaseplane.suspension.systems import System
@@ -95,14 +96,7 @@ def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dic
         one name, or the models have no output of motion in common.
     RunError : if the scene itself does not run to its end.
     """
-    named: dict[str, Scene] = {}
-    for each in (scene, *smaller):
-        other = named.setdefault(each.fmu.model, each)
-        if other.fmu.system != each.fmu.system:  # the last one read would be run for both
-            raise InputError(
-                f"{other.name} and {each.name} both name their system {each.fmu.model}; give one of "
-                "them another name"
-            )
+    check_systems((scene, *smaller))
     for each in (scene, *smaller):
         _check(each)
     if scene.fmu.model not in _DESCENDS and not smaller:
@@ -117,9 +111,9 @@ def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dic
     except Exception as error:
         raise RunError(f"{scene.name}: {error}") from error
     rungs = [_rung_data(whole, tolerance, seconds, 0.0)]
-    given = (_as_it_stands(replace(s, duration=scene.duration), s.name) for s in smaller)
+    named = (_as_it_stands(replace(s, duration=scene.duration), s.name) for s in smaller)
     wanted = {name: truth[name] for name in ("time", *names)}
-    for rung in (*_below(scene, truth), *given):
+    for rung in (*_below(scene, truth), *named):
         try:
             columns, seconds = _run(rung, scene, names)
             worst = compared(wanted, columns).differences[0]

@@ -118,7 +118,7 @@ def test_only_a_parameter_that_none_of_the_systems_uses_is_reported() -> None:
     [
         ("one.toml", "OneDof has no smaller model"),
         ("own.toml", "name the files of smaller models: phaseplane ladder own.toml SMALLER..."),
-        ("own.toml softer.toml", "own and softer both name their system Own"),
+        ("own.toml softer.toml", "own.toml and softer.toml both name their system Own"),
         ("own.toml ap57", "give coordinates that describe the same motion the same name"),
         ("own.toml van_der_pol", "van_der_pol: Equation cannot be compared"),
         ("skyhook", "skyhook has a controller, but the ladder runs models without one"),

@@ -196,6 +196,15 @@ def test_an_fmu_of_others_is_not_packed_again():
         build_models(["pendulum.toml"], Path("fmus"))
 
 
+def test_two_systems_of_one_name_are_not_packed_together():
+    """Both reference results would be those of the second."""
+    written(SYSTEM.replace("x = 2", "x = 3"), "heavy.toml")
+    with pytest.raises(
+        InputError, match=r"mass.toml and heavy.toml both name their system OneMass"
+    ):
+        build_models(["mass.toml", "heavy.toml"], Path("fmus"))
+
+
 @pytest.mark.parametrize(
     ("before", "after", "words"),
     [
