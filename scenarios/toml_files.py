@@ -19,6 +19,10 @@ def read_content(path: Path, name: str = "") -> dict[str, Any]:
     Parameters
     ----------
     name : its name in messages, if that is not its path
+
+    Raises
+    ------
+    InputError : if it cannot be read.
     """
     if path.is_dir():
         raise InputError(f"{path} is a folder; give the path of a .toml file")

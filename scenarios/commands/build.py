@@ -129,6 +129,11 @@ def build_models(
     ----------
     pack : packs models into a folder; by default as FMUs that run Python
     settings : start values, as `name=value`; each is for the models that have such a parameter
+
+    Raises
+    ------
+    InputError : if there is no such model, parameter or platform, or the folder cannot be written to.
+    RunError : if an FMU could not be packed, or the disk is full.
     """
     pack = pack or vehicle_fmus.build.build
     names = list(dict.fromkeys(models)) or list(FILES)

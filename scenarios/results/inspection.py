@@ -47,7 +47,7 @@ def contents(
 
     Raises
     ------
-    InputError : if there are no results or no such column.
+    InputError : if there is no such column, or the others are no results.
     """
     columns = _chosen(results, names, what)
     units = results.summary.get("units", {})

@@ -155,8 +155,6 @@ class ReferenceTable:
 
         Parameters
         ----------
-        file : name of the file
-        reference : its columns
         columns : the columns the run shows, and its other columns that the file has too
         """
         file, most = self.path.name, self.said.tolerance

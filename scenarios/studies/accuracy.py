@@ -159,6 +159,7 @@ def measure(
     Parameters
     ----------
     repeats : number of timings of each run
+    progress : called with the fraction done, 0 to 1
 
     Returns
     -------
