@@ -225,31 +225,36 @@ def _reference(
         return None
     said = expect["reference"]
     folder = folders.get(f"{REFERENCE}.file", Path())
-    if isinstance(said, Mapping) and (
-        isinstance(said.get("columns"), Mapping) or set(said) & set(SIGNALS)
-    ):
-        columns = _signals(fmu, said, folder)
-        rest = {key: value for key, value in said.items() if key not in SIGNALS}
-        names = [name for name in columns if name != "time"]
-        reference = read_table(Reference, {**rest, "columns": names}, REFERENCE)
-    else:
-        reference = read_table(Reference, said, REFERENCE)
-        if reference.columns == ():
-            raise RefusedError(
-                REFERENCE, f"{REFERENCE}.columns = []: must name at least one column"
-            )
+    plain = said
+    if isinstance(said, Mapping):
+        plain = {key: value for key, value in said.items() if not _is_of_signals(key, value)}
+    reference = read_table(Reference, plain, REFERENCE)
+    if reference.columns == ():
+        raise RefusedError(REFERENCE, f"{REFERENCE}.columns = []: must name at least one column")
+    if plain == said:
         with refusing(REFERENCE, f"{REFERENCE}.file: "):
             columns = read_columns(folder / reference.file)[0]
+    else:
+        columns = _signals(fmu, reference, said, folder)
+        reference = replace(reference, columns=tuple(n for n in columns if n != "time"))
     table = ReferenceTable(reference, folder / reference.file, columns)
     _check_reference(fmu, table)
     return table
 
 
-def _signals(fmu: Fmu, said: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+def _is_of_signals(key: str, value: object) -> bool:
+    """Return whether a key of a reference tells how to read measured signals."""
+    return key in SIGNALS or (key == "columns" and isinstance(value, Mapping))
+
+
+def _signals(
+    fmu: Fmu, reference: Reference, said: Mapping[str, Any], folder: Path
+) -> dict[str, Any]:
     units = {name: output.unit or "1" for name, output in fmu.outputs().items()}
-    signals = {key: value for key, value in said.items() if key in ("file", "columns", *SIGNALS)}
-    if not isinstance(signals.get("columns", {}), Mapping):  # names of outputs
-        signals["columns"] = {name: name for name in signals["columns"]}
+    signals = {key: value for key, value in said.items() if _is_of_signals(key, value)}
+    signals["file"] = reference.file
+    if reference.columns:  # names of outputs
+        signals["columns"] = {name: name for name in reference.columns}
     with refusing(REFERENCE, f"{REFERENCE}: "):
         return read_signals(signals, folder, units)
 
