@@ -81,6 +81,7 @@ class Run(Table):
         ------
         InputError : if the run is one of an equation or of another FMU.
         """
+        self.scene.fmu.recall()
         if not self.scene.fmu.is_ours:
             raise InputError(f"{self.scene.fmu.model} reports no events")
         return tuple(runner.events_of(self.scene))
@@ -109,6 +110,7 @@ class Run(Table):
         ------
         InputError : if the folder contains anything but the results of a run, or the scene's reference.
         """
+        self.scene.fmu.recall()
         place = Place.chosen(Path(folder), "", "run", self.scene.file)
         if self.scene.reference is not None:
             place.check_apart(f"{self.scene.name}: reference.file =", self.scene.reference.path)

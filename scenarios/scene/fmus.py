@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -54,6 +54,7 @@ class Fmu:
     system : the file of a user-defined system; None for other models
     rates : pairs of outputs of which the description says that one is the derivative of the other
     fixed : names of the parameters that keep the values with which a native FMU was packed
+    text : the content of the file of a user-defined system when it was read
     """
 
     model: str
@@ -62,12 +63,18 @@ class Fmu:
     system: Path | None = None
     rates: tuple[tuple[str, str], ...] = ()
     fixed: frozenset[str] = frozenset()
+    text: str = field(default="", repr=False)
 
     def __reduce__(self) -> Any:
         """Read the file of a system again where it is unpickled, so that its model is known there."""
         if self.system is not None:
             return find_fmu, (str(self.system),)
         return Fmu, (self.model, self.path, self.variables, None, self.rates, self.fixed)
+
+    def recall(self) -> None:
+        """Make a user-defined system the one of its name again, if another has taken the name since."""
+        if self.system is not None:
+            _load(self.text, self.system.name)
 
     @property
     def is_ours(self) -> bool:
@@ -183,15 +190,21 @@ def _of_system(path: Path) -> Fmu:
     ------
     SystemFileError : if the file cannot be read, or describes no valid system.
     """
-    from phaseplane.suspension.own_systems.file import load  # noqa: PLC0415  (rarely needed)
-
     try:
-        name = load(read_text(path), path.name)
+        text = read_text(path)
+        name = _load(text, path.name)
     except InputError as error:
         raise SystemFileError(error) from None
     except ValueError as error:
         raise SystemFileError(f"{path}: {one_line(error, 300)}") from None
-    return Fmu(name, None, MODELS[name], path.resolve())
+    return Fmu(name, None, MODELS[name], path.resolve(), text=text)
+
+
+def _load(text: str, file: str) -> str:
+    """Make the system of a file a model, and return its name."""
+    from phaseplane.suspension.own_systems.file import load  # noqa: PLC0415  (rarely needed)
+
+    return load(text, file)
 
 
 def fmu_named(model: str) -> Fmu:

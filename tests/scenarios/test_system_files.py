@@ -196,6 +196,16 @@ def test_an_fmu_of_others_is_not_packed_again():
         build_models(["pendulum.toml"], Path("fmus"))
 
 
+def test_a_run_keeps_its_system_when_the_file_is_changed_and_run_again():
+    """The events of the first run were those of the second."""
+    written(f"{SYSTEM}friction = 2\n", "mass.toml")
+    rubbed = phaseplane.run("mass.toml")
+    written(SYSTEM, "mass.toml")
+    free = phaseplane.run("mass.toml")
+    assert rubbed.events
+    assert not free.events
+
+
 def test_two_systems_of_one_name_are_not_packed_together():
     """Both reference results would be those of the second."""
     written(SYSTEM.replace("x = 2", "x = 3"), "heavy.toml")
