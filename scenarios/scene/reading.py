@@ -12,7 +12,7 @@ from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import ParameterError, Value, refuse_unknown
 
 from .. import results
-from ..errors import InputError, SystemFileError, shown
+from ..errors import InputError, SystemFileError, refuse_unknown_keys, shown
 from ..measures import catalogue
 from ..results.quantities import with_unit
 from ..results.signals import KEYS as SIGNAL_KEYS
@@ -21,7 +21,7 @@ from ..results.tables import read_table as read_columns
 from .controller import read_controller
 from .equation import EQUATION, check_equation, outputs_of_starts
 from .expectations import Bounds, During, Reference, ReferenceTable, bounds_from, unknown_measure
-from .fields import RefusedError, read_table, refusing, refusing_value
+from .fields import RefusedError, keys_of, read_table, refusing, refusing_value
 from .file import SceneFile
 from .fmus import Fmu, find_fmu
 from .schema import Scene, excess
@@ -227,6 +227,8 @@ def _reference(
     folder = folders.get(f"{REFERENCE}.file", Path())
     plain = said
     if isinstance(said, Mapping):
+        with refusing(REFERENCE, f"{REFERENCE}: "):
+            refuse_unknown_keys(said, (*keys_of(Reference), *SIGNALS))
         plain = {key: value for key, value in said.items() if not _is_of_signals(key, value)}
     reference = read_table(Reference, plain, REFERENCE)
     if reference.columns == ():

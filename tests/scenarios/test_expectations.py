@@ -181,6 +181,7 @@ def test_a_reference_is_read_once(fmu: Path, monkeypatch: pytest.MonkeyPatch) ->
             "'y' is not both a column of the file and an output",
         ),
         ('reference = { file = "scene.csv", colums = ["y"] }', "did you mean 'columns'?"),
+        ('reference = { file = "scene.csv", delimeter = ";" }', "did you mean 'delimiter'?"),
         (
             'reference = { file = "scene.csv", delimiter = ";", columns = 3 }',
             "reference.columns = 3: must be a list of columns",
