@@ -18,8 +18,8 @@ from phaseplane.equations.typeset import number
 
 from .frames import reach_of
 from .letters import text_box
-from .page import PLATE, TYPE, Lines, Page, Text, value_text
-from .paper import NOTHING, Box, Points, segments_of
+from .page import PLATE, STRAIGHT, TYPE, Lines, Page, Text, value_text
+from .paper import NOTHING, Box, Points, segments_of, telling_vertices
 from .quantities import display_unit
 from .text import bracketed
 
@@ -237,13 +237,16 @@ def _room(page: Page, plane: Plane) -> tuple[float, float]:
 def _ways(page: Page, clear: Points = NOTHING) -> list[Points]:
     """Return what texts keep clear of, each as segments: auxiliary curves, motions, straight lines.
 
-    The last are axes, lines I and II, which may be close to them, and those given.
+    Motions are thinned, for they are asked for at every place of a text. Straight lines are axes, lines I
+    and II, which may be close to them, and those given.
     """
     curves = page.drawing.curves
     lines = segments_of((c.vertices[0], c.vertices[-1]) for c in curves if c.role == "line")
+    motions = page.subject.motions if page.subject.known else []
+    few = [z[telling_vertices(z, STRAIGHT * page.em, len(z))] for z in motions]
     return [
         segments_of(c.vertices for c in curves if c.role == "auxiliary").T,
-        segments_of(page.subject.motions if page.subject.known else ()).T,
+        segments_of(few).T,
         np.concatenate([page.segments, lines, clear]).T,
     ]
 

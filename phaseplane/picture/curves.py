@@ -14,7 +14,7 @@ from phaseplane.constructions.storage import Frame
 
 from .frames import columns
 from .letters import away
-from .page import PLATE, VALUE, Arrow, Page, Text, value_text
+from .page import PLATE, STRAIGHT, VALUE, Arrow, Page, Text, value_text
 from .paper import NOTHING, SEEN, Box, Points, Strip, arcs, telling_vertices
 from .subject import centre_of, joined
 from .text import level_text
@@ -23,7 +23,6 @@ CURVES = ("auxiliary", "line", "shortcut", "trail")
 """The roles of the curves that belong to the planes, and not to the turn angles; a trail is one from
 another start."""
 _PLACES = 12  # for the label of a curve on each of its segments
-_STRAIGHT = 0.01  # em: how far a thinned curve may be from the whole one
 _LEVELS = 9  # at which auxiliary curves are compared
 _SAME = 1e-3  # of the width of their family: distance of curves that coincide
 RECENT = 200  # steps of a long motion that are drawn in full, more than the viewer has in a block
@@ -153,7 +152,7 @@ def draw_trails(
     known = min(map(len, page.subject.ways), default=0)
     last = known if steps is None else min(steps, known)
     since = last - recent if last > 2 * RECENT and page.subject.winds else 0
-    close = _STRAIGHT * page.em
+    close = STRAIGHT * page.em
     if since:
         first = 0 if whole else page.subject.last_turns(since)
         page.lines("trail", page.subject.past(since, close, most, first), 0.4, 0.5 * strength)

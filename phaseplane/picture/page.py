@@ -27,6 +27,7 @@ TYPE = 9.0  # size of the type, points: 1 em of a page
 LETTER, VALUE = 10.0 / TYPE, 7.0 / TYPE
 """Sizes of letters, and of the values along axes and curves, em."""
 PLATE = 0.25  # width of the viewer's plate around a text, em
+STRAIGHT = 0.01  # em: how far a thinned curve may be from the whole one
 
 Kind = Literal["letter", "value", "name", "label", "dimension"]
 
