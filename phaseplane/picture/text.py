@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
+from math import floor, log10
 from textwrap import wrap
 
 from phaseplane.constructions.construction import CONTACT, FLIGHT
@@ -30,6 +31,8 @@ _EVENTS = {
 # characters of a row and rows of a protocol in the pane of the text in a window of 1366x768
 _ROW, _MOST_ROWS = 75, 17
 _NOTHING = 1e-12  # a smaller reading is one of rounding
+_DECIMALS = 5  # fewest decimals of a time in s
+_SHORTEST = 1e-11  # s: shorter steps add no decimals
 _DIFFERS = 0.1  # of the largest displacement of a body: a difference of its control that is told
 HELP = (
     "**How to use this view.** Space plays and pauses, the arrow keys go one tick back or forward.{} "
@@ -84,6 +87,12 @@ def format_time(time: float) -> str:
     return f"t = {number(time, 4)} s" if time >= 1.0 else f"t = {number(1e3 * time, 4)} ms"
 
 
+def _instant(time: float, step: float) -> str:
+    """Return a time in s as text, with the decimals that tell it from the time one step later."""
+    decimals = max(_DECIMALS, 1 - floor(log10(max(step, _SHORTEST))))
+    return f"t = {time:.{decimals}f} s"
+
+
 def event_text(event: Event) -> str:
     """Return what happens in an event, as a sentence if its kind is known."""
     return _EVENTS.get(event.kind, in_words(event.name)).format(in_words(event.axle))
@@ -113,9 +122,9 @@ def _row(name: str) -> str:
     return markdown(in_words(name.removeprefix("control_")) + ", from its forces" * control)
 
 
-def is_laid_over(drawing: Drawing) -> bool:
-    """Whether each step starts from a known motion and misses it, so that no drift accumulates."""
-    return not drawing.frames[0].mode
+def is_laid_over(frame: Frame) -> bool:
+    """Whether a step, as all others, starts from a known motion, so that no drift accumulates."""
+    return not frame.mode
 
 
 def readings_table(
@@ -124,19 +133,21 @@ def readings_table(
     """Return the readings as a Markdown table, a displacement and its rates in a row."""
     if not readings:
         return ""
-    known = tuple((n, quantities.get(n)) for n in readings)
-    head, form, order, factors = _table_form(known, "missed by" if over else "drift")
+    known = tuple(map(quantities.get, readings))
+    head, form, order, factors = _table_form(
+        tuple(readings), known, "missed by" if over else "drift"
+    )
     values = (f * readings[name] for f, name in zip(factors, order, strict=True))
     return head + printed(form % tuple(map(_seen, values)))
 
 
 @lru_cache
 def _table_form(
-    known: tuple[tuple[str, Quantity | None], ...], apart: str
+    names: tuple[str, ...], known: tuple[Quantity | None, ...], apart: str
 ) -> tuple[str, str, list[str], list[float]]:
     """Return head and rows of the table, with a place for each value, and names and factors of these."""
-    quantities = dict(known)
-    units = {name: quantity.unit if quantity else "" for name, quantity in known}
+    quantities = dict(zip(names, known, strict=True))
+    units = {name: quantity.unit if quantity else "" for name, quantity in quantities.items()}
     rows: list[list[str]] = []
     for name in units:
         if not any(name in row for row in rows):
@@ -165,15 +176,14 @@ def _table_form(
 
 def step_head(drawing: Drawing, frame: Frame) -> str:
     """Return number, mode, time and events of a step, in Markdown."""
-    events = " ".join(event_text(event) for event in events_of(frame, drawing.planes))
+    events = [markdown(event_text(event)) for event in events_of(frame, drawing.planes)]
     scheme = frame.scheme.replace(STUCK, f",{STUCK}")
-    # contact is told only of a wheel that may leave the road
+    # contact is told only where there is flight
     told = scheme != CONTACT or any(FLIGHT in key for key in drawing.schemes)
-    mode = f", {_row(scheme)}" if told and len(drawing.schemes) > 1 else ""
-    return (
-        f"**Step {frame.step} (0 to {len(drawing.frames) - 1}){mode}**: "
-        f"t = {frame.time:.5f} s, lasts {number(1e3 * frame.duration, 4)} ms. {markdown(events)}"
-    ).rstrip()
+    mode = f", {_row(scheme)}" if told else ""
+    head = f"**Step {frame.step} (0 to {len(drawing.frames) - 1}){mode}**: "
+    lasts = f"lasts {number(1e3 * frame.duration, 4)} ms."
+    return " ".join([f"{head}{_instant(frame.time, frame.duration)}, {lasts}", *events])
 
 
 def step_text(
@@ -181,17 +191,17 @@ def step_text(
 ) -> str:
     """Return the description of a step, a note on all steps, and the readings, in Markdown."""
     head = " ".join(filter(None, (step_head(drawing, frame), note)))
-    return f"{head}\n\n{readings_table(frame.readings, quantities, not frame.mode)}"
+    return f"{head}\n\n{readings_table(frame.readings, quantities, is_laid_over(frame))}"
 
 
 def end_text(drawing: Drawing, quantities: Mapping[str, Quantity | None], run: float = 0.0) -> str:
     """Return what a construction has come to, in Markdown, beside a run until some time, s."""
-    last = drawing.frames[-1]
+    first, last = drawing.frames[0], drawing.frames[-1]
     end = last.time + last.duration
-    longer = run > end + 0.5 * drawing.frames[0].duration
+    longer = run > end + 0.5 * first.duration
     more = f"; the run goes on to {number(run, 4)} s, in violet" if longer else ""
-    told = f"**The construction ends** at t = {end:.5f} s{more}."
-    read = readings_table((drawing.end or last).readings, quantities, is_laid_over(drawing))
+    told = f"**The construction ends** at {_instant(end, first.duration)}{more}."
+    read = readings_table((drawing.end or last).readings, quantities, is_laid_over(first))
     return "\n\n".join(filter(None, (told, read, control_text(drawing, quantities))))
 
 

@@ -26,6 +26,7 @@ from phaseplane.picture.text import (
     measured,
     protocol,
     readings_table,
+    step_head,
     step_text,
 )
 from phaseplane.recording import Content
@@ -65,6 +66,17 @@ def test_what_is_laid_off_says_which_way_and_mean_excitations_are_told() -> None
 )
 def test_sentences_are_typeset(text: str, wanted: str) -> None:
     assert typeset(text) == wanted
+
+
+@pytest.mark.parametrize(
+    ("step", "time"),
+    [(0.0025, "0.10000"), (3e-6, "0.1000000"), (1e-9, "0.1000000000"), (0.0, "0.100000000000")],
+)
+def test_a_time_has_the_decimals_that_its_step_needs(step: float, time: str) -> None:
+    made, one = drawing(), replace(frame(0), time=0.1, duration=step)
+    assert f": t = {time} s, lasts " in step_head(made, one)
+    ends = replace(made, frames=StoredFrames([replace(one, time=0.1 - step)]))
+    assert f" at t = {time} s" in end_text(ends, {})
 
 
 @pytest.mark.parametrize("run", [0.1, 0.5])
