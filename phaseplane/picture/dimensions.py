@@ -15,7 +15,7 @@ from .page import TYPE, Page, Text
 from .paper import Box
 
 _SIZE = 8.0 / TYPE  # of the text, em
-_ROW, _ROWS = 1.2, 3  # distance of dimension lines, em, and where one may be
+_ROW, _ROWS = 1.2, 3  # distance between rows of dimension lines, em, and their number
 _WRITTEN = 10.0  # a text on another is worse than one on a line
 _PARTS = np.array([0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8])  # positions of the text along the line
 
@@ -53,11 +53,11 @@ def witness(page: Page, start: complex, end: complex) -> None:
 
 
 def below(page: Page, start: complex, end: complex, text: str, row: float) -> None:
-    """Dimension a length on a horizontal axis, some em below it, or farther where a text is."""
+    """Dimension a length on a horizontal axis, `row` em below it, or farther if a text is there."""
+    ends, taken = np.array([[start], [end]]), Box.of(page.taken)
     shifts = [-(row + _ROW * further) * 1j * page.em for further in range(_ROWS)]
-    taken = Box.of(page.taken)
-    struck = [taken.inside(*np.array([[start], [end]]) + shift).any() for shift in shifts]
-    shift = shifts[struck.index(min(struck))]
+    free = [shift for shift in shifts if not taken.inside(*(ends + shift)).any()]
+    shift = (free or shifts)[0]
     for point in (start, end):
         witness(page, point, point + 1.15 * shift)
     length(page, start + shift, end + shift, text, towards=-1j)

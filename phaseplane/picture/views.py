@@ -38,11 +38,12 @@ def frame_at(drawing: Drawing, index: int | None) -> Frame:
 def telling_frame(drawing: Drawing, mode: str = "") -> Frame:
     """Return the step of a mode whose letters are farthest apart on its sheet.
 
-    By default of the most ordinary mode that there is: a car may begin and end held by dry friction.
+    The default is the first mode of the drawing that occurs; a car may begin held by dry friction.
     """
     frames = drawing.frames
-    mode = mode or next(key for key in drawing.schemes if key in frames.schemes)
-    frames = frames.at([i for i, scheme in enumerate(frames.schemes) if scheme == mode])
+    schemes = frames.schemes
+    mode = mode or next(key for key in drawing.schemes if key in schemes)
+    frames = frames.at([i for i, scheme in enumerate(schemes) if scheme == mode])
     return frames[int(room_for_letters(drawing, frames).argmax())]
 
 

@@ -233,7 +233,7 @@ def _strips(points: Points, offsets: npt.NDArray[np.int32]) -> pa.Array:
     return pa.ListArray.from_arrays(offsets, batch.as_arrow_array(), type=_STRIPS)
 
 
-# of indices and a thin space; dots over xi are not shown
+# for what the viewer does not show: some indices, a thin space, and dots over xi
 _INSTEAD = (
     ("\u2098", "m"), ("\u209b", "s"), ("\u209c", "t"), ("\u2009", " "),
     ("\u03be\u0308", "\u03be\u2033"), ("\u03be\u0307", "\u03be\u2032"),

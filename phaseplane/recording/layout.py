@@ -218,7 +218,7 @@ def _plot(panel: Panel, content: Content) -> rrb.TimeSeriesView:
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
     margin = 0.05 * (high - low) or 1.0
     named = MOST_NAMED // 2 if content.drawing is not None else MOST_NAMED  # where plots are low
-    # the latest values of a live run, which are on the right, are to be seen
+    # the latest values of a live run are on the right, and must be seen
     corner = rrb.Corner2D.LeftTop if content.live else rrb.Corner2D.RightTop
     ends = (number(end if abs(end) > _ROUNDING * (high - low) else 0.0, 3) for end in (low, high))
     return rrb.TimeSeriesView(

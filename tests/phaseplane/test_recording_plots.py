@@ -72,6 +72,17 @@ def test_the_curves_of_a_plot_are_named(tmp_path: Path, axles: int, *, named: bo
     assert legend == [named]
 
 
+@pytest.mark.parametrize(
+    ("live", "corner"), [(True, rrb.Corner2D.LeftTop), (False, rrb.Corner2D.RightTop)]
+)
+def test_the_legend_of_a_live_plot_leaves_its_latest_values_to_be_seen(
+    tmp_path: Path, corner: rrb.Corner2D, *, live: bool
+) -> None:
+    made = read_back(Content("a run", histories=MOTION, live=live), tmp_path)
+    found = [r["PlotLegend:corner"] for p, r in made.layout if p.endswith("PlotLegend")]
+    assert found == [[corner.value]] * len(found) != []
+
+
 @pytest.mark.slow
 def test_many_points_of_a_construction_do_not_hide_the_curves(tmp_path: Path) -> None:
     motion = {"time": TIME, "wheel_displacement": TIME}
