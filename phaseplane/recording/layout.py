@@ -34,7 +34,7 @@ _ROUNDING = 1e-6  # of the range of a plot: an end that is as good as zero
 
 # heights in a window of 1366x768, pixels: of the side view and the turn angles, and of the plots, each
 # without and with the text of steps; and of that text
-_BESIDE, _PLOTS, _WORDS = (280.0, 108.0), (420.0, 145.0), 380.0
+_BESIDE, _PLOTS, _WORDS = (280.0, 108.0), (420.0, 145.0), 388.0
 _TEXT_WIDTH = 450.0  # of that text beside a narrow sheet
 
 Part = tuple[float, rrb.View | rrb.Container]

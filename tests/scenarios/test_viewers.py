@@ -155,7 +155,8 @@ def test_all_recordings_of_a_folder_are_on_one_page(viewer: ViewerClient, tmp_pa
         viewer.open(server.url)
         until(lambda: sum(bool(r.timelines) for r in viewer.get_state().recordings) == 2)
         names = sorted(str(r.store_id).split(":")[1] for r in viewer.get_state().recordings)
-    assert names == [
+    # each with the beginning of its id, as recordings of one name would share a layout
+    assert [name.rpartition(" ")[0] for name in names] == [
         "Quarter car over a 5 cm bump with wheel lift-off",
         "The construction of AP57 s figure 13 the wheel stays on the road",
     ]
