@@ -41,7 +41,6 @@ from .variables import (
     refuse_unknown,
 )
 
-AT_REST = 1e-12  # of the time, 1 s at least, by which a point may precede the present: rounding
 _TOLERANCE = next(v for v in SOLVER_PARAMETERS if v.name == "solver.tolerance")
 
 
@@ -476,6 +475,11 @@ def _checksum(kept: Mapping[str, Any]) -> int:
     return crc32("".join(kept[name] for name in ("run", "integrator", "behind")).encode())
 
 
+def rounding_at(time: float) -> float:
+    """Return by how much a point may precede a time, s, from rounding: some units in the last place."""
+    return max(1e-12, 1e-15 * abs(time))
+
+
 def refuse_step(ok: bool, now: float, until: float) -> None:
     """Refuse a step after a failure, or to a time that is not finite or before the present.
 
@@ -485,7 +489,7 @@ def refuse_step(ok: bool, now: float, until: float) -> None:
     """
     if not ok:
         raise SimulationError(f"the run has already failed, at {now:.9g} s")
-    if not isfinite(until) or until < now - AT_REST * max(1.0, abs(now)):
+    if not isfinite(until) or until < now - rounding_at(now):
         raise SimulationError(
             f"cannot step from {now:.9g} s to {until:.9g} s: the end of a step must be finite and "
             "not before its start"

@@ -85,6 +85,21 @@ def test_the_first_step_begins_at_the_start(vehicle: Any) -> None:
         assert "the host steps from 0 s, but the FMU is at 1 s" in vehicle.texts
 
 
+def test_short_steps_that_are_repeated_far_from_zero(car: Any) -> None:
+    """A host may count from 1970."""
+    now = 1.7e9
+    with car.instance():
+        car.start(time=now)
+        for size in (1e-3, 1e-5):
+            car.fmu.doStep(now, size)
+            now += size
+        state = car.fmu.getFMUstate()
+        for size in (1e-3, 1e-5):
+            with pytest.raises(FMICallException):
+                car.fmu.doStep(now - size, size)
+            car.fmu.setFMUstate(state)
+
+
 @pytest.mark.parametrize("start", [0.0, 1000.0])
 def test_hosts_may_count_in_single_precision(start: float, vehicle: Any) -> None:
     size = single(0.01)

@@ -21,7 +21,7 @@ from phaseplane.suspension import trace as _trace  # noqa: F401  (needed when pa
 from phaseplane.suspension.engine import why_uncompiled
 from phaseplane.suspension.models import inputs
 from phaseplane.suspension.roads.extent import remarks
-from phaseplane.suspension.session import AT_REST, Session, SimulationError
+from phaseplane.suspension.session import Session, SimulationError, rounding_at
 from phaseplane.suspension.variables import (
     ParameterError,
     Value,
@@ -304,8 +304,8 @@ class VehicleSlave(Fmi2Slave):
 
 def _check_start(present: float, start: float, size: float) -> None:
     """Refuse a step that does not start at the present: of a host that repeats or leaves out steps."""
-    scale = max(1.0, abs(present))
-    if not abs(start - present) <= max(min(_ROUNDING * scale, 0.5 * size), AT_REST * scale):
+    off = min(_ROUNDING * max(1.0, abs(present)), 0.5 * size)
+    if not abs(start - present) <= max(off, rounding_at(present)):
         raise SimulationError(
             f"the host steps from {start:.12g} s, but the FMU is at {present:.12g} s: step from "
             f"there, or first restore its state at {start:.12g} s"

@@ -373,6 +373,20 @@ def test_a_step_that_is_repeated_or_left_out(
     assert f"the host steps from {time:g} s, but the FMU is at 0.1 s: step from there" in said
 
 
+def test_short_steps_that_are_repeated_far_from_zero(
+    native_fmu: Packer, slave: Any, tmp_path: Path
+) -> None:
+    """A host may count from 1970."""
+    start = 1.7e9
+    with slave(native_fmu("QuarterCar"), tmp_path) as one:
+        one.setupExperiment(startTime=start)
+        one.enterInitializationMode()
+        one.exitInitializationMode()
+        one.doStep(start, 0.001)
+        with pytest.raises(Exception, match="status 2"):
+            one.doStep(start, 0.001)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("start", [0.0, 1e6])
 def test_a_step_that_ends_before_its_start_by_rounding_goes_nowhere(

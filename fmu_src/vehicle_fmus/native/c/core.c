@@ -5,7 +5,6 @@
  * copy of it is the state of the FMU.
  */
 
-#define AT_REST 1e-12 /* of the time, at least 1 s, by which a point may precede the present, from rounding */
 #define OFF_BY 1e-6 /* of its time, at least 1 s, by which a host may be off: it may count in single precision */
 #define PLACES 5 /* of a function whose derivative is that of the polynomial through them */
 #define APART 1e-3 /* distance of these places, of the size of what is varied */
@@ -503,11 +502,14 @@ static int go_on(Instance *one, double until) {
     return 0;
 }
 
+/* Return by how much a point may precede a time, s, from rounding: some units in the last place. */
+static double rounding_at(double time) { return fmax(1e-12, 1e-15 * fabs(time)); }
+
 static int advance(Instance *one, double until) {
     State *now = &one->now;
     Run *run = &now->conduct.run;
     if (!now->ok) return fail(one, "the run has already failed, at %.9g s", run->time);
-    if (!isfinite(until) || until < run->time - AT_REST * fmax(1.0, fabs(run->time))) {
+    if (!isfinite(until) || until < run->time - rounding_at(run->time)) {
         return fail(one, "cannot step from %.9g s to %.9g s: the end of a step must be finite and not "
                     "before its start", run->time, until);
     }
@@ -536,8 +538,7 @@ static int advance(Instance *one, double until) {
  */
 static int make_step(Instance *one, double time, double size) {
     const double present = one->now.conduct.run.time;
-    const double scale = fmax(1.0, fabs(present));
-    const double off = fmax(fmin(OFF_BY * scale, 0.5 * size), AT_REST * scale);
+    const double off = fmax(fmin(OFF_BY * fmax(1.0, fabs(present)), 0.5 * size), rounding_at(present));
     int status = 1;
     if (one->refusal[0]) {
         fail(one, "%s", one->refusal);
