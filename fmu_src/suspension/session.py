@@ -433,7 +433,7 @@ class Session:
     # -- whole state ---------------------------------------------------------------------------------
 
     def snapshot(self) -> bytes:
-        """Return the whole state as bytes (JSON); `restore` continues from it to the bit."""
+        """Return the whole state as bytes; `restore` continues from it to the bit."""
         kept = {
             "model": self.model,
             "parameters": self._now,
@@ -446,7 +446,7 @@ class Session:
             "kept": self._kept,
             "behind": self._behind.hex() if self._kept or self._integrator.time > self.time else "",
         }
-        return json.dumps({**kept, "checksum": _checksum(kept)}).encode()
+        return sealed(kept)
 
     def restore(self, state: bytes) -> None:
         """Return to a snapshot of a session of the same model and parameters.
@@ -455,11 +455,9 @@ class Session:
         ------
         ValueError : a snapshot of another model or with other parameters, or one that is damaged.
         """
-        kept = json.loads(state)
+        kept = unsealed(state)
         if (kept["model"], kept["parameters"]) != (self.model, self._now):
             raise ValueError("this state belongs to another model or to other parameters")
-        if kept.get("checksum") != _checksum(kept):
-            raise ValueError("this state is damaged")
         self._integrator.restore(bytes.fromhex(kept["integrator"]))
         self._behind = bytes.fromhex(kept["behind"])
         self.ok, self._tuned = kept["ok"], kept["tuned"]
@@ -470,9 +468,23 @@ class Session:
         self._sample()
 
 
-def _checksum(kept: Mapping[str, Any]) -> int:
-    """Return the checksum of the bytes in a snapshot: numbers in damaged ones may point anywhere."""
-    return crc32("".join(kept[name] for name in ("run", "integrator", "behind")).encode())
+def sealed(state: Mapping[str, Any]) -> bytes:
+    """Return a state as its checksum and JSON: numbers in a damaged one may point anywhere."""
+    text = json.dumps(state).encode()
+    return b"%08x" % crc32(text) + text
+
+
+def unsealed(state: bytes) -> dict[str, Any]:
+    """Return the state that has been `sealed`.
+
+    Raises
+    ------
+    ValueError : it is damaged.
+    """
+    text = state[8:]
+    if state[:8] != b"%08x" % crc32(text):
+        raise ValueError("this state is damaged")
+    return dict(json.loads(text))
 
 
 def rounding_at(time: float) -> float:

@@ -244,6 +244,19 @@ def test_a_state_of_another_car_is_refused() -> None:
         Session("QuarterCar", {}).restore(Session("QuarterCar", {"sprung_mass": 200.0}).snapshot())
 
 
+def test_a_damaged_state_is_refused() -> None:
+    session = Session("QuarterCar", {})
+    session.advance(0.05)
+    state = session.snapshot()
+    damaged = [b"", b"{}", state[:-1]]
+    for k in range(0, len(state), len(state) // 50):
+        damaged.append(state[:k] + bytes([state[k] ^ 1]) + state[k + 1 :])
+    for each in damaged:
+        with pytest.raises(ValueError, match="this state is damaged"):
+            session.restore(each)
+    session.restore(state)
+
+
 def test_a_failed_run_says_when_and_gives_no_numbers() -> None:
     session = Session("QuarterCar", {"spring.cubic": -1e9, "road.height": 0.3})
     with pytest.raises(SimulationError, match=r" at 0\.0\d+ s, in step \d+"):

@@ -13,7 +13,7 @@ import pytest
 from fmpy import simulate_fmu
 from fmpy.fmi1 import FMICallException
 from hosting import in_python
-from phaseplane.suspension.session import Session, simulate
+from phaseplane.suspension.session import Session, sealed, simulate
 from phaseplane.suspension.variables import MODELS
 from phaseplane.vehicle_fmus.slaves.vehicle_slave import VehicleSlave
 from vehicle_reference import solved
@@ -193,7 +193,7 @@ def test_a_state_brings_a_failed_run_back(car: Any) -> None:
 def test_a_foreign_state_is_refused(car: Any) -> None:
     with car.instance():
         car.start()
-        for garbage in (b"garbage", b"[1, 2]", b'{"model": "another"}'):
+        for garbage in (b"garbage", b"[1, 2]", sealed({"model": "another"})):
             car.fmu.setFMUstate(car.fmu.deSerializeFMUstate(garbage))
         with pytest.raises(FMICallException) as caught:
             car.step(0.0, 0.01)

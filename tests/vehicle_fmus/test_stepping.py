@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hosting import in_python
 from phaseplane.suspension.models import FILES
+from phaseplane.suspension.session import unsealed
 from phaseplane.suspension.variables import MODELS
 
 END = 0.25  # s
@@ -40,8 +41,8 @@ def kept(vehicle: Any) -> bytes:
 
 def internal(vehicle: Any) -> str:
     """The integrator's whole state, bit by bit."""
-    session = json.loads(json.loads(kept(vehicle))["session"])
-    return str(session["integrator"])
+    session = unsealed(kept(vehicle))["session"].encode()
+    return str(unsealed(session)["integrator"])
 
 
 def grid(step: float, jitter: float = 0.0) -> list[float]:

@@ -21,7 +21,7 @@ from phaseplane.suspension import trace as _trace  # noqa: F401  (needed when pa
 from phaseplane.suspension.engine import why_uncompiled
 from phaseplane.suspension.models import inputs
 from phaseplane.suspension.roads.extent import remarks
-from phaseplane.suspension.session import Session, SimulationError, rounding_at
+from phaseplane.suspension.session import Session, SimulationError, rounding_at, sealed, unsealed
 from phaseplane.suspension.variables import (
     ParameterError,
     Value,
@@ -277,7 +277,7 @@ class VehicleSlave(Fmi2Slave):
 
     def _set_fmu_state(self, state: dict[str, Any]) -> None:
         if state.get("model") != self.__module__:
-            self._refuse("the state to be restored belongs to another FMU")
+            self._refuse("the state to be restored is damaged, or belongs to another FMU")
             return
         before = self._session, self._initialised
         try:
@@ -290,15 +290,17 @@ class VehicleSlave(Fmi2Slave):
                 self._session = self._new_session()
                 self._session.restore(state["session"].encode())
                 self._session.messages.clear()
-        except Exception as error:  # damaged bytes
+        except Exception as error:
             self._session, self._initialised = before
             self._refuse(f"the state cannot be restored: {error!r}")
+
+    _fmu_state_to_bytes = staticmethod(sealed)
 
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> dict[str, Any]:
         try:
-            return dict(json.loads(state))
-        except (ValueError, TypeError):
+            return unsealed(state)
+        except ValueError:
             return {}  # refused when it is restored
 
 
