@@ -419,7 +419,7 @@ def test_calls_out_of_place_are_refused_and_change_nothing(
     fmi: int, native_fmu: Packer, slave: Any, tmp_path: Path, capfd: Any
 ) -> None:
     """In every mode the calls that FMI allows in others, and then the run that there is without them."""
-    body = [REFERENCE["body_displacement"]]
+    body, road = [REFERENCE["body_displacement"]], REFERENCE["road_elevation"]
     fmu = native_fmu("QuarterCar", fmi=fmi)
     with slave(fmu, tmp_path / "plain") as plain, slave(fmu, tmp_path / "tried") as one:
         calls = {
@@ -458,6 +458,7 @@ def test_calls_out_of_place_are_refused_and_change_nothing(
             one.terminate()
             refuse("after the end")
             assert one.getReal(body) == plain.getReal(body) != [0.0]
+            assert one.getDirectionalDerivative(body, [road], [1.0]) == [0.0]
             with pytest.raises(Exception, match="status 3"):
                 one.setFMUstate(None)
             assert "there is no state: get or deserialize one first" in capfd.readouterr().out

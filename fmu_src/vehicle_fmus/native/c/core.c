@@ -35,7 +35,7 @@ typedef struct State {
     Stop stop[DUE];     /* end stops met or left that are yet to be reported */
     int stops;
     char met[ELEMENTS]; /* whether the last report of an end stop says that it was met */
-    int mode;
+    int mode; /* INSTANTIATED or another of these; EVENT and LOOKING are of FMI 3.0 alone */
     char ticks[2 * TYRES + 1]; /* lift-off and touchdown of each tyre since the last look */
 } State;
 
