@@ -373,6 +373,27 @@ def test_a_step_that_is_repeated_or_left_out(
     assert f"the host steps from {time:g} s, but the FMU is at 0.1 s: step from there" in said
 
 
+def test_a_state_keeps_a_refusal(
+    native_fmu: Packer, slave: Any, tmp_path: Path, capfd: Any
+) -> None:
+    """So does that of an FMU that runs Python; a state from before the refusal can be continued."""
+    with slave(native_fmu("QuarterCar"), tmp_path) as one:
+        one.setupExperiment(startTime=0.0)
+        one.enterInitializationMode()
+        one.exitInitializationMode()
+        before = one.getFMUstate()
+        with pytest.raises(Exception, match="status 3"):
+            one.setReal([REFERENCE["damper.scale"]], [-1.0])
+        refused = one.getFMUstate()
+        one.setFMUstate(before)
+        one.doStep(0.0, 0.1)
+        one.setFMUstate(refused)
+        capfd.readouterr()
+        with pytest.raises(Exception, match="status 2"):
+            one.doStep(0.0, 0.1)
+    assert "damper.scale = -1" in capfd.readouterr().out
+
+
 def test_short_steps_that_are_repeated_far_from_zero(
     native_fmu: Packer, slave: Any, tmp_path: Path
 ) -> None:

@@ -37,6 +37,7 @@ typedef struct State {
     char met[ELEMENTS]; /* whether the last report of an end stop says that it was met */
     int mode; /* INSTANTIATED or another of these; EVENT and LOOKING are of FMI 3.0 alone */
     char ticks[2 * TYRES + 1]; /* lift-off and touchdown of each tyre since the last look */
+    char refusal[1024]; /* why the next step cannot be made */
 } State;
 
 typedef struct Instance {
@@ -46,7 +47,6 @@ typedef struct Instance {
     int idle;         /* whether the host has been told that an input has no effect */
     double (*update)(struct Instance *, double); /* called within steps; see `go_on` */
     char reason[1024]; /* why the last call failed */
-    char refusal[1024]; /* why the next step cannot be made */
     int quiet, forces_known, roads_known, energies_known;
     double roads[SIGNALS + 1][4];
     double row[ROW], fields[FIELDS]; /* as found last; those in use are in the state */
@@ -116,7 +116,7 @@ static void reset_instance(Instance *one) {
     for (int k = 0; k < VARIABLES; k++) now->parameters[k] = variables[k].start;
     now->ok = 1;
     now->mode = INSTANTIATED;
-    one->reason[0] = one->refusal[0] = 0;
+    one->reason[0] = 0;
     one->quiet = one->idle = 0;
     conduct_make(&now->conduct);
     machine_make(&now->machine);
@@ -540,8 +540,8 @@ static int make_step(Instance *one, double time, double size) {
     const double present = one->now.conduct.run.time;
     const double off = fmax(fmin(OFF_BY * fmax(1.0, fabs(present)), 0.5 * size), rounding_at(present));
     int status = 1;
-    if (one->refusal[0]) {
-        fail(one, "%s", one->refusal);
+    if (one->now.refusal[0]) {
+        fail(one, "%s", one->now.refusal);
     } else if (one->now.ok && !(fabs(time - present) <= off)) {
         fail(one, "the host steps from %.12g s, but the FMU is at %.12g s: step from there, or first restore "
              "its state at %.12g s", time, present, time);
@@ -587,7 +587,7 @@ static int begin(Instance *one) {
 }
 
 static int end_initialisation(Instance *one) {
-    if (one->refusal[0]) return fail(one, "%s", one->refusal);
+    if (one->now.refusal[0]) return fail(one, "%s", one->now.refusal);
     if (begin(one)) return 1;
     one->now.mode = one->event_mode ? EVENT : STEP;
     return 0;
@@ -604,7 +604,7 @@ static int is_of_kind(Instance *one, unsigned k, int kind) {
 
 /* Let no step follow what has failed for the reason noted; return 1. */
 static int refuse(Instance *one) {
-    if (!one->refusal[0]) memcpy(one->refusal, one->reason, sizeof one->refusal);
+    if (!one->now.refusal[0]) memcpy(one->now.refusal, one->reason, sizeof one->now.refusal);
     return 1;
 }
 
@@ -769,13 +769,14 @@ static unsigned long long checksum_of(const void *bytes, size_t size) {
 
 /* Write a state to bytes; return whether it failed. */
 static int write_state(Instance *one, void *bytes, size_t size, const State *state) {
-    const unsigned long long sum = state ? checksum_of(state, sizeof *state) : 0;
     char *to = bytes;
+    unsigned long long sum;
     if (!state) return fail(one, NO_STATE);
     if (size < SERIALIZED) {
         return fail(one, "a state needs %lu bytes, not %lu", (unsigned long) SERIALIZED,
                     (unsigned long) size);
     }
+    sum = checksum_of(state, sizeof *state);
     memset(to, 0, SERIALIZED);
     memcpy(to, GUID, sizeof GUID);
     memcpy(to + offsetof(Serialized, sum), &sum, sizeof sum);
@@ -816,7 +817,6 @@ static int copy_state(Instance *one, State **state) {
 static int restore(Instance *one, const State *state) {
     if (!state) return fail(one, NO_STATE);
     one->now = *state;
-    one->refusal[0] = 0;
     wire(one);
     /* forces are found from the motion read off the last step, which finding them changes */
     if (state->ready) Integrator_sample(&one->now.machine.integrator, state->conduct.run.time);
@@ -839,7 +839,7 @@ static int find_sensitivity(Instance *one, const unsigned unknown[], size_t unkn
     for (size_t k = 0; k < unknowns + knowns; k++) {
         if (!is_of_kind(one, k < unknowns ? unknown[k] : known[k - unknowns], REAL)) return 1;
     }
-    if (one->refusal[0]) return fail(one, "%s", one->refusal);
+    if (one->now.refusal[0]) return fail(one, "%s", one->now.refusal);
     for (size_t k = 0; k < knowns; k++) {
         const Variable *v = &variables[known[k]];
         if (v->causality == OUTPUT || (v->causality == PARAMETER && is_initialised(&one->now))) {

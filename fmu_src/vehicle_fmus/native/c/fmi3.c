@@ -105,14 +105,14 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance
     now->start = start;
     now->tolerance = has_tolerance ? tolerance : 0.0;
     now->ready = 0;
-    host->instance.now.mode = INITIALIZATION;
+    now->mode = INITIALIZATION;
     return fmi3OK;
 }
 
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
     Host *host = c;
     Instance *one = &host->instance;
-    if (misplaced(&host->instance, "fmi3ExitInitializationMode", INITIALIZATION)) return failed(host);
+    if (misplaced(one, "fmi3ExitInitializationMode", INITIALIZATION)) return failed(host);
     return end_initialisation(one) ? failed(host) : fmi3OK;
 }
 
@@ -217,7 +217,7 @@ fmi3Status fmi3EnterEventMode(fmi3Instance c) {
         fail(one, "this instance was made without event mode");
         return failed(host);
     }
-    if (misplaced(&host->instance, "fmi3EnterEventMode", STEP)) return failed(host);
+    if (misplaced(one, "fmi3EnterEventMode", STEP)) return failed(host);
     come_to(one, one->now.conduct.run.time);
     host->instance.now.mode = EVENT;
     return fmi3OK;
@@ -252,7 +252,7 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Bo
     int status = 1;
     (void) no_return;
     *event = *terminate = *early = fmi3False;
-    if (!misplaced(&host->instance, "fmi3DoStep", STEP)) status = make_step(one, time, size);
+    if (!misplaced(one, "fmi3DoStep", STEP)) status = make_step(one, time, size);
     *reached = one->now.conduct.run.time;
     if (status) return failed(host);
     *event = one->event_mode && one->now.switched;
