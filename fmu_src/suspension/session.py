@@ -501,7 +501,7 @@ def refuse_step(ok: bool, now: float, until: float) -> None:
     """
     if not ok:
         raise SimulationError(f"the run has already failed, at {now:.9g} s")
-    if not isfinite(until) or until < now - rounding_at(now):
+    if not (now <= until < inf or now - rounding_at(now) <= until < now):
         raise SimulationError(
             f"cannot step from {now:.9g} s to {until:.9g} s: the end of a step must be finite and "
             "not before its start"

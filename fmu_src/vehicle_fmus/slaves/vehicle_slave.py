@@ -307,7 +307,8 @@ class VehicleSlave(Fmi2Slave):
 def _check_start(present: float, start: float, size: float) -> None:
     """Refuse a step that does not start at the present: of a host that repeats or leaves out steps."""
     off = min(_ROUNDING * max(1.0, abs(present)), 0.5 * size)
-    if not abs(start - present) <= max(off, rounding_at(present)):
+    late = abs(start - present)
+    if not (late <= off or late <= rounding_at(present)):
         raise SimulationError(
             f"the host steps from {start:.12g} s, but the FMU is at {present:.12g} s: step from "
             f"there, or first restore its state at {start:.12g} s"

@@ -8,8 +8,9 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
-from fmpy import read_model_description
+from fmpy import read_model_description, simulate_fmu
 from phaseplane.suspension.variables import Variable, variables
 from structures import STRUCTURES
 
@@ -163,3 +164,17 @@ def test_many_drawn_sets_give_the_same_bits(
     what: str, native_fmu: Packer, python_fmu: Packer, slave: Any, tmp_path: Path
 ) -> None:
     compared(what, range(100, 100 + EACH), native_fmu, python_fmu, slave, tmp_path)
+
+
+def test_the_fmu_that_runs_python_gives_the_same_numbers(
+    native_fmu: Packer, quarter_car_fmu: Path
+) -> None:
+    runs = [
+        simulate_fmu(
+            str(fmu), stop_time=0.5, output_interval=1e-3, start_values={"sprung_mass": 350.0}
+        )
+        for fmu in (native_fmu("QuarterCar"), quarter_car_fmu)
+    ]
+    assert len(runs[0].dtype.names) > 20
+    for name in runs[0].dtype.names:  # those of both
+        assert np.array_equal(runs[0][name], runs[1][name]), name
