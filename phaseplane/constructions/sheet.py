@@ -16,6 +16,7 @@ TURN = ("axis", "construction")
 
 _ARC = 0.1  # rad between two points of an arc
 _FAR = 10.0  # m of paper: radius of an arc that is drawn as its chord
+_LEAST_STEP = 1e-300  # any unit: there are powers of ten with all their digits down to 1e-307
 _MISSED = 0.02  # of the chord: by how much an arc to the successor may miss it
 
 
@@ -129,8 +130,11 @@ def reach(axis: Axis, points: Iterable[complex]) -> tuple[float, float]:
 
 
 def round_step(span: float, count: int) -> float:
-    """Return 1, 2 or 5 times a power of ten that divides a span into about `count` parts."""
-    rough = span / count
+    """Return 1, 2 or 5 times a power of ten that divides a span into about `count` parts.
+
+    Spans below 1e-300, whose powers of ten have too few digits, are not divided.
+    """
+    rough = max(span / count, _LEAST_STEP)
     decade = 10.0 ** floor(log10(rough))
     return next(s * decade for s in (1.0, 2.0, 5.0, 10.0) if s * decade >= rough * (1.0 - 1e-9))
 

@@ -7,7 +7,7 @@ from math import acos, cos, pi
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import damper, linear
@@ -159,7 +159,14 @@ switched = st.one_of(
 )  # fmt: skip
 
 
+held_at_almost_zero = ElastoplasticPlane(
+    mass=100.0, damping=0.0, spring_rate=5000.0, yield_force=6.0,
+    initial_displacement=5e-324, initial_velocity=0.0, load=roads.table([(0.0, 0.0), (0.4, 0.0)]),
+)  # fmt: skip
+
+
 @settings(max_examples=40)
+@example(held_at_almost_zero, "tangent", 0.25)
 @given(switched, st.sampled_from(list(RULES)), st.floats(0.02, 0.25))
 def test_every_step_begins_within_the_limits_of_its_mode(plane, rule, turn):
     """So friction acts against the velocity, and a spring yields only outwards."""
