@@ -70,6 +70,7 @@ class Events:
         self._stops: deque[tuple[float, str, bool]] = deque()
         self._met: set[str] = set()
         self.contacts = Contacts(*run.contacts.seen())
+        self._next_contact = run.contacts.next  # asked for in every step
 
     def attach(self, system: System) -> None:
         """Take the names of a system's elements from now on."""
@@ -109,7 +110,7 @@ class Events:
         self._count_contacts(until)
 
     def _count_contacts(self, until: float) -> None:
-        while (c := self._run.contacts.next(until)) >= 0:
+        while (c := self._next_contact(until)) >= 0:
             airborne = self.contacts.airborne[c]
             instants = self.contacts.last_lift_off if airborne else self.contacts.last_touchdown
             what = "lift-off" if airborne else "touchdown"

@@ -20,7 +20,7 @@ class Notices:
     def new(self, integrator: Integrator, run: Run) -> list[str]:
         """Return what has become true since the last call."""
         found = []
-        if not self._unstable and (beyond := integrator.beyond_stable()):
+        if self._step and not self._unstable and (beyond := integrator.beyond_stable()):
             self._unstable = True
             since, stable = beyond
             found.append(

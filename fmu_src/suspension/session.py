@@ -182,7 +182,8 @@ class Session:
         ------
         ParameterError : no such input, or a value that is not finite.
         """
-        refuse_unknown([name], self._inputs, f"{self.model} has no input")
+        if name not in self._inputs:
+            refuse_unknown([name], self._inputs, f"{self.model} has no input")
         if not isfinite(value):
             raise ParameterError(f"input {name} = {value}: must be finite")
         if name in self._idle and value != 0.0:
@@ -200,7 +201,8 @@ class Session:
         ------
         ParameterError : unknown or fixed parameter, or a value that it cannot have.
         """
-        refuse_unknown([name], self._now, f"{self.model} has no parameter")
+        if name not in self._now:
+            refuse_unknown([name], self._now, f"{self.model} has no parameter")
         variable = declared_parameters(self.model)[name]
         if not variable.tunable:
             raise ParameterError(f"{name} = {value!r}: this parameter cannot change during a run")
@@ -222,27 +224,28 @@ class Session:
         ParameterError : parameters set during the run are inconsistent.
         """
         run, now = self._run, self._run.time
-        refuse_step(self.ok, now, until)
-        until = max(now, until)
+        if not (self.ok and now <= until < inf):
+            refuse_step(self.ok, now, until)
+            until = now  # which is later by a rounding
         goes_on = until == self._handed  # from a switch to the same end, which changes nothing
         if self._tuned:
             self._take_parameters()
-        if not goes_on and run.sets_in():
-            self._stop_here()
-            run.sampled = True
-        if not goes_on and run.sampled:
-            self._hand_over(until)
-        self._handed = until
-        self._kept = self._kept and goes_on
+        if not goes_on:
+            if run.sets_in():
+                self._stop_here()
+                run.sampled = True
+            if run.sampled:
+                self._hand_over(until)
+            self._handed, self._kept = until, False
         if now == run.start < until:
             self._events.report_start()
-        switch = self._events.next_after(self.time) if to_switch else inf
+        switch = self._events.next_after(now) if to_switch else inf
         while switch > until and self._integrator.time < until:
             if not (run.sampled or self._kept):
                 self._behind, self._kept = self._integrator.snapshot(), True
             self._step(until, run.sampled, AT_SWITCHES if to_switch else 0)
             if to_switch:
-                switch = self._events.next_after(self.time)
+                switch = self._events.next_after(now)
         run.time = min(switch, until)
         self._sample()
 
@@ -259,7 +262,8 @@ class Session:
                 fixed = self._solver["step"] > 0.0
                 # it names the last switches in the log, which is then taken
                 reason = why_stopped(status, self._where, integrator, self.system, fixed=fixed)
-        self._events.note(integrator.take_log(), until if until > self.time else -inf)
+        if switches := integrator.take_log():
+            self._events.note(switches, until if until > self.time else -inf)
         for text in self._notices.new(integrator, self._run):
             self._report("info", text)
         if reason:
@@ -353,8 +357,8 @@ class Session:
             if self.time == run.start:
                 self._start_moving()
                 self._integrator.take_log()  # the initial level of the road switches nothing
-        if self.time > run.start:
-            self._events.note(self._integrator.take_log(), -inf)
+        if self.time > run.start and (switches := self._integrator.take_log()):
+            self._events.note(switches, -inf)
 
     def _read_lines(self) -> None:
         """Take the present course of every signal that inputs drive."""

@@ -42,6 +42,7 @@ class Variable:
     tunable : whether a parameter may change during a run
     axle : prefix of the axle that an output belongs to, or empty
     reading : of an output: returns how it is computed from a system; see `outputs`
+    bounds : the least and the largest allowed value, in SI, which follow from the others
     """
 
     name: str
@@ -58,6 +59,15 @@ class Variable:
     tunable: bool = False
     axle: str = ""
     reading: Callable[[Any, Variable], Any] | None = field(default=None, repr=False, compare=False)
+    bounds: tuple[float, float] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        least = ulp(0.0) if self.positive else -float_info.max
+        bounds = (
+            least if self.minimum is None else max(least, self.minimum),
+            float_info.max if self.maximum is None else self.maximum,
+        )
+        object.__setattr__(self, "bounds", bounds)
 
     def checked(self, value: object) -> Value:
         """Return the value in SI and in the variable's type.
@@ -103,15 +113,6 @@ class Variable:
                 + nearest(value, self.choices)
             )
         return value
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """The least and the largest allowed value, in SI."""
-        least = ulp(0.0) if self.positive else -float_info.max
-        return (
-            least if self.minimum is None else max(least, self.minimum),
-            float_info.max if self.maximum is None else self.maximum,
-        )
 
     def _checked_range(self, value: float) -> float:
         least, largest = self.bounds
