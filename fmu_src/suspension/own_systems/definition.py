@@ -45,7 +45,7 @@ from ..parts import (
 from ..signals import Segment, Signal
 from ..systems import Axle, Element, Load, System
 from ..variable import ParameterError, Value, Variable, number, parameter
-from .units import numbered
+from .names import numbered
 from .values import refuse_others, table_at, value_of
 
 # keys of a spring and a damper: rates, instead of which there may be a table, and others

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Iterator, Mapping
-from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from ..units import UNITS
 from ..variable import ParameterError, Variable
+from .names import numbered, place_of
 
 if TYPE_CHECKING:
     from .definition import Definition
 
-# a word of any alphabet, or one of the signs other than letters that are names in Python
-_NAME = re.compile(r"(?<![\w.])[^\W\d][\w.]*|[\u1885\u1886\u2118\u212e]")
-_PLACE = "_"  # before the number of a name in an expression
 _RATE, _DAMPING, _FORCE = ("N/m", "J"), ("N.s/m",), ("N", "J")  # J: a moment, N.m
 _OF_ELEMENT: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "spring": {"rate": _RATE, "yield_force": _FORCE, "hardening": _RATE},
@@ -73,21 +69,6 @@ def _quantities(definition: Definition) -> Iterator[tuple[str, object, tuple[str
         sine = load.get("sine", {})
         yield f"system.loads.{name}.sine.amplitude", sine.get("amplitude"), _FORCE
         yield f"system.loads.{name}.sine.frequency", sine.get("frequency"), ("Hz",)
-
-
-def numbered(said: str) -> tuple[str, list[str]]:
-    """Return an expression as Python text with its names numbered, and the names.
-
-    A parameter may be called like a word of Python, and has dots.
-    """
-    places = count()
-    text = _NAME.sub(lambda _: f"({_PLACE}{next(places)})", said)
-    return text.replace("^", "**").strip(), _NAME.findall(said)
-
-
-def place_of(name: str) -> int:
-    """Return the number of a name in the text of `numbered`."""
-    return int(name.removeprefix(_PLACE))
 
 
 def _dimension(where: str, said: object, units: Mapping[str, Variable]) -> Dimension:

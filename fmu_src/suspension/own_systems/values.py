@@ -11,7 +11,7 @@ from typing import Any
 
 from ..units import nearest, unit_of
 from ..variable import ParameterError, Value, number
-from .units import numbered, place_of
+from .names import numbered, place_of
 
 _WORD = re.compile(r"[a-z][a-z0-9_]*\Z")
 _OPERATIONS: Mapping[type, Callable[..., float]] = {
