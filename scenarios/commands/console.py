@@ -121,6 +121,8 @@ class Commands(click.Group):
 
         if not standalone_mode:
             return run()
+        if args is None:  # it is the program
+            _leave_ascii()
         sys.meta_path.insert(0, _PandasForOthers)
         # matrices here are small, and a thread that waits for large ones spins for 50 ms first
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -169,6 +171,17 @@ class Commands(click.Group):
                 os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise _PipeClosedError from None
         return status
+
+
+def _leave_ascii() -> None:
+    """Start this program again in UTF-8 mode if names of files are in ASCII.
+
+    UTF-8 mode is what Python chooses in the C locale, unless PYTHONUTF8=0 forbids it. In ASCII, names of
+    files with other letters are surrogates, which the libraries that write tables and recordings refuse.
+    """
+    if sys.getfilesystemencoding() == "ascii":
+        os.environ["PYTHONUTF8"] = "1"  # for the processes that it starts
+        os.execv(sys.executable, [sys.executable, "-X", "utf8", *sys.orig_argv[1:]])
 
 
 def _alike(option: str, options: Iterable[str]) -> Iterator[str]:

@@ -65,7 +65,7 @@ def file_guide(kind: str) -> str:
         lines += ["", "A range in [vary]", *_keys(schema_of(Range)["properties"])]
         lines += ["", "For example:", "", *example.splitlines()]
     elif not kind:
-        models = ", ".join((*MODELS, EQUATION, *SOURCES))
+        models = ", ".join((*MODELS, *SOURCES, EQUATION))
         lines += [
             "",
             fill(f"phaseplane schema MODEL lists the variables and measures of {models};", 100),

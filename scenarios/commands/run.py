@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .. import draw
-from ..errors import DrawingError, InputError, RunError, check_recording, one_line
+from ..errors import DrawingError, InputError, check_recording, one_line
 from ..progress import Progress, silent
 from ..results.finished import FinishedFolder
 from ..results.folder import (
@@ -196,7 +196,7 @@ def run_scene(
             if save is not None and not unwritten:
                 facts["saved"] = str(save)
             facts["warnings"] = [*results.summary["warnings"], *unshown]
-    problems += _drawn(pictures, standing, progress)
+    _draw_into(standing, pictures, problems, progress)
     standing.update_summary(**facts)
     return read_summary(place.folder) or {}, place.folder
 
@@ -220,18 +220,21 @@ def _written(
     return FinishedFolder(place.folder)
 
 
-def _drawn(
-    pictures: Mapping[str, Callable[[Path], None]], standing: FinishedFolder, progress: ProgressBar
-) -> Iterator[str]:
-    """Add the pictures to the results; yield a line for each that could not be drawn."""
+def _draw_into(
+    standing: FinishedFolder,
+    pictures: Mapping[str, Callable[[Path], None]],
+    problems: list[str],
+    progress: ProgressBar,
+) -> None:
+    """Add the pictures to the results, and a line to the problems for each that could not be drawn."""
     for name, write in pictures.items():
         try:
-            with progress(f"drawing {name}"), standing.added(name) as path:
+            with (
+                progress(f"drawing {name}"),
+                draw.pictures.draws_or_tells(name, problems),
+                standing.added(name) as path,
+            ):
                 write(path)
-        except RunError:
-            raise
-        except Exception as error:  # a picture that fails must not cost the others
-            yield f"{name} was not drawn: {one_line(error)}"
         except KeyboardInterrupt:
             raise KeyboardInterrupt(
                 f"while drawing {name}; the results and earlier pictures are in {standing.folder}"

@@ -6,14 +6,13 @@ from pathlib import Path
 
 import click
 
-from ..errors import RunError
 from ..results.plain import as_json
 from ..scene.loading import load_scene
 from ..studies import rules as study
 from ..studies.accuracy import REPEATS
 from ..studies.problems import PROBLEMS
 from ..studies.reports import study_accuracy, study_stability
-from .console import json_option, output_option, progress_bar, set_option, warn
+from .console import failed, json_option, output_option, progress_bar, set_option, warn
 
 
 @click.command(
@@ -36,11 +35,12 @@ from .console import json_option, output_option, progress_bar, set_option, warn
 @json_option
 def accuracy(
     *, scenes: tuple[str, ...], peers: bool, repeats: int, output: Path | None, as_data: bool
-) -> None:
+) -> int:
     """Measure error against run time."""
     with progress_bar("accuracy") as progress:
         data, tables, folder = study_accuracy(scenes, peers, repeats, output, progress)
     click.echo(as_json(data) if as_data else f"{tables}\n\nfiles  {folder}")
+    return failed("accuracy", data["not_drawn"])
 
 
 @click.command()
@@ -66,7 +66,7 @@ def rules(scene: str, overrides: tuple[str, ...], as_data: bool) -> None:
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")
 @output_option("out/stability")
 @json_option
-def stability(*, scenes: tuple[str, ...], output: Path | None, as_data: bool) -> None:
+def stability(*, scenes: tuple[str, ...], output: Path | None, as_data: bool) -> int:
     """Find the largest stable steps, in theory and in runs.
 
     Each SCENE is a scene or a test problem of the package; default: all test problems with switches.
@@ -76,5 +76,5 @@ def stability(*, scenes: tuple[str, ...], output: Path | None, as_data: bool) ->
         data, table, folder = study_stability(scenes, output, progress)
     click.echo(as_json(data) if as_data else f"{table}\n\nfiles  {folder}")
     wrong = [case["name"] for case in data["extremes"] if case["outcome"] == "wrong"]
-    if wrong:
-        raise RunError(f"wrong results: {', '.join(wrong)}")
+    reasons = [f"wrong results: {', '.join(wrong)}"] if wrong else []
+    return failed("stability", [*reasons, *data["not_drawn"]])

@@ -19,7 +19,8 @@ from phaseplane.suspension.variables import Value
 from phaseplane import figures
 from phaseplane.picture.text import bracketed, in_words
 
-from ..errors import InputError, NoResultError, one_line
+from ..draw.pictures import draws_or_tells
+from ..errors import InputError, NoResultError
 from ..measures import catalogue, has_sign
 from ..progress import Progress, silent
 from ..results.folder import Place, replace_folder, write_summary
@@ -151,15 +152,13 @@ def _written(
     columns: dict[str, Any], draw: Callable[[dict[str, Any]], Figure],
 ) -> Study:  # fmt: skip
     values = dict(zip(space.plan.keys, space.values(shares).tolist(), strict=True))
-    problems = []
+    problems: list[str] = []
     slow = [] if engine.compiled else [f"run in this process{UNCOMPILED}"]
     with replace_folder(place) as draft:
         (draft / SCENE).write_text(_scene(space, values, place.folder), encoding="utf-8")
         write_table(columns, {}, draft / TABLE)
-        try:
+        with draws_or_tells(PICTURE, problems):
             figures.save(draw(columns), draft / PICTURE)
-        except Exception as error:  # a picture that fails must not cost the study
-            problems.append(one_line(f"{PICTURE} was not drawn: {error}"))
         summary = {
             **facts, "title": space.plan.title, "scene": space.plan.scene.name, "values": values,
             "units": dict(zip(space.plan.keys, space.plan.units, strict=True)),

@@ -5,7 +5,9 @@ Drawing libraries are imported only when they are needed.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
 from functools import partial
 from inspect import signature
@@ -16,7 +18,7 @@ from phaseplane.suspension.units import nearest
 
 from phaseplane import figures, recording
 
-from ..errors import MOVING, PICTURES, InputError, shown
+from ..errors import MOVING, PICTURES, InputError, one_line, shown
 from ..measures.motion import start_of
 from ..scene.sections import FIGURES
 from .recording_content import of_results
@@ -50,16 +52,18 @@ def pictures_of(
     """
     title = scene.title or scene.name
     pictures: dict[str, Callable[[Path], None]] = {}
-    if scene.show.figures or scene.show.planes:
-        look = figures.Look(dark=scene.show.dark)
-        for name in scene.show.figures:
-            if name == "time_histories" or drawing is not None:
-                pictures[f"{name}.png"] = partial(
-                    draw, name, drawing=drawing, results=results, title=title, look=look
-                )
-        for k, names in enumerate(scene.show.planes, 1):
-            plane = partial(_draw_plane, names, results, title, look)
-            pictures["plane.png" if k == 1 else f"plane_{k}.png"] = plane
+    dark = scene.show.dark
+
+    def draw_figure(name: str, path: Path) -> None:
+        look = figures.Look(dark=dark)
+        draw(name, path, drawing=drawing, results=results, title=title, look=look)
+
+    for name in scene.show.figures:
+        if name == "time_histories" or drawing is not None:
+            pictures[f"{name}.png"] = partial(draw_figure, name)
+    for k, names in enumerate(scene.show.planes, 1):
+        plane = partial(_draw_plane, names, results, title, dark)
+        pictures["plane.png" if k == 1 else f"plane_{k}.png"] = plane
     if scene.show.recording:
         shown = asdict(scene.shown)
         pictures[RECORDING] = lambda path: recording.record(
@@ -68,11 +72,23 @@ def pictures_of(
     return pictures
 
 
+@contextmanager
+def draws_or_tells(name: str, problems: list[str]) -> Iterator[None]:
+    """Add a line to the problems if a picture cannot be drawn, which must not cost the results."""
+    try:
+        yield
+    except Exception as error:  # also where the drawing library cannot be imported
+        # the folder that it is drawn in is a draft's, which the user does not see
+        why = re.sub(rf"^cannot write .*{re.escape(name)}: ", "", one_line(error))
+        problems.append(f"{name} was not drawn: {why}")
+
+
 def _draw_plane(
-    names: tuple[str, str], results: Results, title: str, look: figures.Look, path: Path
+    names: tuple[str, str], results: Results, title: str, dark: bool, path: Path
 ) -> None:
     x, y = (results.columns[name] for name in names)
     units = results.summary.get("units", {})
+    look = figures.Look(dark=dark)
     drawn = figures.plane_of_columns({"": (x, y)}, names, units, title=title, look=look)
     figures.save(drawn, path)
 

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ..errors import RunError
+from ..errors import InputError, RunError
 from .folder import SUMMARY, draft_beside
 from .plain import as_json
 
@@ -45,28 +45,36 @@ class FinishedFolder:
         with draft_beside(self.folder) as draft:
             yield draft / name
             self._check()
-            os.replace(draft / name, self.folder / name)
-            self._write_summary({}, draft)
+            self._move_in(draft, {}, name)
 
     def update_summary(self, **more: Any) -> None:
         """Write the summary again, with the files now in the folder and with the entries given.
 
         Raises
         ------
-        RunError : if the folder contains other results by now.
+        RunError : if the folder contains other results by now, or the summary cannot be written, as on a
+            full disk; the one before remains.
         """
         self._check()
-        with draft_beside(self.folder) as draft:
-            self._write_summary(more, draft)
+        try:
+            with draft_beside(self.folder) as draft:
+                self._move_in(draft, more)
+        except (OSError, InputError, RunError) as error:
+            why = error.strerror if isinstance(error, OSError) else error
+            raise RunError(
+                f"the results are in {self.folder}, but the entries {', '.join(more)} could not be added "
+                f"to their {SUMMARY}: {why}"
+            ) from None
 
-    def _write_summary(self, more: Mapping[str, Any], draft: Path) -> None:
-        """Write the summary again by way of a draft's folder."""
+    def _move_in(self, draft: Path, more: Mapping[str, Any], *names: str) -> None:
+        """Move files of a draft into the folder, and the summary that lists them, once all are whole."""
         summary = json.loads(self._text) | more
-        summary["files"] = sorted(path.name for path in self.folder.iterdir())
+        summary["files"] = sorted({*(path.name for path in self.folder.iterdir()), *names})
         summary["undrawn"] = [name for name in summary["undrawn"] if name not in summary["files"]]
         text = as_json(summary) + "\n"
         (draft / SUMMARY).write_text(text, encoding="utf-8")
-        os.replace(draft / SUMMARY, self._summary)
+        for name in (*names, SUMMARY):
+            os.replace(draft / name, self.folder / name)
         self._text = text
 
     def _check(self) -> None:

@@ -252,6 +252,8 @@ def replace_folder(place: Place) -> Iterator[Path]:
 def draft_beside(folder: Path) -> Iterator[Path]:
     """Yield a temporary hidden folder beside another folder, and so on the same disk.
 
+    Folders above it that are made for it, and in which nothing is put, do not remain.
+
     Raises
     ------
     InputError : if nothing can be written there.
@@ -259,14 +261,18 @@ def draft_beside(folder: Path) -> Iterator[Path]:
     """
     target = folder.resolve()
     draft = target.with_name(f".{target.name}.{os.urandom(4).hex()}")
+    missing = [above for above in draft.parents if not above.exists()]
     try:
-        draft.mkdir(parents=True)
-    except OSError as error:
-        raise unwritable(folder, error) from None
-    try:
+        try:
+            draft.mkdir(parents=True)
+        except OSError as error:
+            raise unwritable(folder, error) from None
         yield draft
     finally:
         shutil.rmtree(draft, ignore_errors=True)
+        with suppress(OSError):  # the first that is not empty keeps those above it
+            for made in missing:
+                made.rmdir()
 
 
 def _exchange(draft: Path, target: Path) -> None:

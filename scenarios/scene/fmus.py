@@ -154,25 +154,33 @@ class Fmu:
         return {} if length is None else {extent.LENGTH: length}
 
 
-def find_fmu(reference: str, folder: Path | None = None, parameters: object = None) -> Fmu:
+def find_fmu(
+    reference: str,
+    folder: Path | None = None,
+    parameters: object = None,
+    *,
+    sources: bool = False,
+) -> Fmu:
     """Return the FMU of a model name, or of the path of an `.fmu` file (relative to `folder`).
 
     Parameters
     ----------
     parameters : those that a scene gives, by name; an equation has parameters of its own among them
+    sources : whether a source of signals, which no scene can run, is allowed, too
 
     Raises
     ------
     InputError : if there is no such model or file, or the file is no FMU that can be run.
     """
-    if reference in MODELS:
-        return Fmu(reference, None, MODELS[reference])
+    models = {**MODELS, **SOURCES} if sources else MODELS
+    if reference in models:
+        return Fmu(reference, None, models[reference])
     if reference == EQUATION:
         return Fmu(EQUATION, None, equation_variables(parameters))
     if reference.endswith(SCENE_FILES):
         return _of_system((folder or Path()) / reference)
     if not reference.endswith(".fmu"):
-        known = (*MODELS, EQUATION)
+        known = (*models, EQUATION)
         raise InputError(
             f"must be one of {', '.join(known)}, or the path of an .fmu file, or of a system's .toml "
             "or .py file" + nearest(reference, known) + meant(reference, "model")
@@ -215,7 +223,8 @@ def fmu_named(model: str) -> Fmu:
 
 def described(model: str) -> Fmu:
     """Return the FMU as `fmu_named`, also of a source of signals, which no scene can run."""
-    return Fmu(model, None, SOURCES[model]) if model in SOURCES else fmu_named(model)
+    with blaming(f"MODEL {shown(model)}", InputError):
+        return find_fmu(model, sources=True)
 
 
 def default_duration(path: Path) -> float | None:

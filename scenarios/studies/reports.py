@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from phaseplane import figures
 
+from ..draw.pictures import draws_or_tells
 from ..errors import InputError
 from ..progress import Progress, part_of, silent
 from ..results.folder import Place, replace_folder, write_summary
@@ -38,7 +39,7 @@ def study_accuracy(
 
     Returns
     -------
-    The data, the tables as text, and the folder.
+    The data as written, the tables as text, and the folder.
 
     Raises
     ------
@@ -55,9 +56,11 @@ def study_accuracy(
         points += measure(problem, compared, repeats, part_of(progress, k * width, width))
     data = as_data(problems, points, repeats)
     tables = "\n\n".join(table(problem, points) for problem in problems)
-    figure = figures.work_precision(panels(problems, points), title="Error against run time")
-    _write(place, data, tables, figure)
-    return data, tables, place.folder
+
+    def draw() -> Figure:
+        return figures.work_precision(panels(problems, points), title="Error against run time")
+
+    return _write(place, data, tables, draw), tables, place.folder
 
 
 def study_stability(
@@ -76,7 +79,7 @@ def study_stability(
 
     Returns
     -------
-    The data, the table as text, and the folder.
+    The data as written, the table as text, and the folder.
 
     Raises
     ------
@@ -92,25 +95,27 @@ def study_stability(
     made = study.maps(size, part_of(progress, 0.3, 0.5))
     happened = study.extremes(part_of(progress, 0.8, 0.2))
     data, table = study.as_data(made, found, happened), study.table(found, happened)
-    figure = figures.stability_sheet(
-        {name: (made.phases, curve) for name, curve in made.curves.items()},
-        {"2√3": study.LINEAR, "order 8: 3.2": study.EIGHTH},
-        [
-            figures.GrowthMap("Order 8, spectral radius of a step", made.grid, made.damping_ratios,
-                      "damping ratio", made.damped, study.EIGHTH),
-            figures.GrowthMap("Linear acceleration, two masses: of a step", made.grid, made.ratios,
-                      "ratio of the springs", made.coupled, study.LINEAR),
-            figures.GrowthMap("Linear acceleration between stops: energy", made.grid, made.ratios,
-                      "stop over spring", made.bounced, study.LINEAR, of_runs=True),
-        ],
-        [
-            (one.problem, one.method, one.theory, one.measured)
-            for one in found
-            if one.theory is not None
-        ],
-    )  # fmt: skip
-    _write(place, data, table, figure)
-    return data, table, place.folder
+
+    def draw() -> Figure:
+        return figures.stability_sheet(
+            {name: (made.phases, curve) for name, curve in made.curves.items()},
+            {"2√3": study.LINEAR, "order 8: 3.2": study.EIGHTH},
+            [
+                figures.GrowthMap("Order 8, spectral radius of a step", made.grid,
+                          made.damping_ratios, "damping ratio", made.damped, study.EIGHTH),
+                figures.GrowthMap("Linear acceleration, two masses: of a step", made.grid, made.ratios,
+                          "ratio of the springs", made.coupled, study.LINEAR),
+                figures.GrowthMap("Linear acceleration between stops: energy", made.grid, made.ratios,
+                          "stop over spring", made.bounced, study.LINEAR, of_runs=True),
+            ],
+            [
+                (one.problem, one.method, one.theory, one.measured)
+                for one in found
+                if one.theory is not None
+            ],
+        )  # fmt: skip
+
+    return _write(place, data, table, draw), table, place.folder
 
 
 def _check_solved(problem: Problem) -> None:
@@ -121,9 +126,19 @@ def _check_solved(problem: Problem) -> None:
         raise InputError(f"{problem.name}: errors cannot be measured, as {error}") from None
 
 
-def _write(place: Place, data: Mapping[str, Any], text: str, figure: Figure) -> None:
-    """Write the picture, the text and the data of a study to its folder."""
+def _write(
+    place: Place, data: Mapping[str, Any], text: str, draw: Callable[[], Figure]
+) -> dict[str, Any]:
+    """Write the picture, the text and the data of a study to its folder; return the data as written.
+
+    They say in `not_drawn` what is wrong with the picture, a line each.
+    """
+    problems: list[str] = []
     with replace_folder(place) as draft:
-        figures.save(figure, draft / f"{place.kind}.png")
         (draft / f"{place.kind}.txt").write_text(f"{text}\n", encoding="utf-8")
-        write_summary({**data, "origin": place.origin}, draft)
+        picture = f"{place.kind}.png"
+        with draws_or_tells(picture, problems):
+            figures.save(draw(), draft / picture)
+        written = {**data, "not_drawn": problems, "origin": place.origin}
+        write_summary(written, draft)
+    return written

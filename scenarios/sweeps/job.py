@@ -11,7 +11,7 @@ from phaseplane.suspension.variables import Value
 
 from phaseplane import figures
 
-from ..errors import one_line
+from ..draw.pictures import draws_or_tells
 from ..measures import catalogue, has_sign
 from ..progress import Progress, silent
 from ..results.folder import Place, replace_folder, write_summary
@@ -82,11 +82,10 @@ def _drawn(plan: Plan, rows: list[Row], path: Path) -> list[str]:
         return []
     points = [plan.points[row.run] for row in rows]
     measured = {name: [row.values[k] for row in rows] for k, name in enumerate(plan.measures)}
-    try:
+    problems: list[str] = []
+    with draws_or_tells(path.name, problems):
         figures.save(picture_of(plan, points, measured), path)
-    except Exception as error:  # a picture that fails must not cost the rows
-        return [one_line(f"{path.name} was not drawn: {error}")]
-    return []
+    return problems
 
 
 def picture_of(

@@ -255,6 +255,20 @@ def test_the_command_leaves_data_tables_and_a_picture(monkeypatch: pytest.Monkey
     assert "extrapolated" in printed("accuracy yielding --repeats 1")
 
 
+def test_a_picture_that_fails_does_not_cost_the_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise ImportError("no ink")
+
+    monkeypatch.setattr(reports, "measure", lambda *_: [])
+    monkeypatch.setattr("phaseplane.figures.work_precision", fail)
+    told = complaint("accuracy yielding", status=1)
+    assert told == "phaseplane: accuracy: accuracy.png was not drawn: no ink\n"
+    assert {path.name for path in Path("out/accuracy").iterdir()} == {
+        "summary.json",
+        "accuracy.txt",
+    }
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -370,6 +370,34 @@ def test_output_that_cannot_be_encoded() -> None:
     assert len(done.stderr.splitlines()) == 1
 
 
+def in_the_c_locale(*arguments: str) -> CompletedProcess[str]:
+    """In a folder and with a file that have other letters; Python's UTF-8 mode is forbidden."""
+    folder = Path("žlutý")
+    folder.mkdir(exist_ok=True)
+    return subprocess.run(
+        [*PROGRAM, *arguments],
+        env={**os.environ, "LC_ALL": "C", "PYTHONUTF8": "0"},
+        capture_output=True, encoding="utf-8", timeout=HANGS, check=False, cwd=folder,
+    )  # fmt: skip
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="not on this platform: names in ASCII")
+def test_names_of_files_have_all_letters_in_the_c_locale() -> None:
+    done = in_the_c_locale("run", "kůň.toml")
+    assert done.stderr.startswith("phaseplane: no scene file kůň.toml")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="not on this platform: names in ASCII")
+def test_all_files_are_written_in_the_c_locale() -> None:
+    tables = settings('show.table="results.parquet"', 'show.figures=["time_histories"]')
+    done = in_the_c_locale("run", "ap57", "-o", "výsledky", "--save", "běh.rrd", *tables)
+    assert done.returncode == 0, done.stderr
+    names = {"construction.rrd", "results.parquet", "summary.json", "time_histories.png"}
+    assert {path.name for path in Path("žlutý", "výsledky").iterdir()} == names
+    assert Path("žlutý", "běh.rrd").exists()
+
+
 @pytest.mark.slow
 def test_a_backend_of_matplotlib_that_does_not_exist_is_no_error() -> None:
     """No command opens a window; the import of matplotlib would fail."""

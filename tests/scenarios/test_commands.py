@@ -157,6 +157,10 @@ def test_compare_counts_what_only_one_has(tables: Path) -> None:
         ("sweep ../speed_bump", "no sweep '../speed_bump'"),
         ("new a.csv", "already exists"),
         ("new no/such/folder.toml", "the folder no/such does not exist"),
+        ("schema Nope", "Elastoplastic, Road, Equation, or the path"),  # what it explains
+        ("schema Roda", "did you mean 'Road'?"),
+        ("list Nope", "Road, Equation, or the path"),
+        ("schema Road --json", "Elastoplastic, Equation, or the path"),  # of a scene
         ("new x.toml --model Bicycle", "MODEL 'Bicycle': must be one of OneDof"),
     ],
 )

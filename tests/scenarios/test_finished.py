@@ -97,6 +97,53 @@ def test_a_picture_that_fails_costs_itself_alone(run: Callable[..., Result]) -> 
     assert summary()["undrawn"] == PICTURES[:1]
 
 
+def test_a_drawing_library_that_cannot_be_imported_costs_the_pictures_alone(
+    run: Callable[..., Result], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(**_: object) -> None:
+        raise ImportError("libfreetype.so.6: cannot open shared object file")
+
+    monkeypatch.setattr("phaseplane.figures.Look", broken)
+    told = "was not drawn: libfreetype.so.6: cannot open shared object file"
+    result = run()
+    assert result.exit_code == console.FAILED
+    assert result.stderr == f"phaseplane: ap57: {PICTURES[0]} {told} (and 1 more)\n"
+    assert names() == RESULTS
+    assert summary()["problems"] == [f"{name} {told}" for name in PICTURES]
+
+
+def test_a_full_disk_leaves_whole_files_and_says_what_is_missing(
+    run: Callable[..., Result],
+) -> None:
+    """As on a full disk: from the second picture on, no file may grow beyond 1 kB."""
+    resource = pytest.importorskip("resource")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+
+    def draw(name: str, path: Path) -> None:
+        if name == "phase_planes":
+            resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+        path.write_bytes(b"picture")  # it fits, but not the summary that lists it
+
+    try:
+        result = run(draw)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert result.exit_code == console.FAILED
+    assert result.stderr == (
+        f"phaseplane: the results are in {FOLDER}, but the entries drawn, problems could not be added to "
+        "their summary.json: File too large\n"
+    )
+    assert names() == summary()["files"] == sorted([*RESULTS, PICTURES[0]])
+    assert summary()["undrawn"] == PICTURES[1:]
+
+
+def test_the_hidden_folder_in_which_a_picture_is_drawn_is_not_told() -> None:
+    problems: list[str] = []
+    with pictures.draws_or_tells("plane.png", problems):
+        raise OSError("cannot write /home/out/.ap57.49bd53df/plane.png: No space left on device")
+    assert problems == ["plane.png was not drawn: No space left on device"]
+
+
 @pytest.mark.slow
 def test_nothing_is_added_to_the_results_of_another_run(run: Callable[..., Result]) -> None:
     def draw(name: str, path: Path) -> None:

@@ -173,6 +173,17 @@ def test_a_full_disk_is_no_bad_input(tmp_path: Path, monkeypatch: pytest.MonkeyP
         pass
 
 
+def test_folders_made_for_results_that_cannot_be_written_do_not_remain(tmp_path: Path) -> None:
+    place = Place(tmp_path / "new" / "out" / "car")
+    with pytest.raises(RunError, match="car: No space left on device"), replace_folder(place):
+        raise OSError(28, "No space left on device")
+    assert not list(tmp_path.iterdir())
+    (tmp_path / "new").mkdir()
+    with pytest.raises(ZeroDivisionError), replace_folder(place):
+        raise ZeroDivisionError
+    assert not list((tmp_path / "new").iterdir())  # it was there before
+
+
 # -- reading what is not there -------------------------------------------------------------------
 
 
