@@ -16,9 +16,9 @@ from phaseplane.suspension.variables import Value, Variable, variables
 
 _CATEGORIES = {
     "logEvents": "Times of lift-off, touchdown and contact with end stops.",
+    "logStatusWarning": "What has no effect, costs accuracy or takes longer.",
     "logStatusDiscard": "Steps that failed.",
     "logStatusError": "Calls and values that were refused.",
-    "logAll": "All messages.",
 }
 _EXPERIMENT = {"startTime": "0.0", "stopTime": "1.0", "tolerance": "1e-06", "stepSize": "0.001"}
 _TYPES = {float: "Real", int: "Integer", bool: "Boolean", str: "String"}

@@ -151,6 +151,25 @@ def test_events_reach_the_log(car: Any) -> None:
         assert instants == pytest.approx((0.0306624689, 0.0719525917), abs=1e-7)
 
 
+@pytest.mark.parametrize(
+    ("chosen", "told"),
+    [
+        ([], {"logEvents", "logStatusWarning"}),
+        *(([x], {x}) for x in ("logEvents", "logStatusWarning")),
+    ],
+)
+def test_the_host_chooses_the_categories_of_messages(
+    car: Any, chosen: list[str], told: set[str]
+) -> None:
+    with car.instance():
+        car.fmu.setDebugLogging(True, chosen)
+        car.start()
+        car.set(road_elevation=0.1)  # which has no effect
+        car.step(0.0, 0.05)
+        assert {category for _, category, _ in car.log} == told
+        assert told <= {one.name for one in car.description.logCategories}
+
+
 @pytest.mark.parametrize(("stop", "told"), [(20.0, True), (8.0, False), (None, False)])
 def test_a_road_that_ends_before_the_experiment_reaches_the_log(
     car: Any, stop: float | None, told: bool

@@ -498,7 +498,11 @@ class Integrator(TimeLoop):
 
     @of_python
     def snapshot(self) -> bytes:
-        """Return the whole state as bytes, from which `restore` continues bit-identically."""
+        """Return the whole state as bytes, from which `restore` continues bit-identically.
+
+        They are the state as it lies in memory, without a checksum, as runs take and restore many within
+        a process; what leaves it, as the state of a `Session` or an FMU, is sealed there.
+        """
         self.net.take_moving()
         return self.state.content()
 

@@ -42,7 +42,7 @@ _SURELY_ROUNDING = 1e-12  # s, at any time
 
 _NOTHING: Mapping[type[Value], Value] = {float: nan, bool: False, int: 0, str: ""}
 # status and category of messages; errors are logged where they are caught
-_LOGGED = {"event": (Fmi2Status.ok, "logEvents"), "info": (Fmi2Status.warning, "logAll")}
+_LOGGED = {"event": (Fmi2Status.ok, "logEvents"), "info": (Fmi2Status.warning, "logStatusWarning")}
 
 
 def _of_type(method: Callable[..., Any], kind: type[Value]) -> Callable[..., Any]:
@@ -143,10 +143,11 @@ class VehicleSlave(Fmi2Slave):
             raise
         self._initialised = True
         if why_uncompiled:
-            self.log(f"the integrator runs uncompiled, which is slower: {why_uncompiled}")
+            slower = f"the integrator runs uncompiled, which is slower: {why_uncompiled}"
+            self.log(slower, Fmi2Status.warning)
         if self._stop_time is not None:
             for remark in remarks(self._session.parameters, self._stop_time):
-                self.log(remark)
+                self.log(remark, Fmi2Status.warning)
         self._report()
 
     def _is_late(self, call: str) -> bool:

@@ -68,6 +68,63 @@ def test_a_logger_that_does_not_format_gets_the_whole_text(
     one.freeInstance()
 
 
+CATEGORIES = ["logEvents", "logStatusWarning", "logStatusDiscard", "logStatusError"]
+# of each message in the run below, of which the last two are always told
+TOLD = {"no effect": "logStatusWarning", "lift-off": "logEvents", "an output": "logStatusError"}
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize(
+    ("calls", "told"),
+    [
+        ([(True, [])], {"logEvents", "logStatusWarning"}),
+        ([(False, [])], set()),
+        ([(False, []), (True, ["logEvents"])], {"logEvents"}),
+        ([(False, []), (True, ["logStatusWarning", "logStatusError"])], {"logStatusWarning"}),
+        ([(False, []), (True, ["logStatusError"])], set()),
+        # in FMI 2.0 a call says all that is logged, in FMI 3.0 what changes
+        ([(True, []), (True, ["logEvents"])], {2: {"logEvents"}, 3: {*CATEGORIES[:2]}}),
+        ([(True, []), (False, ["logEvents"])], {2: set(), 3: {"logStatusWarning"}}),
+    ],
+)
+def test_the_host_chooses_the_categories_of_messages(
+    fmi: int, calls: Any, told: Any, native_fmu: Packer, slave: Any, tmp_path: Path, capfd: Any
+) -> None:
+    fmu = native_fmu("QuarterCar", fmi=fmi)
+    assert [one.name for one in read_model_description(str(fmu)).logCategories] == CATEGORIES
+    with slave(fmu, tmp_path) as one:
+        for on, categories in calls:
+            one.setDebugLogging(on, categories)
+        one.setupExperiment(startTime=0.0)
+        one.enterInitializationMode()
+        one.exitInitializationMode()
+        one.setReal([REFERENCE["road_elevation"]], [0.1])
+        one.doStep(0.0, 0.05)
+        with pytest.raises(Exception, match="status 3"):
+            one.setReal([REFERENCE["body_displacement"]], [0.1])
+    said = capfd.readouterr().out
+    told = told[fmi] if isinstance(told, dict) else told
+    expected = {words for words, category in TOLD.items() if category in {*told, "logStatusError"}}
+    assert {words for words in TOLD if words in said} == expected
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_category_that_does_not_exist_is_refused_and_changes_nothing(
+    fmi: int, native_fmu: Packer, slave: Any, tmp_path: Path, capfd: Any
+) -> None:
+    with slave(native_fmu("QuarterCar", fmi=fmi), tmp_path) as one:
+        one.setDebugLogging(True, [])
+        with pytest.raises(Exception, match="status 3"):
+            one.setDebugLogging(False, ["logEvents", "logAll"])
+        one.setupExperiment(startTime=0.0)
+        one.enterInitializationMode()
+        one.exitInitializationMode()
+        one.doStep(0.0, 0.05)
+    said = capfd.readouterr().out
+    assert f"there is no category 'logAll' of messages, but only {', '.join(CATEGORIES)}" in said
+    assert "lift-off" in said
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize(

@@ -45,6 +45,7 @@ typedef struct Instance {
     int event_mode;   /* whether contacts are counted by the host's event mode, not by its steps */
     int early_return; /* whether steps end on switches */
     int idle;         /* whether the host has been told that an input has no effect */
+    int logged;       /* categories of messages that the host wants; failures are always told */
     double (*update)(struct Instance *, double); /* called within steps; see `go_on` */
     char reason[1024]; /* why the last call failed */
     int quiet, forces_known, roads_known, energies_known;
@@ -58,14 +59,20 @@ typedef struct Instance {
 /* Given by the layer of an FMI version: tell the host something. */
 static void tell(Instance *one, int status, const char *category, const char *text);
 
+/* The categories of the model description. */
+static const char *const categories_known[] = {
+    "logEvents", "logStatusWarning", "logStatusDiscard", "logStatusError"};
+enum { EVENTS, WARNINGS, CATEGORIES = 4 };
+
 static void say(Instance *one, int status, const char *format, ...) {
+    const int category = status == FINE ? EVENTS : WARNINGS;
     char text[1024];
     va_list values;
-    if (one->quiet) return;
+    if (one->quiet || !(one->logged & 1 << category)) return;
     va_start(values, format);
     vsnprintf(text, sizeof text, format, values);
     va_end(values);
-    tell(one, status, status == FINE ? "logEvents" : "logAll", text);
+    tell(one, status, categories_known[category], text);
 }
 
 /* Note why a call fails; return 1. */
@@ -75,6 +82,23 @@ static int fail(Instance *one, const char *format, ...) {
     vsnprintf(one->reason, sizeof one->reason, format, values);
     va_end(values);
     return 1;
+}
+
+/* Switch categories of messages on or off, all if none is named; return whether a name is unknown. */
+static int switch_logging(Instance *one, int on, size_t count, const char *const names[]) {
+    int chosen = count ? 0 : (1 << CATEGORIES) - 1;
+    for (size_t i = 0; i < count; i++) {
+        int k = 0;
+        while (k < CATEGORIES && strcmp(names[i], categories_known[k]) != 0) k++;
+        if (k == CATEGORIES) {
+            return fail(one, "there is no category '%s' of messages, but only %s, %s, %s, %s", names[i],
+                        categories_known[0], categories_known[1], categories_known[2],
+                        categories_known[3]);
+        }
+        chosen |= 1 << k;
+    }
+    one->logged = on ? one->logged | chosen : one->logged & ~chosen;
+    return 0;
 }
 
 /* Return whether a call is out of place in the present mode, and note that. */

@@ -6,7 +6,6 @@ typedef struct Host {
     Instance instance;
     const fmi2CallbackFunctions *callbacks;
     char name[256];
-    int logging;
 } Host;
 
 /* Hand a text to a logger: as its format, with percent signs doubled, as not every host formats. */
@@ -25,7 +24,7 @@ static void hand_on(const fmi2CallbackFunctions *to, const char *name, int statu
 
 static void tell(Instance *one, int status, const char *category, const char *text) {
     Host *host = one->host;
-    if (host->logging) hand_on(host->callbacks, host->name, status, category, text);
+    hand_on(host->callbacks, host->name, status, category, text);
 }
 
 static fmi2Status failed(Host *host, fmi2Status status) {
@@ -39,8 +38,13 @@ const char *fmi2GetVersion(void) { return fmi2Version; }
 
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count,
         const fmi2String categories[]) {
-    (void) count, (void) categories;
-    ((Host *) c)->logging = on;
+    Host *host = c;
+    const int before = host->instance.logged;
+    host->instance.logged = 0; /* here a call says all that is logged; in FMI 3.0 it says what changes */
+    if (switch_logging(&host->instance, on, count, categories)) {
+        host->instance.logged = before;
+        return failed(host, fmi2Error);
+    }
     return fmi2OK;
 }
 
@@ -58,7 +62,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     if (!host) return NULL;
     memset(host, 0, sizeof *host);
     host->callbacks = functions;
-    host->logging = logging;
+    switch_logging(&host->instance, logging, 0, NULL);
     snprintf(host->name, sizeof host->name, "%s", name ? name : "");
     host->instance.host = host;
     reset_instance(&host->instance);

@@ -12,14 +12,11 @@ typedef struct Host {
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
     fmi3IntermediateUpdateCallback update;
-    int logging;
 } Host;
 
 static void tell(Instance *one, int status, const char *category, const char *text) {
     Host *host = one->host;
-    if (host->logging && host->log) {
-        host->log(host->environment, (fmi3Status) status, category, text);
-    }
+    if (host->log) host->log(host->environment, (fmi3Status) status, category, text);
 }
 
 static fmi3Status failed(Host *host) {
@@ -33,9 +30,8 @@ const char *fmi3GetVersion(void) { return fmi3Version; }
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t count,
         const fmi3String categories[]) {
-    (void) count, (void) categories;
-    ((Host *) c)->logging = on;
-    return fmi3OK;
+    Host *host = c;
+    return switch_logging(&host->instance, on, count, categories) ? failed(host) : fmi3OK;
 }
 
 /* ---- life ---------------------------------------------------------------------------------- */
@@ -69,7 +65,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     host->environment = environment;
     host->log = log;
     host->update = update;
-    host->logging = logging;
+    switch_logging(&host->instance, logging, 0, NULL);
     host->instance.host = host;
     host->instance.event_mode = event_mode;
     host->instance.early_return = early_return;
