@@ -23,8 +23,8 @@ _MOST_SWITCHES = 40
 class Pieces(ast.NodeTransformer):
     """Replaces each piece by a smooth expression of the signs s[0], s[1], ... of its guards.
 
-    A guard may contain the signs of guards before it. Expressions that differ by a constant factor share
-    a guard: two that coincide would hold a motion one at a time.
+    A guard may contain the signs of guards before it. Expressions that differ by a constant factor, or an
+    odd power, share a guard: two that coincide would hold a motion one at a time.
 
     Parameters
     ----------
@@ -79,6 +79,9 @@ class Pieces(ast.NodeTransformer):
         return ast.BinOp(base, node.op, exponent)
 
     def _sign(self, u: ast.expr) -> ast.expr:
+        match u:
+            case ast.BinOp(base, ast.Pow(), exponent) if _is_odd(exponent):
+                return self._sign(base)  # which, unlike the power, has a slope where it is zero
         if not any(mentions(u, name) for name in VARIABLES):
             # a number, or one that follows from the signs of other guards
             return ast.Call(ast.Name("sign", ast.Load()), [u], [])
@@ -102,6 +105,8 @@ class Pieces(ast.NodeTransformer):
             case ast.BinOp(a, ast.Div(), b) if (divisor := self._factors(b))[0]:
                 sense, varying = self._factors(a)
                 return sense * divisor[0], tuple(sorted(varying + divisor[1]))
+            case ast.BinOp(a, ast.Pow(), exponent) if _is_odd(exponent):
+                return self._factors(a)
             case ast.UnaryOp(ast.USub(), a):
                 sense, varying = self._factors(a)
                 return -sense, varying
@@ -144,6 +149,11 @@ def _is_whole(node: ast.expr) -> bool:
     if isinstance(node, ast.UnaryOp):
         return _is_whole(node.operand)
     return isinstance(node, ast.Constant) and float(node.value).is_integer()  # type: ignore[arg-type]
+
+
+def _is_odd(node: ast.expr) -> bool:
+    """Return whether an exponent is an odd number, which keeps the sign."""
+    return isinstance(node, ast.Constant) and float(node.value) % 2.0 == 1.0  # type: ignore[arg-type]
 
 
 def _is_never_negative(u: ast.expr) -> bool:

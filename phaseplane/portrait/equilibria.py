@@ -23,6 +23,8 @@ _NO_SLOPE = 1e-6  # of the mean slope of f over the window: smaller slopes count
 _TOUCH = 1e-10  # of the largest f: a minimum of |f| below it is a root
 _ROUNDING = 1e-13  # of the largest f, and of the window's width
 _RINGS = 0.7 ** np.arange(13.0, -1.0, -1.0)  # about an equilibrium, of the room that it has
+_TURNS = 8  # trials of a turn about a centre, each from a quarter of the distance before
+_SPIRALS = 1e-6  # change of distance in a turn below which a motion returns to its start
 _GRADUAL = 1e-6  # of the force: damping that begins with more than this begins at some distance
 _STRETCH = 3  # least number of grid points at rest that make a stretch
 
@@ -204,10 +206,10 @@ def _classified(
 
 
 def _slope(system: PhaseSystem, x: float, along_x: float, along_v: float) -> float:
-    """Return the one-sided change of f over a step, of second order: exact on parabolic pieces."""
-    k = np.arange(3.0)
+    """Return the one-sided change of f over a step, of third order: exact on cubic pieces."""
+    k = np.arange(4.0)
     f = system.forces(x + k * along_x, k * along_v)
-    return float((4.0 * f[1] - f[2] - 3.0 * f[0]) / 2.0)
+    return float((18.0 * f[1] - 9.0 * f[2] + 2.0 * f[3] - 11.0 * f[0]) / 6.0)
 
 
 def _bent_kind(restores: bool, damping: float) -> str:
@@ -239,12 +241,18 @@ def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float) ->
     gains, losses = bool((lost[first] < 0.0).any()), bool((lost[first] > 0.0).any())
     if losses != gains:
         return "stable focus" if losses else "unstable focus"
-    start = x + room
-    (back,) = turns(system, window, np.array([start]), tolerance=1e-11).back
-    change = (back - start) / room
-    if abs(change) < 1e-6 or not isfinite(change):
-        return "centre"
-    return "stable focus" if change < 0.0 else "unstable focus"
+    for distance in room * 0.25 ** np.arange(_TURNS):
+        start = np.array([x + distance])
+        change, roughly = (
+            float((turns(system, window, start, tolerance=tolerance).back - start)[0]) / distance
+            for tolerance in (1e-11, 1e-9)
+        )
+        if abs(change) < _SPIRALS:
+            return "centre"
+        # a turn may come too near to where motions part to be followed, or may not return
+        if abs(change - roughly) < 0.1 * abs(change):
+            return "stable focus" if change < 0.0 else "unstable focus"
+    return "centre"
 
 
 def kind_of(first: complex, second: complex) -> str:

@@ -123,12 +123,23 @@ def test_a_plane_turned_by_half_a_turn_has_the_same_kinds() -> None:
     assert there == turned[::-1] == ["stable focus", "saddle"]
 
 
-def test_a_wide_turn_of_a_centre_comes_back_to_its_start() -> None:
-    """The equation is the same with x and t reversed; nine digits of a turn were too few."""
-    made = Formula("x + 7*x*v")
+@pytest.mark.parametrize("half", [3.0, 30.0, 60.0, 300.0])
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        # the same with x and t reversed; but wide turns pass v = -1/10 too near to be followed
+        ("x + 10*x*v", "centre"),
+        ("x + 10*x*v - v^3", "unstable focus"),  # from wide turns it does not return
+        ("x + v^3", "stable focus"),  # its damping begins with the third power
+    ],
+)
+def test_the_kind_does_not_depend_on_the_size_of_the_window(
+    text: str, kind: str, half: float
+) -> None:
+    made = Formula(text)
     system = PhaseSystem(made.function, on_arrays=made.on_arrays, switching=made.switching)
-    (found,) = equilibria(system, Window(-30.0, 30.0, -30.0, 30.0))
-    assert found.kind == "centre"
+    found = equilibria(system, Window(-half, half, -half, half))
+    assert [at.kind for at in found if at.x == 0.0] == [kind]
 
 
 @pytest.mark.parametrize(("name", "function", "kinds"), KINDS, ids=[name for name, _, _ in KINDS])
