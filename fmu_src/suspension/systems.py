@@ -271,7 +271,10 @@ class System:
         return tuple([axle for axle in self.axles if axle.tyre])
 
     def kerbs_without_limit(self) -> Iterator[str]:
-        """Yield a sentence for each damper whose impulse is without limit as a ramp gets shorter."""
+        """Yield a sentence for each damper whose impulse is without limit as a ramp gets shorter.
+
+        Also if the kerb is before the start of the run and has no effect, as a system does not know that.
+        """
         for element in self.elements:
             if element.road not in self.signals:  # no road, or one whose lack is reported elsewhere
                 continue

@@ -88,7 +88,9 @@ class Show:
         'names of outputs, or "all"; the motion, the road and the contact force if left out',
         None,
     )
-    output_interval: float = entry(SECONDS, "time between rows; measures do not depend on it", 1e-3)
+    output_interval: float = entry(
+        SECONDS, "time between rows; measures depend on it only under a controller", 1e-3
+    )
     measures: tuple[str, ...] | None = entry(
         names_of("measures"), "names of measures; the most common ones if left out", None
     )

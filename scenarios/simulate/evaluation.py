@@ -73,6 +73,11 @@ def evaluate(scene: Scene, rows: Columns, own: Solution | None = None) -> Measur
     if own is not None and len(own.columns["time"]) > 1:
         interval = float(own.columns["time"][1] - own.columns["time"][0])
         run = Run(own.columns, parameters, model, own.details)
+    if scene.controller is not None:
+        remarks.append(
+            f"measures under a controller are taken from points {1e3 * interval:g} ms apart; a smaller "
+            "output_interval shows what is between them"
+        )
     elif own is None and not scene.fmu.is_ours:
         remarks.append(
             f"measures are taken at the communication points, every {1e3 * interval:g} ms; extremes "

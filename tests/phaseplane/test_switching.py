@@ -20,8 +20,8 @@ from phaseplane.equations import Formula, motion, steps
 @pytest.mark.parametrize(
     "text",
     [
-        "x + R*sign(v)", "x + 2*R*sign(v) - R*sign(2*v)", "x - 2*R*sign(-v) - R*sign(v/R)", "x + R*sign(v^3)",
-        "x + 2*R*sign(v) - R*sign(2*v^3)",
+        "x + R*sign(v)", "x + 2*R*sign(v) - R*sign(2*v)", "x - 2*R*sign(-v) - R*sign(v/R)",
+        "x + R*sign(v^3)", "x + 2*R*sign(v) - R*sign(2*v^3)",
         "x + 2*R*sign(R*v*exp(x)) - R*sign(exp(x)*v)",
         "x + 2*R*sign(0*v) + R*sign(v)", "x + abs(0*x)*v + R*sign(v)",
     ],

@@ -53,6 +53,22 @@ def test_a_constant_that_no_formula_contains_is_reported():
     ]
 
 
+def test_points_of_measures_are_said_where_nothing_between_them_is_measured():
+    told = (
+        "measures under a controller are taken from points {} ms apart; a smaller output_interval shows "
+        "what is between them"
+    )
+    peaks = []
+    for interval, apart in (("5 ms", "1"), ("0.25 ms", "0.25")):
+        run = phaseplane.run(
+            "groundhook", duration=0.1, expect=False,
+            show={"measures": ["peak.wheel_acceleration"], "output_interval": interval},
+        )  # fmt: skip
+        assert told.format(apart) in run.summary["remarks"]
+        peaks.append(abs(run.measures["peak.wheel_acceleration"]))
+    assert peaks[1] > 1.01 * peaks[0]  # it is worth saying
+
+
 def test_a_sweep_of_a_constant_that_no_formula_contains_is_reported():
     name = written('scene = "skyhook"\nmeasures = ["peak.body_acceleration"]\n[vary]\n'
                    "controller.constants.skyhok = [1, 2]\n", "sweep.toml")  # fmt: skip
