@@ -191,7 +191,7 @@ class Balance:
     def _accelerate(self, k: int, q: Doubles, v: Doubles, a: Doubles) -> None:
         """Find the accelerations of any state, with the loads at instant k."""
         self._find_force(self.n, k, q, v)
-        multiply(self.flexibility, 0, self.f, 0, self.n, a, 0)
+        multiply(self.flexibility, 0, self.f, self.n, a, 0)
 
     def _solve_rows(self, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> None:
         """Find acceleration, jerk and all tangents while rows stick."""
@@ -214,7 +214,7 @@ class Balance:
     @inline
     def _solve_motion(self, n: int, q: Doubles, v: Doubles, a: Doubles, j: Doubles) -> None:
         self._find_force(n, self.instants - 1, q, v)
-        multiply(self.flexibility, 0, self.f, 0, n, a, 0)
+        multiply(self.flexibility, 0, self.f, n, a, 0)
         self._find_jerk(n, v, a, j)
 
     @inline
@@ -222,7 +222,7 @@ class Balance:
         resist(self.damping, a, self.stiffness, v, 0, n, self.load_rate, 0, self.f)
         if self.bends.count:
             self._add_bend_rates(n, v, a)
-        multiply(self.flexibility, 0, self.f, 0, n, j, 0)
+        multiply(self.flexibility, 0, self.f, n, j, 0)
 
     @inline
     def _find_force(self, n: int, k: int, q: Doubles, v: Doubles) -> None:
@@ -265,12 +265,12 @@ class Balance:
 
 
 @inline
-def multiply(m: Doubles, at: int, x: Doubles, first: int, n: int, out: Doubles, to: int) -> None:
-    """Set out[to:] = m x[first:]; the matrix starts at `at`, column by column."""
+def multiply(m: Doubles, at: int, x: Doubles, n: int, out: Doubles, to: int) -> None:
+    """Set out[to:] = m x; the matrix starts at `at`, column by column."""
     for i in range(n):
-        product = m[at + i] * x[first]
+        product = m[at + i] * x[0]
         for j in range(1, n):
-            product += m[at + n * j + i] * x[first + j]
+            product += m[at + n * j + i] * x[j]
         out[to + i] = product
 
 

@@ -31,19 +31,25 @@ class Dense:
     def __init__(
         self, place: Memory, kept: Memory, motion: Motion, cubic: bool, to_end: bool
     ) -> None:
-        self.memory, self.motion, self.cubic, self.to_end = place, motion, cubic, to_end
-        memory = self.memory
+        self.motion, self.cubic, self.to_end = motion, cubic, to_end
         self.n = n = self.motion.n
         self.start = self.end = 0.0
-        self.ends = kept
-        self.qa, self.va = self.ends.zeros(n), self.ends.zeros(n)
-        self.aa, self.ja = self.ends.zeros(n), self.ends.zeros(n)
+        self.qa, self.va, self.aa, self.ja = (
+            kept.zeros(n),
+            kept.zeros(n),
+            kept.zeros(n),
+            kept.zeros(n),
+        )
         # at the end, before any switch there
-        self.qb, self.vb = self.ends.zeros(n), self.ends.zeros(n)
-        self.ab, self.jb = self.ends.zeros(n), self.ends.zeros(n)
+        self.qb, self.vb, self.ab, self.jb = (
+            kept.zeros(n),
+            kept.zeros(n),
+            kept.zeros(n),
+            kept.zeros(n),
+        )
         # the last values read
-        self.q, self.v, self.a = memory.zeros(n), memory.zeros(n), memory.zeros(n)
-        self.terms = memory.zeros(_SEPTIC * n)
+        self.q, self.v, self.a = place.zeros(n), place.zeros(n), place.zeros(n)
+        self.terms = place.zeros(_SEPTIC * n)
         self.known = False  # whether the terms have been found for the present ends
 
     def move_on(self, t: float) -> None:
@@ -57,10 +63,11 @@ class Dense:
     @inline
     def _move_on(self, n: int, t: float) -> None:
         self._take(n, self.motion.state.time, t, self.motion.jerk, self.motion.end_jerk)
+        q, v, a, j = self.motion.q, self.motion.v, self.motion.a, self.motion.j
+        jb, drift, drift_end = self.motion.jb, self.motion.drift, self.motion.drift_end
         for i in range(n):
-            self.motion.q[i], self.motion.v[i] = self.motion.qb[i], self.motion.vb[i]
-            self.motion.a[i], self.motion.j[i] = self.motion.ab[i], self.motion.jb[i]
-            self.motion.drift[i] = self.motion.drift_end[i]
+            q[i], v[i], a[i] = self.qb[i], self.vb[i], self.ab[i]
+            j[i], drift[i] = jb[i], drift_end[i]
 
     def take_attempt(self, start: float, end: float) -> None:
         """Become the attempt from `start` to `end`, read with the jerks at its ends."""
@@ -71,8 +78,9 @@ class Dense:
         q, v, a = self.motion.q, self.motion.v, self.motion.a
         qb, vb, ab = self.motion.qb, self.motion.vb, self.motion.ab
         for i in range(n):
-            self.qa[i], self.va[i], self.aa[i], self.ja[i] = q[i], v[i], a[i], jerk[i]
-            self.qb[i], self.vb[i], self.ab[i], self.jb[i] = qb[i], vb[i], ab[i], end_jerk[i]
+            self.qa[i], self.va[i], self.aa[i] = q[i], v[i], a[i]
+            self.qb[i], self.vb[i], self.ab[i] = qb[i], vb[i], ab[i]
+            self.ja[i], self.jb[i] = jerk[i], end_jerk[i]
         self.start, self.end = start, end
         self.known = False
 

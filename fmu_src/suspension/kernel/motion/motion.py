@@ -53,10 +53,10 @@ class Motion:
 
     def reach_at(self, q: Doubles) -> float:
         """Return the largest motion so far, including that at displacements q, m."""
-        reach = self.state.reach
+        reach, origin = self.state.reach, self.origin
         total = 0.0  # not a number if one of them is none
         for i in range(self.outer):
-            x = fabs(q[i] - self.origin[i])
+            x = fabs(q[i] - origin[i])
             total += x
             reach = max(reach, x)
         return reach if total < UNBOUNDED else total

@@ -5,7 +5,7 @@ The search for switches reads them, and the works of a step follow from them.
 
 from __future__ import annotations
 
-from ..language import inline
+from ..language import Doubles, inline
 from .balance import Balance
 from .errors import Errors
 from .motion import Motion
@@ -39,9 +39,9 @@ class Rows:
         self.continues = self.continues and known
         # with a constant in place of n the compiler unrolls the loops
         if self.elements.n == 2:
-            self._sum_rows(2, known)
+            self._sum_all(2, known)
         else:
-            self._sum_rows(self.elements.n, known)
+            self._sum_all(self.elements.n, known)
         self.start_known = self.end_known = True
 
     def read_end(self, r: int, t: float) -> None:
@@ -49,20 +49,16 @@ class Rows:
         self.end_known = False
         if not self.balance.loads_hold:
             self._read_road_end(t)
-        self._sum_row(self.elements.n, r, 1)
+        self._sum_rows(self.elements.n, r, r + 1, 4)
 
     def carry_on(self) -> None:
         """After the attempt was accepted, take its end as the start of the next one."""
         self.continues = self.start_known = self.end_known
         self.end_known = False
         if self.start_known:
-            for r in range(self.elements.rows):
-                for k in range(8 * r, 8 * r + 4):
-                    self.row[k] = self.row[k + 4]
+            _carry(self.row, self.elements.rows)
             if not self.balance.loads_hold:
-                for s in range(self.signals.count):
-                    for k in range(8 * s, 8 * s + 4):
-                        self.road[k] = self.road[k + 4]
+                _carry(self.road, self.signals.count)
 
     def _read_roads(self, t: float, h: float) -> None:
         """Read signals at both ends of the attempt just made, and leave them as they are at its end."""
@@ -85,37 +81,50 @@ class Rows:
                 self.road[8 * s + 4 * end + k] = self.signals.road[4 * s + k]
 
     @inline
-    def _sum_rows(self, n: int, known: bool) -> None:
-        for r in range(self.elements.rows):
-            if not known:
-                self._sum_row(n, r, 0)
-            self._sum_row(n, r, 1)
+    def _sum_all(self, n: int, known: bool) -> None:
+        """Read all rows at the end of the attempt, and at its start unless they are known there."""
+        if not known:
+            self._sum_rows(n, 0, self.elements.rows, 0)
+        self._sum_rows(n, 0, self.elements.rows, 4)
 
     @inline
-    def _sum_row(self, n: int, r: int, end: int) -> None:
-        """Find the deflection of row r and three derivatives at the start or end of the attempt."""
+    def _sum_rows(self, n: int, first: int, last: int, end: int) -> None:
+        """Read rows from `first` to before `last` at the start (`end` 0) or end (4) of the attempt."""
         if end:
             q, v, a, j = self.motion.qb, self.motion.vb, self.motion.ab, self.motion.end_jerk
         else:
             q, v, a, j = self.motion.q, self.motion.v, self.motion.a, self.motion.jerk
-        d0 = 0.0
-        d1 = 0.0
-        d2 = 0.0
-        d3 = 0.0
-        for i in range(n):
-            b = self.elements.row_direction[r * n + i]
-            d0 += b * q[i]
-            d1 += b * v[i]
-            d2 += b * a[i]
-            d3 += b * j[i]
-        if self.elements.row_signal[r] >= 0:
-            at = 8 * self.elements.row_signal[r] + 4 * end
-            d0 -= self.road[at]
-            d1 -= self.road[at + 1]
-            d2 -= self.road[at + 2]
-            d3 -= self.road[at + 3]
-        at = 8 * r + 4 * end
-        self.row[at] = d0
-        self.row[at + 1] = d1
-        self.row[at + 2] = d2
-        self.row[at + 3] = d3
+        row, road, direction = self.row, self.road, self.elements.row_direction
+        for r in range(first, last):
+            d0 = 0.0
+            d1 = 0.0
+            d2 = 0.0
+            d3 = 0.0
+            for i in range(n):
+                b = direction[r * n + i]
+                d0 += b * q[i]
+                d1 += b * v[i]
+                d2 += b * a[i]
+                d3 += b * j[i]
+            s = self.elements.row_signal[r]
+            if s >= 0:
+                at = 8 * s + end
+                d0 -= road[at]
+                d1 -= road[at + 1]
+                d2 -= road[at + 2]
+                d3 -= road[at + 3]
+            at = 8 * r + end
+            row[at] = d0
+            row[at + 1] = d1
+            row[at + 2] = d2
+            row[at + 3] = d3
+
+
+@inline
+def _carry(x: Doubles, count: int) -> None:
+    """Copy the four numbers at the end of each row or signal to those at its start."""
+    for at in range(0, 8 * count, 8):
+        x[at] = x[at + 4]
+        x[at + 1] = x[at + 5]
+        x[at + 2] = x[at + 6]
+        x[at + 3] = x[at + 7]

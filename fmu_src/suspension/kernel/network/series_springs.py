@@ -24,20 +24,19 @@ class SeriesSprings:
     outer: int
 
     def __init__(self, memory: Memory, system: System) -> None:
-        self.memory = memory
         self.n, self.internal = len(system.mass), len(system.internal)
         self.outer = self.n - self.internal  # number of the coordinates that are not internal
         n, inner = self.n, range(self.outer, self.n)
         # of each element: its internal coordinate, or -1
-        self.of_element = self.memory.integers(
+        self.of_element = memory.integers(
             next((i for i in inner if element.direction[i]), -1) for element in system.elements
         )
         room = max(self.internal, 1)
-        self.direction, self.rate = self.memory.zeros(room * n), self.memory.zeros(room)
+        self.direction, self.rate = memory.zeros(room * n), memory.zeros(room)
         # rates along the directions, and of the internal coordinates
-        self.way, self.speed = self.memory.zeros(n), self.memory.zeros(n)
+        self.way, self.speed = memory.zeros(n), memory.zeros(n)
         # the skew part of B, and the springs as part of K, as if their dampers were rigid
-        self.skew, self.stiffness = self.memory.zeros(n * n), self.memory.zeros(n * n)
+        self.skew, self.stiffness = memory.zeros(n * n), memory.zeros(n * n)
 
     def enter_springs(self, mass: Doubles, x: Doubles, at: int) -> int:
         """Read rates from the mass matrix and directions from x[at:]; return where they end."""

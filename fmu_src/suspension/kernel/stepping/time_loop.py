@@ -20,7 +20,6 @@ from ..network.network import Network, add_numbers
 from ..network.signals import ROAD_PHASE
 from ..outcomes import (
     AT_STEPS,
-    AT_SWITCHES,
     DIVERGED,
     HALTED,
     NO_TIME_PASSES,
@@ -100,29 +99,24 @@ class TimeLoop:
         # fixed steps of higher order keep their order only if they end where the second derivative jumps
         self.net = Network(system, joins=step == 0.0 or order == 2)
         self.stepper = Stepper(self.net, kind, order, tolerance, theta)
-        self.motion = self.stepper.motion
-        self.state = self.net.state
+        self.motion, self.bends = self.stepper.motion, self.stepper.balance.bends
+        self.modes, self.errors = self.stepper.modes, self.stepper.errors
+        self.method, self.state = self.stepper.method, self.net.state
         self.switches = Switches(self.stepper)
         self.knots, self.trial, self.pace = Knots(self.switches), Trial(), Pace(self.state)
         if beyond_stable not in POLICIES:
             raise ValueError(f"beyond_stable {beyond_stable!r} is not one of {', '.join(POLICIES)}")
-        self.monitor = StabilityMonitor(
-            self.stepper.modes, beyond_stable, self.stepper.method.limit
-        )
+        self.monitor = StabilityMonitor(self.modes, beyond_stable, self.method.limit)
         memory = self.net.memory
         self.dense = Dense(
-            memory,
-            self.state.memory,
-            self.motion,
-            self.stepper.method.cubic,
-            self.stepper.method.to_end,
+            memory, self.state.memory, self.motion, self.method.cubic, self.method.to_end
         )
         self.ledger = Ledger(self.stepper.balance, self.stepper.rows, self.dense)
         self.fixed_step = step
         self.ends_on_switches, self.energy = landing, energy
         self.halts = 0  # set by a host that must see every switch, or every step
-        self.stepper.errors.controlled = self.stepper.method.controls and step == 0.0
-        self.stepper.errors.full_growth_error = (0.9 / 4.0) ** (order + 1)
+        self.errors.controlled = self.method.controls and step == 0.0
+        self.errors.full_growth_error = (0.9 / 4.0) ** (order + 1)
         self.landing = Landing(self.switches, memory)
         # the result at the last sampled instant
         self.reading = Reading(self.net)
@@ -149,8 +143,7 @@ class TimeLoop:
         """Return whether a system differs from the present one only in its numbers."""
         return (
             self.net.fits(system)
-            and METHODS[self.method_name].order_of(system, *self.wanted)
-            == self.stepper.method.order
+            and METHODS[self.method_name].order_of(system, *self.wanted) == self.method.order
         )
 
     @of_python
@@ -242,7 +235,7 @@ class TimeLoop:
         self.motion.forget()
         self.net.forget()
         self.net.enter_segments(time)
-        self.stepper.modes.start()
+        self.modes.start()
         self.monitor.start()
         self.ledger.start()
 
@@ -285,7 +278,7 @@ class TimeLoop:
         self.trial.joint = self.net.signals.next_joint()
         self.stepper.refresh(self.state.time)
         self.switches.enter_branches()
-        if self.stepper.balance.bends.joined:
+        if self.bends.joined:
             self.knots.enter_branches()
         self.limited.enter()
         if self.energy:
@@ -314,7 +307,7 @@ class TimeLoop:
                     status = self._overrun(until if stop else UNBOUNDED)
                     if status != 0:
                         return status
-            if self.halts == AT_STEPS or (self.halts == AT_SWITCHES and self.noted.logged > events):
+            if self.halts != 0 and (self.halts == AT_STEPS or self.noted.logged > events):
                 return HALTED
         return REACHED
 
@@ -335,7 +328,7 @@ class TimeLoop:
         self.state.overruns += 1
         joint = self.trial.joint
         end = min(joint, latest)
-        h = _OVERRUN_PHASE / (self.stepper.modes.quickest + 1.0)
+        h = _OVERRUN_PHASE / (self.modes.quickest + 1.0)
         if self.state.overruns > _OVERRUNS:
             return NO_TIME_PASSES
         to_end = self.state.time + h >= end
@@ -380,32 +373,33 @@ class TimeLoop:
         It is 0 if a fixed step is not stable, and -1 if it is below the rounding of time.
         """
         if self.fixed_step > 0.0:
+            step, time = self.fixed_step, self.state.time
             # the grid is counted, not summed, so that it does not drift
-            target = self.state.grid_start + (self.state.grid_index + 1) * self.fixed_step
+            target = self.state.grid_start + (self.state.grid_index + 1) * step
             # of many short steps the rounding of time is the larger one
-            close = 1e-9 * self.fixed_step + 4e-16 * fabs(self.state.time)
-            if close > 0.5 * self.fixed_step:
+            rounding = 4e-16 * fabs(time)
+            close = 1e-9 * step + rounding
+            if close > 0.5 * step:
                 return -1.0
-            while target <= self.state.time + close:
+            while target <= time + close:
                 self.state.grid_index += 1
-                target = self.state.grid_start + (self.state.grid_index + 1) * self.fixed_step
-            h = target - self.state.time
-            rounding = 1e-11 * self.fixed_step + 4e-16 * fabs(self.state.time)
-            if fabs(h - self.fixed_step) < rounding:
-                h = self.fixed_step  # exactly, so that its factorisation is reused
-            return self.monitor.fit(self.state.time, h)
-        omega = sqrt(self.stepper.modes.omega_squared)
+                target = self.state.grid_start + (self.state.grid_index + 1) * step
+            h = target - time
+            if fabs(h - step) < 1e-11 * step + rounding:
+                h = step  # exactly, so that its factorisation is reused
+            return self.monitor.fit(time, h)
+        omega = sqrt(self.modes.omega_squared)
         road = self.net.signals.road_limit(self.state.time)
-        self.stepper.modes.road_rate = ROAD_PHASE / road if road > 0.0 else 0.0
-        if not self.stepper.errors.controlled:
+        self.modes.road_rate = ROAD_PHASE / road if road > 0.0 else 0.0
+        if not self.errors.controlled:
             # the period error of the linear-acceleration method is (omega h)^2 / 24
-            h = sqrt(self.stepper.errors.tolerance) / omega if omega > 0.0 else road
-            if not self.stepper.method.exact:
-                h = min(h, self.stepper.errors.longest_by_jerk())
+            h = sqrt(self.errors.tolerance) / omega if omega > 0.0 else road
+            if not self.method.exact:
+                h = min(h, self.errors.longest_by_jerk())
             h = self._while_decaying(h)
         else:
             h = self.state.proposal if self.state.proposal > 0.0 else _FIRST_PHASE / (omega + 1.0)
-            h = self.stepper.modes.bound(h, self.stepper.method.least_damping)
+            h = self.modes.bound(h, self.method.least_damping)
         return road if h > road else h
 
     def _while_decaying(self, h: float) -> float:
@@ -415,10 +409,10 @@ class TimeLoop:
         steps reverse its sign and hardly damp it; those of Wilson's method overshoot. So the first step
         resolves the decay, and each of the next steps is at most twice as long as the one before.
         """
-        if h * self.stepper.modes.quickest <= _DECAY_PHASE:
+        if h * self.modes.quickest <= _DECAY_PHASE:
             return h
         last = 0.0 if self.state.entered else self.dense.end - self.dense.start
-        return min(h, max(2.0 * last, _DECAY_PHASE / self.stepper.modes.quickest))
+        return min(h, max(2.0 * last, _DECAY_PHASE / self.modes.quickest))
 
     @inline
     def _step(self, latest: float) -> int:
@@ -427,7 +421,7 @@ class TimeLoop:
         if h <= 0.0:
             return UNSTABLE if h == 0.0 and self.fixed_step > 0.0 else STEP_TOO_SMALL
         self.trial.begin(h)
-        if self.stepper.errors.controlled and self.stepper.balance.bends.joined:
+        if self.errors.controlled and self.bends.joined:
             shorter = self.knots.ahead(h, min(self.trial.joint, latest))
             self.trial.length, self.trial.on_knot = shorter, shorter < h
         status = _AGAIN
@@ -455,7 +449,7 @@ class TimeLoop:
         if status != 0:
             self.trial.length *= 0.25
             return status if self.fixed_step > 0.0 or self.trial.length < 1e-14 else _AGAIN
-        if self.stepper.errors.controlled and self._shortens():
+        if self.errors.controlled and self._shortens():
             return _AGAIN
         if self.trial.on_knot and not self.trial.to_end:
             self._meet_knot()
@@ -471,10 +465,11 @@ class TimeLoop:
                 )
                 self._enter_branches()
                 return _AGAIN
-            if self.stepper.errors.controlled:
+            if self.errors.controlled:
                 return _STALLS
             self.state.overruns += 1
-        self._look_ahead()
+        if self.errors.controlled:
+            self._look_ahead()
         return self._end_on_switch() if 0.0 < at <= 1.0 else REACHED
 
     def _meet_knot(self) -> None:
@@ -487,15 +482,15 @@ class TimeLoop:
 
     def _shortens(self) -> bool:
         """Shorten the step to a point of a smooth table, or for its error, and return whether it is."""
-        if self.trial.cuts < _KNOTS and self.stepper.balance.bends.joined:
+        if self.trial.cuts < _KNOTS and self.bends.joined:
             self.trial.cuts += 1
             cut = self.knots.within(self.trial.length)
             if cut < self.trial.length:
                 self.trial.on_knot = True
                 self.trial.length = cut
                 return True
-        if not self.stepper.errors.error <= self.stepper.method.most_error:
-            self.trial.length *= self.stepper.errors.factor()
+        if not self.errors.error <= self.method.most_error:
+            self.trial.length *= self.errors.factor()
             return True
         return False
 
@@ -505,10 +500,8 @@ class TimeLoop:
 
         A step shortened by a joint or by a point of a table is no reason for a shorter next step.
         """
-        if not self.stepper.errors.controlled:
-            return
         if not self.trial.to_end or self.trial.length > self.state.proposal > 0.0:
-            self.trial.longer = self.trial.length * self.stepper.errors.factor()
+            self.trial.longer = self.trial.length * self.errors.factor()
             if self.trial.on_knot:
                 self.trial.longer = max(self.trial.longer, _AFTER_KNOT * self.state.proposal)
 
@@ -519,9 +512,9 @@ class TimeLoop:
             self.trial.length *= 0.25
             return status if self.trial.length < 1e-14 else _AGAIN
         self.trial.length = self.landing.length
-        if self.stepper.errors.controlled and self.stepper.balance.bends.count:
-            excess = self.stepper.errors.of_reading(self.trial.length)
-            if excess > self.stepper.method.most_error:
+        if self.errors.controlled and self.bends.count:
+            excess = self.errors.of_reading(self.trial.length)
+            if excess > self.method.most_error:
                 # it is proportional to the square of the length
                 self.trial.length -= self.trial.length / sqrt(excess)
                 return _AGAIN
@@ -547,29 +540,26 @@ class TimeLoop:
             self.transitions.book_contacts()
         if self.trial.lands or self.trial.to_end or not self.ends_on_switches:
             self._enter_branches()
-        elif self.stepper.balance.bends.count:
-            self.stepper.modes.follow()
-        if self._has_diverged() or self.net.laws.failed:
+        elif self.bends.count:
+            self.modes.follow()
+        if not self.state.reach < _FAR * max(self.state.scale, 1.0) or self.net.laws.failed:
             return DIVERGED
         steps = self.state.step_count
         if self.energy and (steps % _CHECKED == 0 or steps < _CHECKED):
-            return self.ledger.check(self.motion.q, self.motion.v, self.stepper.method.exact)
+            return self.ledger.check(self.motion.q, self.motion.v, self.method.exact)
         return REACHED
-
-    @inline
-    def _has_diverged(self) -> bool:
-        return not self.state.reach < _FAR * max(self.state.scale, 1.0)
 
     @inline
     def _accept(self, h: float, t: float) -> None:
         """Make the attempt the last step."""
         if self.energy:
             self.ledger.read_rows(self.state.time, h)
-        if self.stepper.errors.controlled:
+        if self.errors.controlled:
             self.state.speed = self.motion.speed_in(h)
         self.dense.move_on(t)
         self.state.reach = self.motion.reach_at(self.motion.q)
-        self.limited.add_step(h)
+        if self.limited.present:
+            self.limited.add_step(h)
         # an element that has just switched stays marked while others switch at the same time
         if self.state.entered and self._passes(h):
             self.state.entered = False

@@ -164,7 +164,7 @@ class Columns:
             self.balance.damping, self.v, self.balance.stiffness, self.q, at, n,
             self.balance.loads, n * instant, self.f,
         )  # fmt: skip
-        multiply(self.inverses.inverse, n * n * c, self.f, 0, n, self.a, at)
+        multiply(self.inverses.inverse, n * n * c, self.f, n, self.a, at)
         status = self._solve_rows(n, c, k, instant) if rows else 0
         for i in range(at, at + n):
             a = self.a[i]
@@ -230,7 +230,7 @@ class Columns:
         column ends with its own acceleration. Return 1 if the end is not finite.
         """
         if self.columns == 1:
-            return self._extrapolate(2, 1) if self.n == 2 else self._extrapolate(self.n, 1)
+            return self._end_column(2) if self.n == 2 else self._end_column(self.n)
         if self.n == 2:
             return self._extrapolate(2, self.columns)
         if self.n == 4:
@@ -238,23 +238,31 @@ class Columns:
         return self._extrapolate(self.n, self.columns)
 
     @inline
+    def _end_column(self, n: int) -> int:
+        """End with the only column, in equilibrium if all forces are straight."""
+        for i in range(n):
+            q, v = self.q[i], self.v[i]
+            if not (isfinite(q) and isfinite(v)):
+                return 1
+            self.motion.qb[i], self.motion.vb[i], self.motion.ab[i] = q, v, self.a[i]
+        return 0
+
+    @inline
     def _extrapolate(self, n: int, columns: int) -> int:
         last = n * (columns - 1)
         for i in range(n):
+            last_q, last_v = self.q[last + i], self.v[last + i]
             end_q = end_v = error_q = error_v = 0.0
             for c in range(columns - 1):
-                x = self.q[n * c + i] - self.q[last + i]
+                x = self.q[n * c + i] - last_q
                 end_q += self.weight[c] * x
                 error_q += self.check[c] * x
-                y = self.v[n * c + i] - self.v[last + i]
+                y = self.v[n * c + i] - last_v
                 end_v += self.weight[c] * y
                 error_v += self.check[c] * y
-            if columns == 1:
-                self.motion.ab[i] = self.a[i]  # in equilibrium, if all forces are straight
-            else:
-                self.error_q[i], self.error_v[i] = error_q, error_v
-            end_q += self.q[last + i]
-            end_v += self.v[last + i]
+            self.error_q[i], self.error_v[i] = error_q, error_v
+            end_q += last_q
+            end_v += last_v
             if not (isfinite(end_q) and isfinite(end_v)):
                 return 1
             self.motion.qb[i], self.motion.vb[i] = end_q, end_v

@@ -34,7 +34,9 @@ class Knots:
 
     def __init__(self, switches: Switches) -> None:
         self.switches = switches
-        self.stepper, self.motion = self.switches.stepper, self.switches.stepper.motion
+        stepper = self.switches.stepper
+        self.motion, self.rows = stepper.motion, stepper.rows
+        self.errors, self.method = stepper.errors, stepper.method
         self.net, self.crossing = self.switches.net, self.switches.crossing
         self.elements, self.laws = self.net.elements, self.net.laws
         # the laws of joined pieces, and one piece of each
@@ -42,7 +44,7 @@ class Knots:
         memory = self.net.memory
         self.element, self.kind = memory.marks(laws), memory.marks(laws)
         self.piece = memory.marks(laws)
-        coarse = self.stepper.method.order <= _COARSE
+        coarse = self.method.order <= _COARSE
         self.most_effect = _MOST_EFFECT if coarse else 0.5 * _MOST_EFFECT
         # where the attempt should end, and whether that is just before a point: its value, that of
         # `rows.row` which passes it, and whether the table ends there
@@ -72,14 +74,14 @@ class Knots:
             return h
         self.motion.foresee(shorter)
         self.net.signals.all_signals(self.motion.state.time + shorter)
-        self.stepper.errors.begin(shorter)
+        self.errors.begin(shorter)
         self._find(shorter, _LEAST_KNOT, self.most_effect)
         return self.at * shorter if self.at < 1.0 else h
 
     def within(self, h: float) -> float:
         """Return the length h of the attempt, or a shorter one that the points it passes allow."""
-        most = self.stepper.method.most_error
-        least = _LEAST_KNOT if self.stepper.errors.error <= most else _CLOSE_KNOT
+        most = self.method.most_error
+        least = _LEAST_KNOT if self.errors.error <= most else _CLOSE_KNOT
         self._find(h, least, self.most_effect * most)
         return self.at * h if self.at < 1.0 else h
 
@@ -88,10 +90,10 @@ class Knots:
 
         The point is found by Newton's method along the Taylor series of the row at the end.
         """
-        if not self.lands or self.stepper.method.order <= _COARSE or self.stepper.errors.own_jerks:
+        if not self.lands or self.method.order <= _COARSE or self.errors.own_jerks:
             return h
-        self.stepper.rows.read(self.motion.state.time, h)
-        row, at = self.stepper.rows.row, self.row + 4
+        self.rows.read(self.motion.state.time, h)
+        row, at = self.rows.row, self.row + 4
         third = 0.0 if at % 2 else row[at + 3]  # of a rate it is not known
         way = 0.0
         for _iteration in range(4):
@@ -106,7 +108,7 @@ class Knots:
             step += _BEYOND_END * h
         if fabs(step - h) >= _NEAR_KNOT * h or self._passes_another(step - h):
             return h
-        return step if self.stepper.errors.can_read(step / h, h) else h
+        return step if self.errors.can_read(step / h, h) else h
 
     @inline
     def _argument(self, e: int, kind: int) -> int:
@@ -118,7 +120,7 @@ class Knots:
 
         The jerk at its end would be that beyond the point, and would not describe it.
         """
-        row = self.stepper.rows.row
+        row = self.rows.row
         for i in range(self.count):
             at = self._argument(self.element[i], self.kind[i])
             if at == self.row:
@@ -136,12 +138,12 @@ class Knots:
         the error allowed in such a step. Passages before the fraction `least` do not count.
         """
         self.at = 2.0
-        self.stepper.rows.read(self.motion.state.time, h)
+        self.rows.read(self.motion.state.time, h)
         for i in range(self.count):
             e, kind, p = self.element[i], self.kind[i], self.piece[i]
             first, last = self.laws.run_first[p], self.laws.run_last[p]
             row = self._argument(e, kind)
-            k = self.laws.place(p, self.stepper.rows.row[row])
+            k = self.laws.place(p, self.rows.row[row])
             degree = self.switches.polynomial(e, kind, h)
             self.crossing.extent(degree)
             unit = -1.0
@@ -149,7 +151,7 @@ class Knots:
                 m = k
                 while first <= m <= last and self._passes(m, side):
                     if unit < 0.0:
-                        unit = self._effect(e, kind, h) / (most * self.stepper.errors.allowed)
+                        unit = self._effect(e, kind, h) / (most * self.errors.allowed)
                     share = self._longest_share(m if side < 0 else m + 1, unit)
                     if share < 1.0 and self._ends(side, degree, least, row, share):
                         break
@@ -169,7 +171,7 @@ class Knots:
     def _effect(self, e: int, kind: int, h: float) -> float:
         """Return the error that the attempt makes where the second derivative of a law jumps by 1, m."""
         n, r = self.net.n, self.elements.row_of[e]
-        row, at = self.stepper.rows.row, self._argument(e, kind)
+        row, at = self.rows.row, self._argument(e, kind)
         rate = max(fabs(row[at + 1]), fabs(row[at + 5]), fabs(row[at + 4] - row[at]) / h)
         self.way = rate * h
         most = 0.0
@@ -177,7 +179,7 @@ class Knots:
             x = 0.0
             for m in range(n):
                 x += self.net.flexibility[n * m + i] * self.elements.row_direction[n * r + m]
-            most = max(most, fabs(x) * self.stepper.errors.velocity_scale[i])
+            most = max(most, fabs(x) * self.errors.velocity_scale[i])
         if self.elements.modulated[e]:
             most *= self._factor(e, kind, row, 8 * r)
         return _MISSED_JUMP * h * h * h * rate * rate * most

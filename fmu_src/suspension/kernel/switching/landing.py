@@ -26,7 +26,8 @@ class Landing:
 
     def __init__(self, switches: Switches, memory: Memory) -> None:
         self.switches = switches
-        self.stepper, self.motion = self.switches.stepper, self.switches.stepper.motion
+        self.stepper, self.motion = self.switches.stepper, self.switches.motion
+        self.errors, self.modes = self.stepper.errors, self.stepper.modes
         self.whole = Dense(memory, memory, self.motion, False, False)
         self.length = 0.0  # of the attempt as it ends now, s
 
@@ -39,7 +40,7 @@ class Landing:
         self._keep_attempt(h)
         time = self.motion.state.time
         self.stepper.stop_within(time + step, self.whole)
-        if self.stepper.errors.obeys(self.whole.a, step - h):
+        if self.errors.obeys(self.whole.a, step - h):
             return True
         self.stepper.stop_within(time + h, self.whole)
         return False
@@ -58,7 +59,7 @@ class Landing:
         step = self.switches.at * h
         near = h  # how far from the switch expected the stored attempt may be read
         status = 0
-        if self._reads() and self.stepper.errors.can_read(self.switches.at, h):
+        if self._reads() and self.errors.can_read(self.switches.at, h):
             self._keep_attempt(h)
             self.stepper.stop_within(time + step, self.whole)
         else:
@@ -82,7 +83,7 @@ class Landing:
             if time + new == time + step:
                 break
             best = self.switches.miss
-            if fabs(late) * self.stepper.modes.quickest < _SHORT_PHASE:
+            if fabs(late) * self.modes.quickest < _SHORT_PHASE:
                 self.stepper.shift_end(time + new, -late)
             elif fabs(late) < near:
                 self.stepper.stop_within(time + new, self.whole)
@@ -96,14 +97,14 @@ class Landing:
 
     def _reads(self) -> bool:
         """Return whether the state at a switch may be read from an attempt."""
-        return self.stepper.errors.controlled and not self.stepper.method.exact
+        return self.errors.controlled and not self.stepper.method.exact
 
     def _keep_near(self, h: float) -> float:
         """Store the attempt just made; return how far from its end it may be read."""
         if self.stepper.net.branches.stuck or not self._reads():
             return 0.0
         self._keep_attempt(h)
-        return min(_NEAR_END * h, _NEAR_PHASE / (self.stepper.modes.quickest + 1.0))
+        return min(_NEAR_END * h, _NEAR_PHASE / (self.modes.quickest + 1.0))
 
     def _keep_attempt(self, h: float) -> None:
         time = self.motion.state.time

@@ -25,8 +25,6 @@ class Limited:
 
     def add_step(self, h: float) -> None:
         """Add a step, in the present branches."""
-        if self.present == 0:
-            return
         for k in range(self.count):
             e = self.element[k]
             if self.elements.branch[BRANCHES * e + CONTACT]:

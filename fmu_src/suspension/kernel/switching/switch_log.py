@@ -18,7 +18,7 @@ class SwitchLog:
     """
 
     def __init__(self, memory: Memory, in_step: int) -> None:
-        self.memory, self.capacity = memory, CAPACITY + in_step
+        self.capacity = CAPACITY + in_step
         self.time, self.what = memory.zeros(self.capacity), memory.marks(4 * self.capacity)
         # without those that are still in the arrays
         self.listed: list[tuple[float, int, int, int, int]] = []

@@ -26,8 +26,8 @@ class Switches:
 
     def __init__(self, stepper: Stepper) -> None:
         self.stepper = stepper
-        self.net = self.stepper.net
-        self.elements = self.net.elements
+        self.net, self.errors = self.stepper.net, self.stepper.errors
+        self.elements, self.motion = self.net.elements, self.stepper.motion
         self.rows, self.row = self.stepper.rows, self.stepper.rows.row
         self.crossing = Crossing()
         most = len(KINDS) * self.elements.count
@@ -142,7 +142,7 @@ class Switches:
             self._contact_force(e, at + 4)
             e0, e1, e2 = self.elements.force0, self.elements.force1, self.elements.force2
             if self._is_slaved(e, h):
-                f1 += self._rate_left(e, self.stepper.motion.j, self.stepper.motion.jerk)
+                f1 += self._rate_left(e, self.motion.j, self.motion.jerk)
                 self.crossing.hermite3(f0, f1, e0, self._end_rate(e, h), h)
                 return 3
             self.crossing.hermite5(f0, f1, f2, e0, e1, e2, h)
@@ -150,7 +150,7 @@ class Switches:
         if kind == FRICTION and self.elements.branch[BRANCHES * e + FRICTION] == 0:
             # the force of sticking
             self.crossing.hermite3(
-                self.stepper.motion.multiplier[e], self.stepper.motion.multiplier_rate[e],
+                self.motion.multiplier[e], self.motion.multiplier_rate[e],
                 self.net.sticking.multiplier[e], self.net.sticking.multiplier_rate[e], h,
             )  # fmt: skip
             return 3
@@ -162,7 +162,7 @@ class Switches:
 
     def _is_slaved(self, e: int, h: float) -> bool:
         """Return whether a tyre on the road stops its masses within a small part of the attempt."""
-        if not self.stepper.errors.own_jerks or self.elements.branch[BRANCHES * e + CONTACT]:
+        if not self.errors.own_jerks or self.elements.branch[BRANCHES * e + CONTACT]:
             return False
         mobility = self.net.mobility(self.elements.row_of[e])
         return self.straight.damper_c[e] * mobility * h > SLAVED
@@ -182,9 +182,7 @@ class Switches:
         """Return the rate of the contact force last found, at the end of the attempt."""
         if not self._is_slaved(e, h):
             return self.elements.force1
-        return self.elements.force1 + self._rate_left(
-            e, self.stepper.motion.jb, self.stepper.motion.end_jerk
-        )
+        return self.elements.force1 + self._rate_left(e, self.motion.jb, self.motion.end_jerk)
 
     def _left_over(self, e: int, acceleration: float) -> float:
         """Return the force that the others leave for a tyre, minus its own, which has yet to decay.
@@ -194,7 +192,7 @@ class Switches:
         """
         fastest = 0.0
         for i in range(self.net.n):
-            fastest = max(fastest, fabs(self.stepper.motion.vb[i]))
+            fastest = max(fastest, fabs(self.motion.vb[i]))
         lost = ROUNDING_OF_RATES * self.straight.damper_c[e] * fastest * self.side
         return acceleration / self.net.mobility(self.elements.row_of[e]) - lost
 
@@ -206,9 +204,10 @@ class Switches:
             return
         f = self.straight.spring_f[e] + self.straight.damper_f[e]
         k, c = self.straight.spring_k[e], self.straight.damper_c[e]
-        self.elements.force0 = f + k * self.row[at] + c * self.row[at + 1]
-        self.elements.force1 = k * self.row[at + 1] + c * self.row[at + 2]
-        self.elements.force2 = k * self.row[at + 2] + c * self.row[at + 3]
+        v, a = self.row[at + 1], self.row[at + 2]
+        self.elements.force0 = f + k * self.row[at] + c * v
+        self.elements.force1 = k * v + c * a
+        self.elements.force2 = k * a + c * self.row[at + 3]
 
     def _search(self, k: int, side: int, bound: float, degree: int, h: float) -> None:
         """Store the first exit over a bound, if it is the earliest."""
@@ -233,7 +232,7 @@ class Switches:
         yet may leave the corner on one side by the error of an attempt in the branch of the other side.
         """
         beyond = bound - self.crossing.low if side < 0 else self.crossing.high - bound
-        return self.stepper.errors.controlled and beyond <= self.stepper.errors.allowed
+        return self.errors.controlled and beyond <= self.errors.allowed
 
     def _look_for_gap(self, e: int, at: float, h: float) -> None:
         """Find whether contact is not regained after all, as a gap has opened by then."""
@@ -333,8 +332,8 @@ class Switches:
         elif kind == CONTACT:
             self.elements.unlimited_force(e, self.row, at + 4)
             value = self.elements.force0
-            rate = self._end_rate(e, t - self.stepper.errors.time)
-            if self._is_slaved(e, t - self.stepper.errors.time):
+            rate = self._end_rate(e, t - self.errors.time)
+            if self._is_slaved(e, t - self.errors.time):
                 value += self._left_over(e, self.row[at + 6])
         elif kind == FRICTION and self.elements.branch[BRANCHES * e + FRICTION] == 0:
             value, rate = self.net.sticking.multiplier[e], self.net.sticking.multiplier_rate[e]
