@@ -70,10 +70,10 @@ def serving(
             try:
                 if not _serves(process, Path(said.name)):
                     continue  # at other ports: another process was the first to take these
-                for number, file in enumerate(files):
+                for number, (file, name) in enumerate(named(files)):
                     # the list of recordings is open if there are several
                     copy = Path(folder, f"{number}.rrd") if len(files) > 1 else None
-                    _send(Path(file), url, copy)
+                    send(file, url, copy, name)
                 yield Server(f"{origin}/?url={quote(url, safe='')}", url, process)
                 return
             finally:
@@ -102,10 +102,22 @@ def _serves(process: subprocess.Popen[bytes], said: Path) -> bool:
     return False
 
 
-def _send(file: Path, url: str, copy: Path | None) -> None:
-    """Send a recording, or first copy it with the list; reading the file would keep the server busy."""
+def named(files: Sequence[str | os.PathLike[str]]) -> list[tuple[Path, str]]:
+    """Return files with their paths from the folder that they share: their titles may be the same."""
+    paths = [Path(file) for file in files]
+    shared = os.path.commonpath([path.absolute().parent for path in paths]) if paths else ""
+    return [(path, path.absolute().relative_to(shared).as_posix()) for path in paths]
+
+
+def send(file: Path, url: str, copy: Path | None, name: str) -> None:
+    """Send a recording, or first copy it with the list, in which it then has a name of its own.
+
+    Reading the file would keep the server busy.
+    """
     import rerun as rr  # noqa: PLC0415  (not needed for a run that is watched)
     from rerun.chunk import RrdReader  # noqa: PLC0415
+
+    from .canvas import legible  # noqa: PLC0415
 
     try:
         entry = RrdReader(file).recordings()[0]
@@ -119,6 +131,8 @@ def _send(file: Path, url: str, copy: Path | None) -> None:
     )
     sending.connect_grpc(url)
     sending.log_file_from_path(copy or file)
+    if copy is not None:
+        sending.send_recording_name(legible(name))
     sending.flush()
     sending.disconnect()
 

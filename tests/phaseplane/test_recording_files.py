@@ -15,9 +15,8 @@ import rerun as rr
 from recorded import HISTORIES, Recorded, content, drawing, frame, read_back
 
 from phaseplane.picture.styles import hue_of
-from phaseplane.recording import Content, new_recording, record, recorder
+from phaseplane.recording import Content, new_recording, record, recorder, server
 from phaseplane.recording.canvas import rgba
-from phaseplane.recording.server import with_list
 
 
 def test_histories_are_plotted_in_their_units(recorded: Recorded) -> None:
@@ -200,9 +199,28 @@ def test_unusable_drawings(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+def test_recordings_of_one_title_are_listed_by_their_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The titles in the list would else differ only in the number after them."""
+    files = [tmp_path / folder / "construction.rrd" for folder in ("fast/é", "slow")]
+    for steps, file in enumerate(files, 5):
+        file.parent.mkdir(parents=True)
+        record(content(steps), file)
+    sent = tmp_path / "sent.rrd"
+    monkeypatch.setattr(
+        rr.RecordingStream, "connect_grpc", lambda recording, _url: recording.save(sent)
+    )
+    names = []
+    for file, name in server.named(files):
+        server.send(file, "", file, name)
+        names.append(Recorded(sent).static["/__properties"]["RecordingInfo:name"])
+    assert names == [["fast/é/construction.rrd"], ["slow/construction.rrd"]]
+
+
 @pytest.mark.slow
 def test_several_recordings_come_with_their_list(path: Path, tmp_path: Path) -> None:
-    with_list(path, tmp_path / "f.rrd")
+    server.with_list(path, tmp_path / "f.rrd")
     panels = [
         {entity for entity, _ in Recorded(file).layout if entity.endswith("_panel")}
         for file in (path, tmp_path / "f.rrd")
