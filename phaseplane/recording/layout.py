@@ -36,6 +36,7 @@ _ROUNDING = 1e-6  # of the range of a plot: an end that is as good as zero
 # without and with the text of steps; and of that text
 _BESIDE, _PLOTS, _WORDS = (280.0, 108.0), (420.0, 145.0), 388.0
 _TEXT_WIDTH = 450.0  # of that text beside a narrow sheet
+_FRAME, _NAME = 60.0, 23.0  # heights of what is around the names in a plot, and of a name
 
 Part = tuple[float, rrb.View | rrb.Container]
 """A part of a column with its share of the height."""
@@ -108,20 +109,34 @@ def _views(recorder: Recorder) -> list[Part]:
 
 
 def _plots(recorder: Recorder, *, alone: bool) -> list[Part]:
-    """Return the chart and the plots in tabs; alone, the first two below each other."""
+    """Return the chart and the plots in tabs; alone, as many below each other as have room for names."""
     content = recorder.content
-    plots: list[rrb.View] = [_plot(panel, content) for panel in recorder.panels]
-    if recorder.chart is not None:
-        plots.insert(0, _view(CHART, "over time", recorder.chart.stays.view))
+    plots: list[Part] = [(_height(p.names), _plot(p, content)) for p in recorder.panels]
+    if (chart := recorder.chart) is not None:
+        plots.insert(0, (_height(chart.names), _view(CHART, "over time", chart.stays.view)))
     if not plots:
         return []
     if not alone:
-        return [(_PLOTS[recorder.words], rrb.Tabs(*plots))]
-    # the road's plot in front of the others
-    roads = [k for k, plot in enumerate(plots[2:]) if str(plot.name).startswith("road")]
-    more = [rrb.Tabs(*plots[2:], active_tab=roads[0] if roads else 0)] if plots[2:] else []
-    # high enough for the names of four wheels
-    return [(_PLOTS[False], rrb.Vertical(*plots[:2], *more))]
+        return [(_PLOTS[recorder.words], rrb.Tabs(*(view for _, view in plots)))]
+    for below in (2, 1, 0):
+        parts, tabs = plots[:below], plots[below:]
+        if tabs:
+            parts = [*parts, (max(height for height, _ in tabs), _tabs(tabs))]
+        if sum(height for height, _ in parts) <= _PLOTS[False]:
+            break
+    return [(_PLOTS[False], _column(parts))]
+
+
+def _height(names: Sequence[str]) -> float:
+    """Return the height of a plot in which the names of its curves have room, pixels."""
+    return _FRAME + (_NAME * len(names) if len(names) <= MOST_NAMED else 0.0)
+
+
+def _tabs(plots: Sequence[Part]) -> rrb.Tabs:
+    """Return plots in tabs, the road's in front of the others."""
+    views = [view for _, view in plots]
+    roads = [k for k, view in enumerate(views) if str(view.name).startswith("road")]
+    return rrb.Tabs(*views, active_tab=roads[0] if roads else 0)
 
 
 def _time_panel(recorder: Recorder) -> rrb.TimePanel:

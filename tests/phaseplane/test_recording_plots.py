@@ -72,6 +72,18 @@ def test_the_curves_of_a_plot_are_named(tmp_path: Path, axles: int, *, named: bo
     assert legend == [named]
 
 
+@pytest.mark.parametrize(("wheels", "below"), [(3, 3), (4, 2), (6, 2), (8, 1), (9, 3)])
+def test_plots_below_each_other_have_room_for_the_names_in_them(wheels: int, below: int) -> None:
+    """Of more than eight curves nothing is named."""
+    quantities = ("displacement", "velocity", "acceleration", "force")
+    columns = {f"a{i}_{quantity}": TIME for i in range(wheels) for quantity in quantities}
+    shown = Content("a run", histories={"time": TIME, **columns})
+    (column,) = blueprint(Recorder(new_recording(shown), shown)).root_container.contents
+    assert isinstance(column, rrb.Vertical)
+    _, plots = column.contents
+    assert len(plots.contents) == below if below > 1 else isinstance(plots, rrb.Tabs)
+
+
 @pytest.mark.parametrize(
     ("live", "corner"), [(True, rrb.Corner2D.LeftTop), (False, rrb.Corner2D.RightTop)]
 )
