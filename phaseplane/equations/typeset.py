@@ -19,16 +19,27 @@ _GREEK = {
 }  # fmt: skip
 _NAMES = {"v": "ẋ", "Omega": "Ω", "eps": "ε", **_GREEK}
 _SUM, _SIGNED, _PRODUCT, _POWER, _ATOM = range(5)
+_LONGEST = 10  # characters of a number without a power of ten
 
 
 def number(value: float, digits: int = 6) -> str:
-    """Return a number as text, with a minus sign and without an exponent."""
+    """Return a number as text, with a minus sign; a long one with a power of ten."""
     return printed(f"{value + 0.0:.{digits}g}")
 
 
 def printed(text: str) -> str:
-    """Return a text with its numbers as they are printed: 12000 for 1.2e+04, with minus signs."""
-    return _EXPONENT.sub(lambda found: f"{Decimal(found[0]):f}", text).replace("-", "−")
+    """Return a text with its numbers as they are printed: 12000 for 1.2e+04, 5·10⁻⁹ for 5e-09."""
+    if "e-" in text or "e+" in text:  # which is seldom, and soon seen
+        text = _EXPONENT.sub(_spelled, text)
+    return text.replace("-", "−")
+
+
+def _spelled(found: re.Match[str]) -> str:
+    plain = f"{Decimal(found[0]):f}"
+    if len(plain) <= _LONGEST:
+        return plain
+    digits, _, power = found[0].partition("e")
+    return f"{digits}·10{str(int(power)).translate(_POWERS)}"
 
 
 def typeset(tree: ast.expr) -> str:
@@ -52,7 +63,8 @@ def _written(node: ast.expr) -> tuple[str, int]:
     """Return a term and its precedence."""
     match node:
         case ast.Constant(float() as value):
-            return number(value, 12), _ATOM
+            text = number(value, 12)
+            return text, _PRODUCT if "·" in text else _ATOM
         case ast.Name(name):
             return name_of(name), _ATOM
         case ast.UnaryOp(ast.USub(), inner):

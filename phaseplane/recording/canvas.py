@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from itertools import chain, repeat
 from typing import Any
+from unicodedata import normalize
 
 import numpy as np
 import numpy.typing as npt
@@ -238,22 +238,21 @@ _INSTEAD = (
     ("\u2098", "m"), ("\u209b", "s"), ("\u209c", "t"), ("\u2009", " "),
     ("\u03be\u0308", "\u03be\u2033"), ("\u03be\u0307", "\u03be\u2032"),
 )  # fmt: skip
-# Characters of the viewer's font. The viewer does not skip a missing glyph; it fails.
-_LEGIBLE = frozenset(
-    "\n"
-    + "".join(map(chr, [*range(0x20, 0x7F), *range(0xA1, 0xAD), *range(0xAE, 0x149)]))
-    + "".join(map(chr, [*range(0x14A, 0x180), *range(0x391, 0x3CA), *range(0x410, 0x450)]))
-    + "\u0232\u0233\u1e8b\u1e8d\u1e8f\u0304\u0307\u0308\u200b"
-    + "\u2010\u2011\u2012\u2013\u2014\u2018\u2019\u201c\u201d\u2022\u2026\u2032\u2033"
-    + "\u2070\u2074\u2075\u2076\u2077\u2078\u2079" + "".join(map(chr, range(0x2080, 0x208A)))
-    + "\u2190\u2191\u2192\u2193\u2202\u2206\u2212\u221a\u221e\u2248\u2260\u2264\u2265"
-) - {"\u03a2"}  # fmt: skip
-_ILLEGIBLE = re.compile(f"[^{re.escape(''.join(sorted(_LEGIBLE)))}]")
+_NEGATIVE_POWER = re.compile("\u207b[\u2070\u00b9\u00b2\u00b3\u2074-\u2079]+")
+# All but the characters of the viewer's font. The viewer does not skip a missing glyph; it fails.
+_ILLEGIBLE = re.compile(
+    "[^\n -~\u00a1-\u00ac\u00ae-\u0148\u014a-\u017f\u0232\u0233\u0304\u0307\u0308\u0391-\u03a1"
+    "\u03a3-\u03c9\u0410-\u044f\u1e8b\u1e8d\u1e8f\u200b\u2010-\u2014\u2018\u2019\u201c\u201d\u2022"
+    "\u2026\u2032\u2033\u2070\u2074-\u2079\u2080-\u2089\u2190-\u2193\u2202\u2206\u2212\u221a\u221e"
+    "\u2248\u2260\u2264\u2265]"
+)
 
 
 def legible(text: str) -> str:
     """Return the text with a question mark for every character that the viewer cannot show."""
-    text = unicodedata.normalize("NFC", text)
+    text = normalize("NFC", text)
     for unseen, instead in _INSTEAD:
         text = text.replace(unseen, instead)
+    if "\u207b" in text:  # 10^−5, as there is no raised minus
+        text = _NEGATIVE_POWER.sub(lambda found: f"^{normalize('NFKC', found[0])}", text)
     return _ILLEGIBLE.sub("?", text)

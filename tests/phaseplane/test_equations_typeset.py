@@ -23,6 +23,7 @@ from phaseplane.equations import Formula
         ("x^(1/3)", "ẍ + x^(1/3) = 0"),
         ("1/x^2 - 1/(x^3*v)", "ẍ + 1/x² − 1/(x³\u2009ẋ) = 0"),
         ("dead_zone(x, 1)", "ẍ + dead zone(x, 1) = 0"),
+        ("x^3/1e-12 + 2*1e-12*v", "ẍ + x³/(1·10⁻¹²) + 2·(1·10⁻¹²)\u2009ẋ = 0"),
     ],
 )
 def test_a_formula_is_typeset(text: str, words: str) -> None:
