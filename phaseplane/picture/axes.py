@@ -251,9 +251,12 @@ def _ways(page: Page, clear: Points = NOTHING) -> list[Points]:
     ]
 
 
-def _struck(box: Box, ways: Sequence[Points]) -> int:
-    """Return what is in a box: 1 for auxiliary curves, 2 for motions and 4 for straight lines, added."""
-    return sum(2**i for i, way in enumerate(ways) if box.inside(*way).any())
+def _struck(boxes: Sequence[Box], ways: Sequence[Points]) -> list[int]:
+    """Return what is in each box: 1 for auxiliary curves, 2 for motions, 4 for straight lines, added."""
+    many = Box.of(boxes)
+    many = Box(many.centre[:, None], many.half[:, None])
+    found = (2**i * many.inside(*way).any(axis=1) for i, way in enumerate(ways))
+    return sum(found, np.zeros(len(boxes), int)).tolist()
 
 
 def _line(start: complex, tip: complex) -> Box:
@@ -302,11 +305,13 @@ def _name(
         if page.view.contains(box) and all(gap <= of.gap(box) for of in parallel):
             broken = each not in names
             far = gap + (broken + 0.3 * other + 1.5 * back) * page.em
-            struck = _struck(box.grown(PLATE * page.em), ways)
-            astray = gap > _FARTHEST * page.em
-            rank = struck >= _MOTION, astray, foot, struck, shorter, far
-            found.append((rank, replace(text, centre=centre)))
-    page.write_first(text for _, text in sorted(found, key=itemgetter(0)))
+            found.append((replace(text, centre=centre), gap, foot, shorter, far))
+    struck = _struck([text.box(page.em).grown(PLATE * page.em) for text, *_ in found], ways)
+    ranked = []
+    for (text, gap, foot, shorter, far), inside in zip(found, struck, strict=True):
+        astray = gap > _FARTHEST * page.em
+        ranked.append(((inside >= _MOTION, astray, foot, inside, shorter, far), text))
+    page.write_first(text for _, text in sorted(ranked, key=itemgetter(0)))
 
 
 def _write_values(page: Page, values: list[list[Text]], ways: Sequence[Points]) -> None:
@@ -315,13 +320,12 @@ def _write_values(page: Page, values: list[list[Text]], ways: Sequence[Points]) 
     The motion is not covered, so that the state points are always seen; the ticks of values without a
     place remain. If no value had a place, all are written.
     """
-    struck = [
-        [(_struck(text.box(page.em).grown(PLATE * page.em), ways), text) for text in places]
-        for places in values
-    ]
-    free = [[of for of in places if not of[0] & _MOTION] for places in struck]
+    plates = [text.box(page.em).grown(PLATE * page.em) for places in values for text in places]
+    known = iter(_struck(plates, ways))
+    struck = [list(zip(places, known, strict=False)) for places in values]
+    free = [[of for of in places if not of[1] & _MOTION] for places in struck]
     for places in free if any(free) else struck:
-        page.write_first(text for _, text in sorted(places, key=itemgetter(0)))
+        page.write_first(text for text, _ in sorted(places, key=itemgetter(1)))
 
 
 def _ticks(page: Page, axis: Axis, graduation: Graduation, half: complex) -> None:

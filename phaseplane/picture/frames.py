@@ -52,6 +52,15 @@ def columns(
     return found
 
 
+def by_readings(frames: StoredFrames) -> dict[tuple[str, ...], list[int]]:
+    """Return the places of frames by the names of their readings."""
+    names = [layout.readings for layout in frames.store.layouts]
+    found: dict[tuple[str, ...], list[int]] = {}
+    for place, i in enumerate(frames.chosen):
+        found.setdefault(names[frames.store.numbers[i]], []).append(place)
+    return found
+
+
 def read_over(
     drawing: Drawing, names: Sequence[str], first: int = 0, last: int | None = None
 ) -> tuple[Reals, Reals]:

@@ -6,18 +6,22 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
+from itertools import repeat
 from math import floor, log10
 from textwrap import wrap
+
+import numpy as np
 
 from phaseplane.constructions.construction import CONTACT, FLIGHT
 from phaseplane.constructions.letters import LEVEL, axis_letter, rate_letter, typeset
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.sheet import Event, events_of, plane_of
-from phaseplane.constructions.storage import Frame
+from phaseplane.constructions.storage import Frame, StoredFrames
 from phaseplane.constructions.two_planes import STUCK
 from phaseplane.equations.typeset import number, printed
 
-from .frames import columns
+from .frames import by_readings, columns
+from .paper import Reals
 from .quantities import Quantity, rate_of, rate_unit, unit_text
 
 _EVENTS = {
@@ -63,13 +67,9 @@ def level_text(label: str, unit: str, factor: float) -> str:
     return f"{text} {unit}".rstrip()
 
 
-def _seen(value: float) -> float:
-    """Return a reading, zero if it is one of rounding."""
-    return 0.0 if abs(value) < _NOTHING else value
-
-
 def _read(value: float, digits: int = 4) -> str:
-    return number(_seen(value), digits)
+    """Return a reading as text, zero if it is one of rounding."""
+    return number(0.0 if abs(value) < _NOTHING else value, digits)
 
 
 def in_words(name: str) -> str:
@@ -131,14 +131,22 @@ def readings_table(
     readings: Mapping[str, float], quantities: Mapping[str, Quantity | None], over: bool = False
 ) -> str:
     """Return the readings as a Markdown table, a displacement and its rates in a row."""
-    if not readings:
-        return ""
-    known = tuple(map(quantities.get, readings))
-    head, form, order, factors = _table_form(
-        tuple(readings), known, "missed by" if over else "drift"
-    )
-    values = (f * readings[name] for f, name in zip(factors, order, strict=True))
-    return head + printed(form % tuple(map(_seen, values)))
+    return next(_tables(tuple(readings), np.array([[*readings.values()]]), quantities, over))
+
+
+def _tables(
+    names: tuple[str, ...], read: Reals, quantities: Mapping[str, Quantity | None], over: bool
+) -> Iterator[str]:
+    """Yield the table of each row of readings; empty ones without names."""
+    if not names:
+        yield from repeat("", len(read))
+        return
+    known = tuple(map(quantities.get, names))
+    head, form, order, factors = _table_form(names, known, "missed by" if over else "drift")
+    values = np.array(factors) * read[:, [names.index(name) for name in order]]
+    values[abs(values) < _NOTHING] = 0.0
+    for row in values.tolist():
+        yield head + printed(form % tuple(row))
 
 
 @lru_cache
@@ -176,22 +184,38 @@ def _table_form(
 
 def step_head(drawing: Drawing, frame: Frame) -> str:
     """Return number, mode, time and events of a step, in Markdown."""
-    events = [markdown(event_text(event)) for event in events_of(frame, drawing.planes)]
-    scheme = frame.scheme.replace(STUCK, f",{STUCK}")
-    # contact is told only where there is flight
-    told = scheme != CONTACT or any(FLIGHT in key for key in drawing.schemes)
-    mode = f", {_row(scheme)}" if told else ""
-    head = f"**Step {frame.step} (0 to {len(drawing.frames) - 1}){mode}**: "
-    lasts = f"lasts {number(1e3 * frame.duration, 4)} ms."
-    return " ".join([f"{head}{_instant(frame.time, frame.duration)}, {lasts}", *events])
+    return next(_heads(drawing, StoredFrames([frame])))
 
 
-def step_text(
-    drawing: Drawing, frame: Frame, quantities: Mapping[str, Quantity | None], note: str = ""
-) -> str:
-    """Return the description of a step, a note on all steps, and the readings, in Markdown."""
-    head = " ".join(filter(None, (step_head(drawing, frame), note)))
-    return f"{head}\n\n{readings_table(frame.readings, quantities, is_laid_over(frame))}"
+def _heads(drawing: Drawing, frames: StoredFrames) -> Iterator[str]:
+    flies = any(FLIGHT in key for key in drawing.schemes)
+    events = {place: events_of(frames[place], drawing.planes) for place in frames.events}
+    of = zip(frames.steps, frames.schemes, frames.times, frames.durations, strict=True)
+    for place, (step, scheme, time, duration) in enumerate(of):
+        # contact is told only where there is flight
+        told = scheme != CONTACT or flies
+        mode = f", {_row(scheme.replace(STUCK, f',{STUCK}'))}" if told else ""
+        head = f"**Step {step} (0 to {len(drawing.frames) - 1}){mode}**: "
+        lasts = f"lasts {number(1e3 * duration, 4)} ms."
+        happened = [markdown(event_text(event)) for event in events.get(place, ())]
+        yield " ".join([f"{head}{_instant(time, duration)}, {lasts}", *happened])
+
+
+def step_texts(
+    drawing: Drawing,
+    frames: StoredFrames,
+    quantities: Mapping[str, Quantity | None],
+    note: str = "",
+) -> list[str]:
+    """Return the descriptions of steps, each with a note on all steps and its readings, in Markdown."""
+    over, tables = is_laid_over(drawing.frames[0]), [""] * len(frames)
+    for names, places in by_readings(frames).items():
+        read = columns(frames.at(places), names, "readings")
+        for place, table in zip(places, _tables(names, read, quantities, over), strict=True):
+            tables[place] = table
+    note = f" {note}" if note else ""
+    heads = _heads(drawing, frames)
+    return [f"{head}{note}\n\n{table}" for head, table in zip(heads, tables, strict=True)]
 
 
 def end_text(drawing: Drawing, quantities: Mapping[str, Quantity | None], run: float = 0.0) -> str:

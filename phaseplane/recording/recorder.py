@@ -18,7 +18,7 @@ from phaseplane.picture.quantities import Quantity
 from phaseplane.picture.step import event_pages, mark_events
 from phaseplane.picture.story import VERTICES, Tick, arms_page, story_of
 from phaseplane.picture.subject import joined, read_off
-from phaseplane.picture.text import control_text, end_text, motion_text, step_text
+from phaseplane.picture.text import control_text, end_text, motion_text, step_texts
 
 from .canvas import Viewer, legible, send
 from .clock import Clock, seconds
@@ -174,9 +174,8 @@ class Recorder:
             if self.content.detail != "trail":
                 send_steps(self.recording, drawing, self.room, self.clock, start, end)
         if self.words:
-            frames = drawing.frames[start:end]
             note = control_text(drawing, self.quantities)
-            texts = [step_text(drawing, frame, self.quantities, note) for frame in frames]
+            texts = step_texts(drawing, drawing.frames[start:end], self.quantities, note)
             run = float(np.max(self.content.times, initial=0.0))
             texts += [end_text(drawing, self.quantities, run)] if ends else []
             self._say(texts, self.clock.columns(start + np.arange(len(texts))))

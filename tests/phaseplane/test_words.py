@@ -27,7 +27,7 @@ from phaseplane.picture.text import (
     protocol,
     readings_table,
     step_head,
-    step_text,
+    step_texts,
 )
 from phaseplane.recording import Content
 from phaseplane.recording.canvas import legible
@@ -117,9 +117,13 @@ def test_there_is_no_negative_zero() -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "text"), [(11_512.3, "11510"), (-2.0061e-05, "\u22120.00002006"), (3.0e7, "30000000")]
-)
-def test_numbers_are_printed_without_exponents(value: float, text: str) -> None:
+    ("value", "text"),
+    [
+        (11_512.3, "11510"), (-2.0061e-05, "\u22120.00002006"), (3.0e7, "30000000"),
+        (-2.0061e-11, "\u22122.006\u00b710\u207b\u00b9\u00b9"), (5.0e12, "5\u00b710\u00b9\u00b2"),
+    ],
+)  # fmt: skip
+def test_numbers_are_printed_in_full_or_with_a_power_of_ten(value: float, text: str) -> None:
     assert number(value, 4) == text
     (force,) = (q for q in QUANTITIES if q.name == "force")
     assert f"| {text} " in readings_table({"contact_force": value}, {"contact_force": force})
@@ -134,7 +138,7 @@ def test_no_number_of_a_slow_or_a_quick_motion_has_an_exponent(pace: float) -> N
     )  # fmt: skip
     made = construct_motion(law, delta, step=0.1 / pace, steps=20)
     told = [told for tick in sheet_and_story(made)[1] for told in (tick.text, tick.caption)]
-    told += [made.title, *(step_text(made, frame, {}) for frame in made.frames)]
+    told += [made.title, *step_texts(made, made.frames, {})]
     assert re.findall(r"\S*\de[+-]?\d\S*", " ".join(told)) == []
 
 
@@ -187,4 +191,5 @@ def test_what_the_viewer_can_show_is_kept() -> None:
     kept = "x\N{SUBSCRIPT TWO} \N{GREEK CAPITAL LETTER OMEGA} \N{MINUS SIGN}1 A1*'\n"
     assert legible(kept) == kept
     assert legible("\u03be\N{COMBINING DIAERESIS}/\u03a9") == "\u03be\N{DOUBLE PRIME}/\u03a9"
+    assert legible("10\u207b\u00b9\u2074 m\u207b\u00b9") == "10^\u221214 m^\u22121"
     assert legible("y\N{COMBINING MACRON}") == "\N{LATIN SMALL LETTER Y WITH MACRON}"

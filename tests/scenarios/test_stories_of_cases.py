@@ -16,7 +16,7 @@ from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.constructions import RULES
 from phaseplane.picture.story import arms_page, story_of, told_steps
 from phaseplane.picture.subject import read_off
-from phaseplane.picture.text import control_text, end_text, step_head, step_text
+from phaseplane.picture.text import control_text, end_text, step_head, step_texts
 from phaseplane.recording import Content
 from phaseplane.recording.layout import blueprint
 from phaseplane.recording.motion import pages_of
@@ -58,7 +58,7 @@ def test_the_text_fits_its_pane(name: str, rule: str | None) -> None:
     shares = getattr(column, "row_shares", None) or [1.0]
     room = (768.0 - 65.0) * shares[0] / sum(shares) - 53.0
     note = control_text(drawing, recorder.quantities)
-    steps = [step_text(drawing, f, recorder.quantities, note) for f in drawing.frames[:200]]
+    steps = step_texts(drawing, drawing.frames[:200], recorder.quantities, note)
     for text in [tick.text for tick in recorder.ticks] + steps:
         assert text_height(text) <= room, text
     for tick in recorder.ticks:
@@ -120,7 +120,7 @@ def test_it_is_said_if_a_body_from_its_forces_differs(name: str, told: bool) -> 
     quantities = read_off(drawing)
     *_, last = story_of(pages_of(Content(name, drawing))[0], arms_page(drawing), quantities)
     note = control_text(drawing, quantities)
-    beside = step_text(drawing, drawing.frames[5], quantities, note)
+    (beside,) = step_texts(drawing, drawing.frames[5:6], quantities, note)
     for text in (last.text, beside, end_text(drawing, quantities)):
         assert ("The body from its forces differs by up to " in text) is told
 
