@@ -64,7 +64,6 @@ Row = tuple[str, tuple[str, float], dict[str, str]]
 Curve = tuple[npt.ArrayLike, npt.ArrayLike]
 
 
-@styled
 def time_histories(
     columns: Mapping[str, npt.ArrayLike],
     *, title: str = "", look: Look = PLAIN, points: bool = False,
@@ -84,31 +83,20 @@ def time_histories(
     ValueError : if `time` is missing or has fewer than two values, lengths of columns differ, or
         there is nothing to draw.
     """
-    return _histories({"": columns}, title, look, points)
+    return axle_histories({"": columns}, title=title, look=look, points=points)
 
 
 @styled
 def axle_histories(
-    axles: Mapping[str, Mapping[str, npt.ArrayLike]], *, title: str = "", look: Look = PLAIN
-) -> Figure:
-    """Draw the motions over several axles beside each other, each with its road and flights.
+    axles: Mapping[str, Mapping[str, npt.ArrayLike]],
+    *, title: str = "", look: Look = PLAIN, points: bool = False,
+) -> Figure:  # fmt: skip
+    """Draw the motions over several axles beside each other, with equal scales across.
 
     Parameters
     ----------
     axles : the columns of each axle by its name, as for `time_histories`, with its errors
     """
-    return _histories(axles, title, look, points=False)
-
-
-def has_histories(columns: Mapping[str, object]) -> bool:
-    """Whether some of the columns are drawn by `time_histories`."""
-    return not _KNOWN.isdisjoint(columns)
-
-
-def _histories(
-    axles: Mapping[str, Mapping[str, npt.ArrayLike]], title: str, look: Look, points: bool
-) -> Figure:
-    """Draw a column of panels for each axle, with equal scales across."""
     tables = {name: _checked(columns) for name, columns in axles.items()}
     # points of a construction stay in one panel, where a reader adds them up
     rows = _rows(list(tables.values()), split=not points)
@@ -151,6 +139,11 @@ def _histories(
         }
         figure.key(list(named.values()), labels=list(named))
     return figure.finished(*title.split("\n"))
+
+
+def has_histories(columns: Mapping[str, object]) -> bool:
+    """Whether some of the columns are drawn by `time_histories`."""
+    return not _KNOWN.isdisjoint(columns)
 
 
 def airborne_spans(times: npt.ArrayLike, airborne: npt.ArrayLike) -> list[tuple[float, float]]:

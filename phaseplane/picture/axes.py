@@ -86,18 +86,17 @@ def draw_axes(page: Page, clear: Points = NOTHING) -> None:
         # two texts: of many with two rows, the viewer shows only the first
         for row, text in enumerate(filter(None, (units, above))):
             page.write(Text("axis", text, tip + (1.0 + _ROW * row) * 1j * page.em, kind="name"))
-    names, values = [], []
-    for plane, motion, along, up in known:
-        for name, of_axis in (_vertical(page, plane, motion, up), _horizontal(page, plane, along)):
-            names.append(name)
-            values.append(of_axis)
+    axes = [
+        axis for plane, motion, along, up in known
+        for axis in (_vertical(page, plane, motion, up), _horizontal(page, plane, along))
+    ]  # fmt: skip
     ways = _ways(page, clear)
-    lines = [_line(*axis) for axis, *_ in names]
-    for line, name in zip(lines, names, strict=True) if not beside else ():
+    lines = [_line(*ends) for (ends, *_), _ in axes]
+    for line, (name, _) in zip(lines, axes, strict=True) if not beside else ():
         upright = line.half.real == 0.0  # which keep clear of the axes of all planes
         _name(page, ways, *name, [of for of in lines if (of.half.real == 0.0) == upright])
-    for of_axis in values:
-        _write_values(page, of_axis, ways)
+    for _, values in axes:
+        _write_values(page, values, ways)
 
 
 def draw_y_axis(page: Page, plane: Plane) -> None:
@@ -116,14 +115,11 @@ def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> _Texts:
     sense = axis.direction.real
     ends = _room(page, plane)[:: 1 if sense > 0.0 else -1]
     start, tip = (complex(x, axis.origin.imag) for x in ends)
-    graduation = _between(graduation, axis, start, tip)
-    page.arrow("axis", start, tip)
-    _ticks(page, axis, graduation, 0.35j * em)
+    places = _ticked(page, axis, _between(graduation, axis, start, tip), start, tip, 0.35j * em)
     # one word per line, to keep clear of the motion
     rows = plane.name.split("_")
     label = f"{typeset(axis.label)}{bracketed(graduation.unit)}".strip()
     names = ["\n".join(rows) + f" {label}", f"{' '.join(rows[:-1] or rows)}\n{label}", label]
-    places = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
     sides = [complex(along, way * (1.0 + far)) for far, along in _PLACES for way in (-1, 1)]
     values = [[value_text(z + side * em, text) for side in sides] for z, text in places]
     return ((start, tip), tip + 1.2j * em, _fitting(page, names), sense), values
@@ -134,22 +130,32 @@ def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) 
     axis, em = plane.scaled_velocity, page.em
     start, tip = _upright(page, plane)
     graduation = _between(graduation, axis, start, tip - 0.7j * em)  # clear of the arrow
-    page.arrow("axis", start, tip)
-    _ticks(page, axis, graduation, 0.35 * em)
+    places = _ticked(page, axis, graduation, start, tip, 0.35 * em)
     # on the side of the axis away from the motion
     side = -1.0 if (motion - axis.origin).real.sum() > 0.0 else 1.0
     label = typeset(axis.label)
     label, *_ = _fitting(page, [label, label.partition(" =")[0]])
-    places = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
     values = [
-        [
-            value_text(z + (way * (0.7 + far + 0.2 * len(text)) + up * 1j) * em, text)
-            for (far, up), way in product(_PLACES, (side, -side))
-        ]
+        [value_text(z + (way * (0.7 + far + 0.2 * len(text)) + up * 1j) * em, text)
+         for (far, up), way in product(_PLACES, (side, -side))]
         for z, text in places
-    ]
+    ]  # fmt: skip
     edge = tip + side * 0.8 * em - 0.2j * em
     return ((start, tip), edge, [label + bracketed(graduation.unit)], -side), values
+
+
+def _ticked(
+    page: Page, axis: Axis, graduation: Graduation, start: complex, tip: complex, half: complex
+) -> list[tuple[complex, str]]:
+    """Draw an axis with its ticks, and return the places of its values, with these as texts."""
+    page.arrow("axis", start, tip)
+    places = [axis.at(value) for value in graduation.values]
+    strips = tuple((z - half, z + half) for z in places if page.view.holds(z))
+    if strips:
+        page.items.append(Lines("axis", strips, 0.9))
+    return [
+        (z, number(v * graduation.factor)) for z, v in zip(places, graduation.values, strict=True)
+    ]
 
 
 def _between(graduation: Graduation, axis: Axis, start: complex, end: complex) -> Graduation:
@@ -326,10 +332,3 @@ def _write_values(page: Page, values: list[list[Text]], ways: Sequence[Points]) 
     free = [[of for of in places if not of[1] & _MOTION] for places in struck]
     for places in free if any(free) else struck:
         page.write_first(text for text, _ in sorted(places, key=itemgetter(1)))
-
-
-def _ticks(page: Page, axis: Axis, graduation: Graduation, half: complex) -> None:
-    places = [axis.at(value) for value in graduation.values]
-    strips = tuple((z - half, z + half) for z in places if page.view.holds(z))
-    if strips:
-        page.items.append(Lines("axis", strips, 0.9))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import repeat
 from math import floor, log10
@@ -24,14 +24,16 @@ from .frames import by_readings, columns
 from .paper import Reals
 from .quantities import Quantity, rate_of, rate_unit, unit_text
 
+# of each kind of event: a sentence with room for its axle, and the letter and the words of its mark
 _EVENTS = {
-    "lift_off": "The {}wheel leaves the road (U).",
-    "touchdown": "The {}wheel touches down (V).",
-    "sticking": "Dry friction holds the {}suspension (F).",
-    "jolt": "The road jumps, and so do the state points (J).",
-    "yielding": "The spring yields.",
-    "unloading": "The spring unloads.",
+    "lift_off": ("The {}wheel leaves the road (U).", "U", "lift-off"),
+    "touchdown": ("The {}wheel touches down (V).", "V", "touchdown"),
+    "sticking": ("Dry friction holds the {}suspension (F).", "F", "dry friction begins to hold"),
+    "jolt": ("The road jumps, and so do the state points (J).", "J", "jump of the road"),
+    "yielding": ("The spring yields.", "", "yielding"),
+    "unloading": ("The spring unloads.", "", "unloading"),
 }
+LETTER_OF_EVENT = {kind: letter for kind, (_, letter, _) in _EVENTS.items() if letter}
 # characters of a row and rows of a protocol in the pane of the text in a window of 1366x768
 _ROW, _MOST_ROWS = 75, 17
 _NOTHING = 1e-12  # a smaller reading is one of rounding
@@ -44,10 +46,6 @@ HELP = (
     "makes all type larger, as for a projector."
 )
 """How to use the viewer, with room for a sentence on timelines."""
-LETTER_OF_EVENT = {"lift_off": "U", "touchdown": "V", "jolt": "J", "sticking": "F"}
-_MARKS = {
-    "lift_off": "lift-off", "jolt": "jump of the road", "sticking": "dry friction begins to hold"
-}  # fmt: skip
 
 
 def level_text(label: str, unit: str, factor: float) -> str:
@@ -95,19 +93,19 @@ def _instant(time: float, step: float) -> str:
 
 def event_text(event: Event) -> str:
     """Return what happens in an event, as a sentence if its kind is known."""
-    return _EVENTS.get(event.kind, in_words(event.name)).format(in_words(event.axle))
+    sentence, *_ = _EVENTS.get(event.kind, (in_words(event.name),))
+    return sentence.format(in_words(event.axle))
 
 
 def marks_text(drawing: Drawing) -> str:
     """Return what the marks of events in a whole motion mean, and how often each was; empty if none."""
-    events = (
-        e for frame in drawing.frames.at([*drawing.frames.events]) for e in events_of(frame, ())
-    )
-    kinds = Counter(event.kind for event in events)
-    return ", ".join(
-        " ".join(filter(None, (_MARKS.get(kind, kind), LETTER_OF_EVENT.get(kind), f"({count})")))
-        for kind, count in kinds.items()
-    )
+    frames = drawing.frames.at([*drawing.frames.events])
+    kinds = Counter(event.kind for frame in frames for event in events_of(frame, ()))
+    marks = []
+    for kind, count in kinds.items():
+        _, letter, words = _EVENTS.get(kind, ("", "", kind))
+        marks.append(" ".join(filter(None, (words, letter, f"({count})"))))
+    return ", ".join(marks)
 
 
 def markdown(text: str) -> str:
@@ -141,21 +139,19 @@ def _tables(
     if not names:
         yield from repeat("", len(read))
         return
-    known = tuple(map(quantities.get, names))
-    head, form, order, factors = _table_form(names, known, "missed by" if over else "drift")
+    head, form, order = _table_form(names, quantities, "missed by" if over else "drift")
+    factors = [q.factor if (q := quantities.get(name)) else 1.0 for name in order]
     values = np.array(factors) * read[:, [names.index(name) for name in order]]
     values[abs(values) < _NOTHING] = 0.0
     for row in values.tolist():
         yield head + printed(form % tuple(row))
 
 
-@lru_cache
 def _table_form(
-    names: tuple[str, ...], known: tuple[Quantity | None, ...], apart: str
-) -> tuple[str, str, list[str], list[float]]:
-    """Return head and rows of the table, with a place for each value, and names and factors of these."""
-    quantities = dict(zip(names, known, strict=True))
-    units = {name: quantity.unit if quantity else "" for name, quantity in quantities.items()}
+    names: Sequence[str], quantities: Mapping[str, Quantity | None], apart: str
+) -> tuple[str, str, list[str]]:
+    """Return head and rows of the table, with a place for each value, and the names of these."""
+    units = {name: q.unit if (q := quantities.get(name)) else "" for name in names}
     rows: list[list[str]] = []
     for name in units:
         if not any(name in row for row in rows):
@@ -177,9 +173,7 @@ def _table_form(
         part = re.sub("_(displacement|deflection)$", "", row[0]) if row[1] else row[0]
         lines.append(" | ".join([f"| {_row(part).replace('%', '%%')}", *cells]) + " |")
     head = " | ".join(["| read off the sheet", *heads]) + " |\n" + "|---" * (len(heads) + 1) + "|\n"
-    order = [name for row in rows for name in row if name]
-    found = [quantities[name] for name in order]
-    return head, "\n".join(lines), order, [q.factor if q else 1.0 for q in found]
+    return head, "\n".join(lines), [name for row in rows for name in row if name]
 
 
 def step_head(drawing: Drawing, frame: Frame) -> str:

@@ -27,7 +27,7 @@ from .layout import blueprint
 from .recorder import Recorder
 from .sinks import new_recording, record
 
-READY, TAKEN, DONE, FILED = b"r", b"t", b"d", b"f"  # filed: written, but no longer shown
+DONE, FILED = b"d", b"f"  # filed: written, but no longer shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +155,7 @@ class Drawer:
 
 
 def main() -> None:
-    """Follow orders until the last one, or until the input ends; only answers go to standard output."""
+    """Follow orders until the input ends; only answers go to standard output."""
     answers = os.dup(1)
     os.dup2(2, 1)
     drawer: Drawer | None = None
@@ -164,13 +164,11 @@ def main() -> None:
             order = pickle.load(sys.stdin.buffer)
         except EOFError:
             return
-        if isinstance(order, Begin):
+        if drawer is None:
             drawer = Drawer(order)
-            os.write(answers, READY)
-        elif isinstance(order, dict) and drawer:
-            drawer.take(order)
-            os.write(answers, TAKEN)
-        elif isinstance(order, Content) and drawer:
+        elif isinstance(order, Content):
             drawer.complete(order)
-            os.write(answers, DONE if drawer.shown else FILED)
-            return
+        else:
+            drawer.take(order)
+        filed = isinstance(order, Content) and not drawer.shown
+        os.write(answers, FILED if filed else DONE)

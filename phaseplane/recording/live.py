@@ -24,7 +24,7 @@ from typing import IO, Protocol
 import numpy as np
 
 from .content import Content
-from .drawer import DONE, FILED, READY, TAKEN, Begin
+from .drawer import DONE, FILED, Begin
 from .motion import sampled
 from .server import listens
 
@@ -122,7 +122,7 @@ class Live:
             self._pending = True
             begun = monotonic()
             while self._pending and not self.problem and not self._over.is_set():
-                self._pending = not self._answer(TAKEN, _INTERVAL)
+                self._pending = not self._answered(_INTERVAL)
             self.behind = max(self.behind, monotonic() - begun)
 
     # -- before and after --------------------------------------------------------------------------
@@ -141,7 +141,7 @@ class Live:
         self._listener = threading.Thread(target=self._listen, args=(self._child.stdout,))
         self._listener.start()
         self._order(Begin(self.content, self.url, draft, str(path or "")))
-        self._expect(READY, "the viewer did not answer")
+        self._expect("the viewer did not answer")
 
     def complete(self, content: Content) -> None:
         """Draw the whole run."""
@@ -149,9 +149,9 @@ class Live:
         if self.problem:
             return
         if self._pending:
-            self._expect(TAKEN, "the viewer was too slow")
+            self._expect("the viewer was too slow")
         self._order(content)
-        self._expect(DONE, "the viewer did not accept the whole run in time")
+        self._expect("the viewer did not accept the whole run in time")
         self.filed = bool(self.path) and (self.filed or not self.problem)
         self.problem = self.problem or self._absent
 
@@ -160,12 +160,12 @@ class Live:
         if self._thread is not None:
             self._thread.join()
 
-    def _expect(self, answer: bytes, otherwise: str) -> None:
-        if not self.problem and not self._answer(answer, self.patience):
+    def _expect(self, otherwise: str) -> None:
+        if not self.problem and not self._answered(self.patience):
             self._fail(otherwise)
 
-    def _answer(self, wanted: bytes, patience: float) -> bool:
-        """Return whether the drawer gave this answer in time."""
+    def _answered(self, patience: float) -> bool:
+        """Return whether the drawer did the last order in time."""
         try:
             answer = self._answers.get(timeout=patience)
         except Empty:
@@ -173,9 +173,9 @@ class Live:
         if answer == FILED:
             self.filed = True
             self._fail(self._silent)
-        elif answer != wanted:
+        elif not answer:
             self._fail_early()
-        return answer == wanted
+        return answer == DONE
 
     def _listen(self, answers: IO[bytes]) -> None:
         """Queue the drawer's answers, and an empty one at the end."""

@@ -175,7 +175,7 @@ def _corners(state_plane: StatePlane, content: Content) -> Points:
         values = content.column(name)
         values = values[np.isfinite(values)]
         reach = (
-            [values.min(), values.max()] if values.size else [-0.1 / axis.scale, 0.1 / axis.scale]
+            (values.min(), values.max()) if values.size else (-0.1 / axis.scale, 0.1 / axis.scale)
         )
         ends += [axis.at(float(value)) for value in reach]
     return np.array(ends)
