@@ -121,7 +121,7 @@ def _plots(recorder: Recorder, *, alone: bool) -> list[Part]:
     for below in (2, 1, 0):
         parts, tabs = plots[:below], plots[below:]
         if tabs:
-            parts = [*parts, (max(height for height, _ in tabs), _tabs(tabs))]
+            parts = [*parts, _tabs(tabs)]
         if sum(height for height, _ in parts) <= _PLOTS[False]:
             break
     return [(_PLOTS[False], _column(parts))]
@@ -132,11 +132,11 @@ def _height(names: Sequence[str]) -> float:
     return _FRAME + (_NAME * len(names) if len(names) <= MOST_NAMED else 0.0)
 
 
-def _tabs(plots: Sequence[Part]) -> rrb.Tabs:
-    """Return plots in tabs, the road's in front of the others."""
-    views = [view for _, view in plots]
-    roads = [k for k, view in enumerate(views) if str(view.name).startswith("road")]
-    return rrb.Tabs(*views, active_tab=roads[0] if roads else 0)
+def _tabs(plots: Sequence[Part]) -> Part:
+    """Return plots in tabs, as high as the one in front, which is that of the road."""
+    heights, views = zip(*plots, strict=True)
+    front = next((k for k, view in enumerate(views) if str(view.name).startswith("road")), 0)
+    return heights[front], rrb.Tabs(*views, active_tab=front)
 
 
 def _time_panel(recorder: Recorder) -> rrb.TimePanel:
