@@ -99,23 +99,28 @@ class TimeLoop:
         # fixed steps of higher order keep their order only if they end where the second derivative jumps
         self.net = Network(system, joins=step == 0.0 or order == 2)
         self.stepper = Stepper(self.net, kind, order, tolerance, theta)
-        self.motion, self.bends = self.stepper.motion, self.stepper.balance.bends
-        self.modes, self.errors = self.stepper.modes, self.stepper.errors
-        self.method, self.state = self.stepper.method, self.net.state
+        self.motion, self.errors = self.stepper.motion, self.stepper.errors
+        self.state = self.net.state
         self.switches = Switches(self.stepper)
         self.knots, self.trial, self.pace = Knots(self.switches), Trial(), Pace(self.state)
         if beyond_stable not in POLICIES:
             raise ValueError(f"beyond_stable {beyond_stable!r} is not one of {', '.join(POLICIES)}")
-        self.monitor = StabilityMonitor(self.modes, beyond_stable, self.method.limit)
+        self.monitor = StabilityMonitor(
+            self.stepper.modes, beyond_stable, self.stepper.method.limit
+        )
         memory = self.net.memory
         self.dense = Dense(
-            memory, self.state.memory, self.motion, self.method.cubic, self.method.to_end
+            memory,
+            self.state.memory,
+            self.motion,
+            self.stepper.method.cubic,
+            self.stepper.method.to_end,
         )
         self.ledger = Ledger(self.stepper.balance, self.stepper.rows, self.dense)
         self.fixed_step = step
         self.ends_on_switches, self.energy = landing, energy
         self.halts = 0  # set by a host that must see every switch, or every step
-        self.errors.controlled = self.method.controls and step == 0.0
+        self.errors.controlled = self.stepper.method.controls and step == 0.0
         self.errors.full_growth_error = (0.9 / 4.0) ** (order + 1)
         self.landing = Landing(self.switches, memory)
         # the result at the last sampled instant
@@ -143,7 +148,8 @@ class TimeLoop:
         """Return whether a system differs from the present one only in its numbers."""
         return (
             self.net.fits(system)
-            and METHODS[self.method_name].order_of(system, *self.wanted) == self.method.order
+            and METHODS[self.method_name].order_of(system, *self.wanted)
+            == self.stepper.method.order
         )
 
     @of_python
@@ -235,7 +241,7 @@ class TimeLoop:
         self.motion.forget()
         self.net.forget()
         self.net.enter_segments(time)
-        self.modes.start()
+        self.stepper.modes.start()
         self.monitor.start()
         self.ledger.start()
 
@@ -278,7 +284,7 @@ class TimeLoop:
         self.trial.joint = self.net.signals.next_joint()
         self.stepper.refresh(self.state.time)
         self.switches.enter_branches()
-        if self.bends.joined:
+        if self.stepper.balance.bends.joined:
             self.knots.enter_branches()
         self.limited.enter()
         if self.energy:
@@ -328,7 +334,7 @@ class TimeLoop:
         self.state.overruns += 1
         joint = self.trial.joint
         end = min(joint, latest)
-        h = _OVERRUN_PHASE / (self.modes.quickest + 1.0)
+        h = _OVERRUN_PHASE / (self.stepper.modes.quickest + 1.0)
         if self.state.overruns > _OVERRUNS:
             return NO_TIME_PASSES
         to_end = self.state.time + h >= end
@@ -388,18 +394,18 @@ class TimeLoop:
             if fabs(h - step) < 1e-11 * step + rounding:
                 h = step  # exactly, so that its factorisation is reused
             return self.monitor.fit(time, h)
-        omega = sqrt(self.modes.omega_squared)
+        omega = sqrt(self.stepper.modes.omega_squared)
         road = self.net.signals.road_limit(self.state.time)
-        self.modes.road_rate = ROAD_PHASE / road if road > 0.0 else 0.0
+        self.stepper.modes.road_rate = ROAD_PHASE / road if road > 0.0 else 0.0
         if not self.errors.controlled:
             # the period error of the linear-acceleration method is (omega h)^2 / 24
             h = sqrt(self.errors.tolerance) / omega if omega > 0.0 else road
-            if not self.method.exact:
+            if not self.stepper.method.exact:
                 h = min(h, self.errors.longest_by_jerk())
             h = self._while_decaying(h)
         else:
             h = self.state.proposal if self.state.proposal > 0.0 else _FIRST_PHASE / (omega + 1.0)
-            h = self.modes.bound(h, self.method.least_damping)
+            h = self.stepper.modes.bound(h, self.stepper.method.least_damping)
         return road if h > road else h
 
     def _while_decaying(self, h: float) -> float:
@@ -409,10 +415,10 @@ class TimeLoop:
         steps reverse its sign and hardly damp it; those of Wilson's method overshoot. So the first step
         resolves the decay, and each of the next steps is at most twice as long as the one before.
         """
-        if h * self.modes.quickest <= _DECAY_PHASE:
+        if h * self.stepper.modes.quickest <= _DECAY_PHASE:
             return h
         last = 0.0 if self.state.entered else self.dense.end - self.dense.start
-        return min(h, max(2.0 * last, _DECAY_PHASE / self.modes.quickest))
+        return min(h, max(2.0 * last, _DECAY_PHASE / self.stepper.modes.quickest))
 
     @inline
     def _step(self, latest: float) -> int:
@@ -421,7 +427,7 @@ class TimeLoop:
         if h <= 0.0:
             return UNSTABLE if h == 0.0 and self.fixed_step > 0.0 else STEP_TOO_SMALL
         self.trial.begin(h)
-        if self.errors.controlled and self.bends.joined:
+        if self.errors.controlled and self.stepper.balance.bends.joined:
             shorter = self.knots.ahead(h, min(self.trial.joint, latest))
             self.trial.length, self.trial.on_knot = shorter, shorter < h
         status = _AGAIN
@@ -482,14 +488,14 @@ class TimeLoop:
 
     def _shortens(self) -> bool:
         """Shorten the step to a point of a smooth table, or for its error, and return whether it is."""
-        if self.trial.cuts < _KNOTS and self.bends.joined:
+        if self.trial.cuts < _KNOTS and self.stepper.balance.bends.joined:
             self.trial.cuts += 1
             cut = self.knots.within(self.trial.length)
             if cut < self.trial.length:
                 self.trial.on_knot = True
                 self.trial.length = cut
                 return True
-        if not self.errors.error <= self.method.most_error:
+        if not self.errors.error <= self.stepper.method.most_error:
             self.trial.length *= self.errors.factor()
             return True
         return False
@@ -512,9 +518,9 @@ class TimeLoop:
             self.trial.length *= 0.25
             return status if self.trial.length < 1e-14 else _AGAIN
         self.trial.length = self.landing.length
-        if self.errors.controlled and self.bends.count:
+        if self.errors.controlled and self.stepper.balance.bends.count:
             excess = self.errors.of_reading(self.trial.length)
-            if excess > self.method.most_error:
+            if excess > self.stepper.method.most_error:
                 # it is proportional to the square of the length
                 self.trial.length -= self.trial.length / sqrt(excess)
                 return _AGAIN
@@ -540,13 +546,13 @@ class TimeLoop:
             self.transitions.book_contacts()
         if self.trial.lands or self.trial.to_end or not self.ends_on_switches:
             self._enter_branches()
-        elif self.bends.count:
-            self.modes.follow()
+        elif self.stepper.balance.bends.count:
+            self.stepper.modes.follow()
         if not self.state.reach < _FAR * max(self.state.scale, 1.0) or self.net.laws.failed:
             return DIVERGED
         steps = self.state.step_count
         if self.energy and (steps % _CHECKED == 0 or steps < _CHECKED):
-            return self.ledger.check(self.motion.q, self.motion.v, self.method.exact)
+            return self.ledger.check(self.motion.q, self.motion.v, self.stepper.method.exact)
         return REACHED
 
     @inline

@@ -26,7 +26,7 @@ class Landing:
 
     def __init__(self, switches: Switches, memory: Memory) -> None:
         self.switches = switches
-        self.stepper, self.motion = self.switches.stepper, self.switches.motion
+        self.stepper, self.motion = self.switches.stepper, self.switches.stepper.motion
         self.errors, self.modes = self.stepper.errors, self.stepper.modes
         self.whole = Dense(memory, memory, self.motion, False, False)
         self.length = 0.0  # of the attempt as it ends now, s

@@ -26,8 +26,8 @@ class Switches:
 
     def __init__(self, stepper: Stepper) -> None:
         self.stepper = stepper
-        self.net, self.errors = self.stepper.net, self.stepper.errors
-        self.elements, self.motion = self.net.elements, self.stepper.motion
+        self.net = self.stepper.net
+        self.elements = self.net.elements
         self.rows, self.row = self.stepper.rows, self.stepper.rows.row
         self.crossing = Crossing()
         most = len(KINDS) * self.elements.count
@@ -142,7 +142,7 @@ class Switches:
             self._contact_force(e, at + 4)
             e0, e1, e2 = self.elements.force0, self.elements.force1, self.elements.force2
             if self._is_slaved(e, h):
-                f1 += self._rate_left(e, self.motion.j, self.motion.jerk)
+                f1 += self._rate_left(e, self.stepper.motion.j, self.stepper.motion.jerk)
                 self.crossing.hermite3(f0, f1, e0, self._end_rate(e, h), h)
                 return 3
             self.crossing.hermite5(f0, f1, f2, e0, e1, e2, h)
@@ -150,7 +150,7 @@ class Switches:
         if kind == FRICTION and self.elements.branch[BRANCHES * e + FRICTION] == 0:
             # the force of sticking
             self.crossing.hermite3(
-                self.motion.multiplier[e], self.motion.multiplier_rate[e],
+                self.stepper.motion.multiplier[e], self.stepper.motion.multiplier_rate[e],
                 self.net.sticking.multiplier[e], self.net.sticking.multiplier_rate[e], h,
             )  # fmt: skip
             return 3
@@ -162,7 +162,7 @@ class Switches:
 
     def _is_slaved(self, e: int, h: float) -> bool:
         """Return whether a tyre on the road stops its masses within a small part of the attempt."""
-        if not self.errors.own_jerks or self.elements.branch[BRANCHES * e + CONTACT]:
+        if not self.stepper.errors.own_jerks or self.elements.branch[BRANCHES * e + CONTACT]:
             return False
         mobility = self.net.mobility(self.elements.row_of[e])
         return self.straight.damper_c[e] * mobility * h > SLAVED
@@ -182,7 +182,9 @@ class Switches:
         """Return the rate of the contact force last found, at the end of the attempt."""
         if not self._is_slaved(e, h):
             return self.elements.force1
-        return self.elements.force1 + self._rate_left(e, self.motion.jb, self.motion.end_jerk)
+        return self.elements.force1 + self._rate_left(
+            e, self.stepper.motion.jb, self.stepper.motion.end_jerk
+        )
 
     def _left_over(self, e: int, acceleration: float) -> float:
         """Return the force that the others leave for a tyre, minus its own, which has yet to decay.
@@ -192,7 +194,7 @@ class Switches:
         """
         fastest = 0.0
         for i in range(self.net.n):
-            fastest = max(fastest, fabs(self.motion.vb[i]))
+            fastest = max(fastest, fabs(self.stepper.motion.vb[i]))
         lost = ROUNDING_OF_RATES * self.straight.damper_c[e] * fastest * self.side
         return acceleration / self.net.mobility(self.elements.row_of[e]) - lost
 
@@ -232,7 +234,7 @@ class Switches:
         yet may leave the corner on one side by the error of an attempt in the branch of the other side.
         """
         beyond = bound - self.crossing.low if side < 0 else self.crossing.high - bound
-        return self.errors.controlled and beyond <= self.errors.allowed
+        return self.stepper.errors.controlled and beyond <= self.stepper.errors.allowed
 
     def _look_for_gap(self, e: int, at: float, h: float) -> None:
         """Find whether contact is not regained after all, as a gap has opened by then."""
@@ -332,8 +334,8 @@ class Switches:
         elif kind == CONTACT:
             self.elements.unlimited_force(e, self.row, at + 4)
             value = self.elements.force0
-            rate = self._end_rate(e, t - self.errors.time)
-            if self._is_slaved(e, t - self.errors.time):
+            rate = self._end_rate(e, t - self.stepper.errors.time)
+            if self._is_slaved(e, t - self.stepper.errors.time):
                 value += self._left_over(e, self.row[at + 6])
         elif kind == FRICTION and self.elements.branch[BRANCHES * e + FRICTION] == 0:
             value, rate = self.net.sticking.multiplier[e], self.net.sticking.multiplier_rate[e]
