@@ -224,9 +224,9 @@ class Session:
         ParameterError : parameters set during the run are inconsistent.
         """
         run, now = self._run, self._run.time
-        if not (self.ok and now <= until < inf):
+        if not (self.ok and now < until < inf):
             refuse_step(self.ok, now, until)
-            until = now  # which is later by a rounding
+            until = now  # it is no later, but for the rounding or the sign of zero
         goes_on = until == self._handed  # from a switch to the same end, which changes nothing
         if self._tuned:
             self._take_parameters()

@@ -44,6 +44,12 @@ def test_stopping_at_switches_changes_nothing(
         assert at(stopping) == at(straight), until
 
 
+def test_a_step_to_minus_zero_leaves_the_time_as_it_is() -> None:
+    session = Session("QuarterCar", {})
+    session.advance(-0.0)
+    assert str(session.time) == "0.0"
+
+
 @pytest.mark.parametrize("model", MODELS)
 def test_every_output_has_the_type_of_its_declaration(model: str) -> None:
     session = Session(model, {})

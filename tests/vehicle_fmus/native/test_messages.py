@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import nullcontext
+from ctypes import c_char_p
 from pathlib import Path
 from typing import Any
 
@@ -123,6 +124,19 @@ def test_a_category_that_does_not_exist_is_refused_and_changes_nothing(
     said = capfd.readouterr().out
     assert f"there is no category 'logAll' of messages, but only {', '.join(CATEGORIES)}" in said
     assert "lift-off" in said
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("names", [None, (c_char_p * 2)(b"logEvents", None)])
+def test_categories_without_names_are_refused(
+    fmi: int, names: Any, native_fmu: Packer, slave: Any, tmp_path: Path, capfd: Any
+) -> None:
+    with slave(native_fmu("QuarterCar", fmi=fmi), tmp_path) as one:
+        switch = getattr(one, f"fmi{fmi}SetDebugLogging")
+        switch(one.component, 1, 0, None)  # all
+        with pytest.raises(Exception, match="status 3"):
+            switch(one.component, 1, 2, names)
+    assert "there is no category '' of messages, but only logEvents" in capfd.readouterr().out
 
 
 @pytest.mark.slow

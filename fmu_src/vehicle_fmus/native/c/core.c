@@ -88,10 +88,11 @@ static int fail(Instance *one, const char *format, ...) {
 static int switch_logging(Instance *one, int on, size_t count, const char *const names[]) {
     int chosen = count ? 0 : (1 << CATEGORIES) - 1;
     for (size_t i = 0; i < count; i++) {
+        const char *name = names && names[i] ? names[i] : "";
         int k = 0;
-        while (k < CATEGORIES && strcmp(names[i], categories_known[k]) != 0) k++;
+        while (k < CATEGORIES && strcmp(name, categories_known[k]) != 0) k++;
         if (k == CATEGORIES) {
-            return fail(one, "there is no category '%s' of messages, but only %s, %s, %s, %s", names[i],
+            return fail(one, "there is no category '%s' of messages, but only %s, %s, %s, %s", name,
                         categories_known[0], categories_known[1], categories_known[2],
                         categories_known[3]);
         }
