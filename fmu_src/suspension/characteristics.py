@@ -13,7 +13,7 @@ from functools import lru_cache
 from itertools import pairwise
 from math import inf, isfinite
 
-from .pieces import Characteristic, Own, Piece
+from .pieces import LEAST_SCALE, Characteristic, Own, Piece
 from .signals import GAUSS
 
 __all__ = [
@@ -70,12 +70,19 @@ def saturating(rate: float, force: float, bump_rate: float | None = None) -> Cha
 
     Raises
     ------
-    ValueError : a rate or force that is not positive.
+    ValueError : a rate or force that is not positive, or a force that is far too small for the rates.
     """
-    for value in (rate, force, rate if bump_rate is None else bump_rate):
+    rates = (rate, rate if bump_rate is None else bump_rate)
+    for value in (*rates, force):
         if not 0.0 < value < inf:
             raise ValueError(
                 f"rates and force of a saturating law must be positive, {value:g} given"
+            )
+    for slope in rates:
+        if not force / slope >= LEAST_SCALE:
+            raise ValueError(
+                f"a saturating law with a rate of {slope:g} cannot have a force of {force:g}: it must be "
+                f"at least {LEAST_SCALE:g} times the rate"
             )
     straight = (0.0, 0.0, 0.0, 0.0)
     rebound = Piece(-inf, 0.0, straight, force, force / rate)

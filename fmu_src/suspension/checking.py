@@ -20,6 +20,7 @@ from operator import mul
 from .characteristics import Characteristic, driving_rate
 from .elimination import Matrix, pivot_rows
 from .engine import Integrator
+from .pieces import LEAST_SCALE
 from .reasons import why_stopped
 from .signals import GAUSS
 from .systems import Element, System
@@ -104,8 +105,11 @@ def _pieces_in_order(law: Characteristic, name: str) -> Iterator[str]:
         if not a < b:
             yield f"{name}: pieces must ascend, but one from {b:g} follows one from {a:g}"
     for piece in law.pieces:
-        if not piece.scale > 0.0:
-            yield f"{name}: the scale of the saturating term must be positive, {piece.scale:g} given"
+        if not piece.scale >= LEAST_SCALE:
+            yield (
+                f"{name}: the scale of the saturating term must be at least {LEAST_SCALE:g}, "
+                f"{piece.scale:g} given"
+            )
     for piece, end in zip(law.pieces, (*starts[1:], inf), strict=True):
         if piece.power and piece.exponent < 1.0 and piece.start <= piece.origin <= end:
             yield (

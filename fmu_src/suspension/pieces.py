@@ -22,6 +22,7 @@ _FAST = 1e6  # m/s, where the slope of a user-defined function is that of ever l
 _SLOW = 0.2  # m/s, where every function is to have a slope
 # the search for an argument, in m or m/s: its first step, how much farther each goes, and where it ends
 _REACH, _FARTHER, _MOST_REACH = 1e-3, 1.05, 1e30
+LEAST_SCALE = 1e-100  # m or m/s, of a saturating term; third derivatives are divided by its cube
 
 
 class Own(NamedTuple):
@@ -65,8 +66,8 @@ class Piece(NamedTuple):
     """One piece, valid from `start` upwards, of s = x - origin.
 
     `c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale) + power |s|^exponent sgn s + own(s)`,
-    with `scale` > 0 and `exponent` > 0; it is at least 1 in a piece that contains its origin, where the
-    slope would be infinite
+    with `scale` >= `LEAST_SCALE` and `exponent` > 0; the exponent is at least 1 in a piece that contains
+    its origin, where the slope would be infinite
     """
 
     start: float

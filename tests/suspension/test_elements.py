@@ -10,7 +10,9 @@ from hypothesis import strategies as st
 from phaseplane.suspension import characteristics as law
 from phaseplane.suspension import roads
 from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.session import Session
 from phaseplane.suspension.systems import Element, System, damper_family
+from phaseplane.suspension.variable import ParameterError
 from scipy.integrate import quad
 from stepped import read_at
 
@@ -26,6 +28,18 @@ def test_saturating_law_is_force_tanh(rate: float, force: float, bump: float, x:
     assert damper.force(x) == pytest.approx(force * math.tanh(u), rel=1e-14)
     sech = 1.0 / math.cosh(u) if abs(u) < 300.0 else 0.0
     assert damper.tangent(x) == pytest.approx(slope * sech * sech, rel=1e-12, abs=1e-200)
+
+
+@pytest.mark.parametrize("force", [1e-105, 1e-300, 5e-324])
+def test_a_force_far_too_small_for_its_rate_is_refused(force: float) -> None:
+    """It was a division by zero: compiled for the least of them alone, uncompiled for all."""
+    told = f"damper.saturation_force: .* a rate of 1961.33 cannot have a force of {force:g}: it must be"
+    with pytest.raises(ParameterError, match=f"{told} at least 1e-100 times the rate"):
+        Session("QuarterCar", {"damper.saturation_force": force})
+    session = Session("QuarterCar", {"damper.saturation_force": 1e-90})
+    session.set_parameter("damper.saturation_force", force)
+    with pytest.raises(ParameterError, match=told):
+        session.advance(0.1)
 
 
 @pytest.mark.parametrize("x", [1e-9, 1e-4, 0.3, 1.0, 1.0001, 30.0, 1e4, 1e8, 1e300])
