@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from math import inf, isnan, nan, sin
+from math import inf, isfinite, isnan, nan, sin
 from weakref import ref
 
 import make_drawn
@@ -48,6 +48,16 @@ def test_a_step_to_minus_zero_leaves_the_time_as_it_is() -> None:
     session = Session("QuarterCar", {})
     session.advance(-0.0)
     assert str(session.time) == "0.0"
+
+
+@pytest.mark.parametrize("size", [5e-324, 1e-170, 1e-150, 1e-149])
+def test_the_shortest_steps_have_accelerations(size: float) -> None:
+    """Those read from the polynomial of the step are divided by the square of its length."""
+    session = Session("QuarterCar", {"initial.body_velocity": 1.0, "road.shape": "input"})
+    session.set_input("road_elevation", 0.01)
+    session.advance(size)
+    assert session.integrator.time == size
+    assert all(map(isfinite, session.integrator.sample_a))
 
 
 @pytest.mark.parametrize("model", MODELS)

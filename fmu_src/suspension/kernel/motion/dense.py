@@ -14,6 +14,7 @@ from ..language import Doubles, Size, inline
 from .motion import Motion
 
 _SEPTIC = 8  # terms of each coordinate
+_INSTANT = 1e-150  # s; a shorter step, whose square may be 0, is read as its end
 
 
 class Dense:
@@ -115,7 +116,7 @@ class Dense:
     def read(self, t: float) -> None:
         """Set q, v and a to their values at time t of the step."""
         h = self.end - self.start
-        if h <= 0.0:
+        if h <= _INSTANT:
             for i in range(self.n):
                 self.q[i], self.v[i], self.a[i] = self.qb[i], self.vb[i], self.ab[i]
             return

@@ -64,12 +64,13 @@ class Motion:
     def speed_in(self, h: float) -> float:
         """Return the largest velocity so far, including those of the attempt of length h, m/s.
 
-        These are the one at its end and the mean velocity, as a step may go from rest to rest.
+        These are the one at its end and the mean velocity, as a step may go from rest to rest. One that
+        ends on a switch where it starts has no length, and no mean.
         """
         speed = self.state.speed
         for i in range(self.outer):
             rounding = 1e-15 * (fabs(self.q[i]) + fabs(self.qb[i]))
-            mean = (fabs(self.qb[i] - self.q[i]) - rounding) / h
+            mean = (fabs(self.qb[i] - self.q[i]) - rounding) / h if h > 0.0 else 0.0
             speed = max(speed, fabs(self.vb[i]), mean)
         return speed
 
