@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Iterator
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -104,6 +105,7 @@ HISTORIES = {
 }
 
 Row = dict[str, Any]
+_ROW = "rerun.controls.RowId"
 
 
 def plain(batch: Any) -> list[Row]:
@@ -127,8 +129,9 @@ class Recorded:
         self.rows: dict[str, list[Row]] = {}
         for chunk in reader.stream():
             rows = plain(chunk.to_record_batch())
-            if chunk.is_static:
-                self.static[chunk.entity_path] = rows[0]
+            if chunk.is_static:  # the one made last counts, wherever it is in the file
+                known = self.static.get(chunk.entity_path, rows[0])
+                self.static[chunk.entity_path] = max(known, rows[0], key=itemgetter(_ROW))
             else:
                 self.rows.setdefault(chunk.entity_path, []).extend(rows)
         self.layout = [
