@@ -25,6 +25,7 @@ _ROUNDING = 1e-13  # of the largest f, and of the window's width
 _RINGS = 0.7 ** np.arange(13.0, -1.0, -1.0)  # about an equilibrium, of the room that it has
 _TURNS = 8  # trials of a turn about a centre, each from a quarter of the distance before
 _SPIRALS = 1e-6  # change of distance in a turn below which a motion returns to its start
+_MIRRORED = 1e-9  # of the largest f on a ring: a smaller difference between its halves is rounding
 _GRADUAL = 1e-6  # of the force: damping that begins with more than this begins at some distance
 _STRETCH = 3  # least number of grid points at rest that make a stretch
 
@@ -230,8 +231,8 @@ def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float) ->
     size = _RINGS[:, None] * room
     force = _largest(system.forces(x + np.array([room, -room]), np.zeros(2)))
     height = sqrt(force / room) if force > 0.0 else window.height / window.width
-    v = height * size * np.sin(angle)
-    lost = power(system, x + size * np.cos(angle), v)
+    away, v = size * np.cos(angle), height * size * np.sin(angle)
+    lost = power(system, x + away, v)
     (damped,) = np.nonzero(lost.any(axis=1))
     if not len(damped):
         return "centre"
@@ -241,6 +242,9 @@ def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float) ->
     gains, losses = bool((lost[first] < 0.0).any()), bool((lost[first] > 0.0).any())
     if losses != gains:
         return "stable focus" if losses else "unstable focus"
+    if _is_mirrored(system, x, away, v):
+        return "centre"
+    kind = "centre"
     for distance in room * 0.25 ** np.arange(_TURNS):
         start = np.array([x + distance])
         change, roughly = (
@@ -248,11 +252,21 @@ def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float) ->
             for tolerance in (1e-11, 1e-9)
         )
         if abs(change) < _SPIRALS:
-            return "centre"
-        # a turn may come too near to where motions part to be followed, or may not return
+            break
+        # a turn may come too near to where motions part to be followed, or may not return; a wide one
+        # may be beyond a limit cycle
         if abs(change - roughly) < 0.1 * abs(change):
-            return "stable focus" if change < 0.0 else "unstable focus"
-    return "centre"
+            kind = "stable focus" if change < 0.0 else "unstable focus"
+    return kind
+
+
+def _is_mirrored(system: PhaseSystem, x: float, away: Grid, v: Grid) -> bool:
+    """Return whether f is even in v, or odd about x: then so are motions, and turns are closed."""
+    f = system.forces(x + away, v)
+    with np.errstate(invalid="ignore"):  # outside the domain of f
+        allowed = _MIRRORED * np.abs(f).max(axis=1, keepdims=True)
+        mirrored = (system.forces(x + away, -v), -system.forces(x - away, v))
+        return any(bool((np.abs(f - other) <= allowed).all()) for other in mirrored)
 
 
 def kind_of(first: complex, second: complex) -> str:

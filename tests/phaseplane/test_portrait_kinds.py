@@ -129,7 +129,9 @@ def test_a_plane_turned_by_half_a_turn_has_the_same_kinds() -> None:
     [
         # the same with x and t reversed; but wide turns pass v = -1/10 too near to be followed
         ("x + 10*x*v", "centre"),
+        ("x + x*v + x^3*v", "centre"),
         ("x + 10*x*v - v^3", "unstable focus"),  # from wide turns it does not return
+        ("x + x^2*v - 5*v^5", "stable focus"),  # beyond its limit cycle motions spiral outwards
         ("x + v^3", "stable focus"),  # its damping begins with the third power
     ],
 )
