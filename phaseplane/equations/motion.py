@@ -17,6 +17,7 @@ from phaseplane.equations.switching import Mode, Switching
 _TOLERANCE = 1e-10
 # of the largest displacement and velocity so far: errors are relative to no less
 _LEAST_SIZE = 1e-2
+_TINIEST = 1e-290  # any unit: of smaller states, ten digits cannot be stored
 _SAMPLES = (0.2, 0.4, 0.6, 0.8, 1.0)  # parts of a step at which guards are read
 _ROUNDING = 1e-13  # of the state: margins no further below zero do not end a mode
 _COARSEST = 1e-6  # the same, where motions chatter
@@ -324,7 +325,7 @@ def _error(
         return inf
     errors = zip(made[2:], made[:2], state, largest, strict=True)
     return max(
-        abs(off) / (tolerance * max(abs(before), abs(after), _LEAST_SIZE * (most or 1.0)))
+        abs(off) / (tolerance * max(abs(before), abs(after), _LEAST_SIZE * (most or 1.0), _TINIEST))
         for off, after, before, most in errors
     )
 

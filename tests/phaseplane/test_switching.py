@@ -237,6 +237,13 @@ def test_a_motion_does_not_depend_on_the_units(text, start, length, time):
     assert moved(length, time) == pytest.approx(moved(1.0, 1.0), abs=1e-7)
 
 
+@pytest.mark.parametrize("start", [5e-324, 1e-310])
+def test_a_motion_that_is_too_small_for_ten_digits(start: float) -> None:
+    found = motion(Formula("x").switching, (start, 0.0), [0.0, 1.0, 2.0])
+    assert len(found.times) == 3
+    assert max(map(abs, found.displacements)) <= 1.01 * start
+
+
 def test_a_slide_that_has_come_to_rest_takes_no_short_steps():
     """On x + T x' = 0 at the origin nothing moves but rounding, whose error is none of the motion."""
     switching = Formula("sign(x + 0.3*v) - 0.3*max(0, sin(2.006*t))").switching
