@@ -182,7 +182,7 @@ class Session:
         ------
         ParameterError : no such input, or a value that is not finite.
         """
-        if name not in self._inputs:
+        if name not in self._inputs:  # asked here, as the sentence takes longer than the rest
             refuse_unknown([name], self._inputs, f"{self.model} has no input")
         if not isfinite(value):
             raise ParameterError(f"input {name} = {value}: must be finite")

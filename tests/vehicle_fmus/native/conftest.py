@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache, partial
@@ -50,6 +51,22 @@ def native_fmu(tmp_path_factory: pytest.TempPathFactory, compiler: str) -> Packe
             return _packed(pack, model, settings, text, tmp_path_factory.mktemp("native"))
 
     return packed
+
+
+@pytest.fixture
+def functions_shown(tmp_path: Path) -> Callable[[Path], list[str]]:
+    """The function that unpacks an FMU and lists what its library shows to a host, in order."""
+    nm = shutil.which("nm")
+    if nm is None:
+        pytest.skip("no nm, which comes with most compilers")
+
+    def shown(fmu: Path) -> list[str]:
+        (library,) = Path(extract(str(fmu), str(tmp_path)), "binaries").rglob("QuarterCar.*")
+        command = [nm, "-D", "--defined-only", str(library)]
+        said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        return sorted(said.split()[2::3])
+
+    return shown
 
 
 @pytest.fixture(scope="session")

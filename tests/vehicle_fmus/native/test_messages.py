@@ -70,7 +70,7 @@ def test_a_logger_that_does_not_format_gets_the_whole_text(
 
 
 CATEGORIES = ["logEvents", "logStatusWarning", "logStatusDiscard", "logStatusError"]
-# of each message in the run below, of which the last two are always told
+# of each message in the run below, of which the last is always told
 TOLD = {"no effect": "logStatusWarning", "lift-off": "logEvents", "an output": "logStatusError"}
 
 

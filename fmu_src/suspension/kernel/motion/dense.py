@@ -35,19 +35,11 @@ class Dense:
         self.motion, self.cubic, self.to_end = motion, cubic, to_end
         self.n = n = self.motion.n
         self.start = self.end = 0.0
-        self.qa, self.va, self.aa, self.ja = (
-            kept.zeros(n),
-            kept.zeros(n),
-            kept.zeros(n),
-            kept.zeros(n),
-        )
+        self.qa, self.va = kept.zeros(n), kept.zeros(n)
+        self.aa, self.ja = kept.zeros(n), kept.zeros(n)
         # at the end, before any switch there
-        self.qb, self.vb, self.ab, self.jb = (
-            kept.zeros(n),
-            kept.zeros(n),
-            kept.zeros(n),
-            kept.zeros(n),
-        )
+        self.qb, self.vb = kept.zeros(n), kept.zeros(n)
+        self.ab, self.jb = kept.zeros(n), kept.zeros(n)
         # the last values read
         self.q, self.v, self.a = place.zeros(n), place.zeros(n), place.zeros(n)
         self.terms = place.zeros(_SEPTIC * n)
