@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from ctypes import byref
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 from fmpy import extract, read_model_description
@@ -114,3 +115,14 @@ def car(quarter_car_folder: str) -> Host:
 @pytest.fixture
 def host() -> type[Host]:
     return Host
+
+
+@pytest.fixture
+def log_categories() -> Callable[[Path], list[str]]:
+    """The categories of messages that an extracted FMU declares, which older FMPy do not read."""
+
+    def declared(folder: Path) -> list[str]:
+        root = ElementTree.parse(folder / "modelDescription.xml")
+        return [one.attrib["name"] for one in root.iterfind("LogCategories/Category")]
+
+    return declared
