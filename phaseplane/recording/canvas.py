@@ -233,18 +233,16 @@ def _strips(points: Points, offsets: npt.NDArray[np.int32]) -> pa.Array:
     return pa.ListArray.from_arrays(offsets, batch.as_arrow_array(), type=_STRIPS)
 
 
-# for what the viewer does not show: some indices, a thin space, and dots over xi
+# for what the viewer does not show: a thin space, and dots over xi
 _INSTEAD = (
-    ("\u2098", "m"), ("\u209b", "s"), ("\u209c", "t"), ("\u2009", " "),
-    ("\u03be\u0308", "\u03be\u2033"), ("\u03be\u0307", "\u03be\u2032"),
+    ("\u2009", " "), ("\u03be\u0308", "\u03be\u2033"), ("\u03be\u0307", "\u03be\u2032"),
 )  # fmt: skip
-_NEGATIVE_POWER = re.compile("\u207b[\u2070\u00b9\u00b2\u00b3\u2074-\u2079]+")
 # All but the characters of the viewer's font. The viewer does not skip a missing glyph; it fails.
 _ILLEGIBLE = re.compile(
     "[^\n -~\u00a1-\u00ac\u00ae-\u0148\u014a-\u017f\u0232\u0233\u0304\u0307\u0308\u0391-\u03a1"
     "\u03a3-\u03c9\u0410-\u044f\u1e8b\u1e8d\u1e8f\u200b\u2010-\u2014\u2018\u2019\u201c\u201d\u2022"
-    "\u2026\u2032\u2033\u2070\u2074-\u2079\u2080-\u2089\u2190-\u2193\u2202\u2206\u2212\u221a\u221e"
-    "\u2248\u2260\u2264\u2265]"
+    "\u2026\u2032\u2033\u2070\u2074-\u2079\u207b\u2080-\u2089\u2098\u209b\u209c\u2190-\u2193\u2202\u2206"
+    "\u2212\u221a\u221e\u2248\u2260\u2264\u2265]"
 )
 
 
@@ -253,6 +251,4 @@ def legible(text: str) -> str:
     text = normalize("NFC", text)
     for unseen, instead in _INSTEAD:
         text = text.replace(unseen, instead)
-    if "\u207b" in text:  # 10^−5, as there is no raised minus
-        text = _NEGATIVE_POWER.sub(lambda found: f"^{normalize('NFKC', found[0])}", text)
     return _ILLEGIBLE.sub("?", text)
