@@ -22,7 +22,7 @@ from .curves import CURVES, draw_curves, draw_own_curves, draw_trails, words_at_
 from .frames import columns, table
 from .layers import Part
 from .letters import text_box
-from .page import TYPE, Arrow, Page
+from .page import PLATE, TYPE, Arrow, Page
 from .paper import Box, around
 from .quantities import Quantity, rate_unit
 from .step import draw_step, mark_events, write_letters
@@ -64,10 +64,11 @@ class Tick:
     time: float  # s
 
 
-def arms_page(drawing: Drawing, frames: StoredFrames | None = None) -> Page:
+def arms_page(drawing: Drawing, frames: StoredFrames | None = None, height: float = 1.0) -> Page:
     """Return the common arm of the turn angles, divided in centimetres of paper.
 
-    It is for nearly all normals, of some steps or of all: at an impact a foot may be far away.
+    It is for nearly all normals, of some steps or of all: at an impact a foot may be far away. The values
+    keep clear of each other in a pane of this relative height, too, in which type is as large.
     """
     frames = drawing.frames if frames is None else frames
     if any(curve.role == "construction" for curve in drawing.curves):
@@ -87,6 +88,13 @@ def arms_page(drawing: Drawing, frames: StoredFrames | None = None) -> Page:
     low, high = low - (0.5 + 1.8j) * em, high + (room + 0.5 + 2j) * em
     page = Page(Subject(drawing), Box((low + high) / 2.0, (high - low) / 2.0), em)
     draw_curves(page, list(dict.fromkeys(c.role for c in curves)))
+    kept: list[Box] = []
+    for value in [each for each in page.texts if each.kind == "value"]:
+        plate = text_box(value.centre, value.text, em / height).grown(PLATE * em / height)
+        if (plate.overlap(Box.of(kept)) > 0.0).any():
+            page.items.remove(value)
+        else:
+            kept.append(plate)
     return page
 
 

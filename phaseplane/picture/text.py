@@ -36,6 +36,7 @@ _EVENTS = {
 LETTER_OF_EVENT = {kind: letter for kind, (_, letter, _) in _EVENTS.items() if letter}
 # characters of a row and rows of a protocol in the pane of the text in a window of 1366x768
 _ROW, _MOST_ROWS = 75, 17
+_DIGITS = (4, 4, 4, 2)  # of a displacement, its rates, and its drift
 _NOTHING = 1e-12  # a smaller reading is one of rounding
 _DECIMALS = 5  # fewest decimals of a time in s
 _SHORTEST = 1e-11  # s: shorter steps add no decimals
@@ -115,9 +116,8 @@ def markdown(text: str) -> str:
 
 @lru_cache(maxsize=4096)
 def _row(name: str) -> str:
-    """Return the name of a row; the control of a body (AP57 eq. 25) is named after its motion."""
-    control = name.startswith("control_")
-    return markdown(in_words(name.removeprefix("control_")) + ", from its forces" * control)
+    """Return the name of a row; the control of a body (AP57 eq. 25) is below the row of its motion."""
+    return "from its forces" if name.startswith("control_") else markdown(in_words(name))
 
 
 def is_laid_over(frame: Frame) -> bool:
@@ -165,7 +165,7 @@ def _table_form(
     lines = []
     for row in rows:
         cells = [
-            f"%.4g {'' if i or units[row[i]] == heads[0] else units[row[i]]}".rstrip()
+            f"%.{_DIGITS[i]}g {'' if i or units[row[i]] == heads[0] else units[row[i]]}".rstrip()
             if row[i]
             else ""
             for i in columns

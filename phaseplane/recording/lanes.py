@@ -77,10 +77,15 @@ def lanes_of(content: Content) -> dict[str, Lane]:
     return {name: lane for name, lane in found.items() if lane.active.any()}
 
 
+def lanes_shown(content: Content) -> int:
+    """Return how many lanes have room."""
+    return min(len(lanes_of(content)), _MOST_SEEN)
+
+
 def lanes_height(content: Content) -> float:
-    """Return the height of a few lanes in the viewer, in pixels; zero without lanes."""
-    lanes = min(len(lanes_of(content)), _MOST_SEEN)
-    return 55.0 + 45.0 * lanes if lanes else 0.0
+    """Return the height of the lanes that have room in the viewer, in pixels; zero without lanes."""
+    lanes = lanes_shown(content)
+    return 59.0 + 35.0 * lanes if lanes else 0.0
 
 
 def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:

@@ -29,13 +29,13 @@ from .steps import ARMS, CHART, SHEET, WORDS
 _STAGES_PER_SECOND = 1.0
 _LONGEST = 60.0  # s that the viewer takes to play the motion
 _LIVE = 1.0  # s of a live run that are drawn in full
-_NOTE = 0.4  # height of a note, relative to what is below it
+_NOTE = 0.44  # height of a note of seven rows, relative to what is below it
 _ROUNDING = 1e-6  # of the range of a plot: an end that is as good as zero
 
 # heights in a window of 1366x768, pixels: of the side view and the turn angles, and of the plots, each
-# without and with the text of steps; and of that text
+# without and with the text of steps; and of that text; together they fill what lanes leave of a column
 _BESIDE, _PLOTS, _WORDS = (280.0, 108.0), (420.0, 145.0), 388.0
-_TEXT_WIDTH = 450.0  # of that text beside a narrow sheet
+_TEXT_WIDTH = 470.0  # of that text beside a narrow sheet, with a table of five columns
 _FRAME, _NAME = 60.0, 23.0  # heights of what is around the names in a plot, and of a name
 
 Part = tuple[float, rrb.View | rrb.Container]
@@ -67,16 +67,15 @@ def blueprint(recorder: Recorder) -> rrb.Blueprint:
     elif recorder.note:  # a few lines, above what they are about
         height = _NOTE * sum(share for share, _ in others)
         text.append((height or 1.0, rrb.TextDocumentView(origin=WORDS, name="what is seen")))
-    height = lanes_height(content)
-    if height:
-        time = None if content.live else _whole_time()
-        lanes = rrb.StateTimelineView(origin=LANES, name="lanes", time_view=time)
-        (others or sheet).append((height, lanes))
     width = SHEET_WIDTH[narrow]
     beside = {WINDOW_WIDTH - width: text + others}
     if apart:
         beside = {_TEXT_WIDTH: text + plots, WINDOW_WIDTH - width - _TEXT_WIDTH: others}
     columns = {width: parts for width, parts in ({width: sheet} | beside).items() if parts}
+    height = lanes_height(content)
+    if height:
+        *_, above = columns.values() or [columns.setdefault(width, [])]
+        above.append((_share(height, above), _lanes(content)))
     if not columns and not content.live:
         views = ", ".join(content.views) or "none"
         raise ValueError(f"nothing of {content.title!r} is to be seen in its views: {views}")
@@ -91,6 +90,16 @@ def blueprint(recorder: Recorder) -> rrb.Blueprint:
 def _column(parts: Sequence[Part]) -> rrb.View | rrb.Container:
     shares, views = zip(*parts, strict=True)
     return views[0] if len(views) == 1 else rrb.Vertical(*views, row_shares=list(shares))
+
+
+def _share(height: float, above: Sequence[Part]) -> float:
+    """Return the share of a height in pixels below parts that fill the rest of a column."""
+    return height * (sum(share for share, _ in above) or 1.0) / (SHEET_HEIGHT - height)
+
+
+def _lanes(content: Content) -> rrb.View:
+    time = None if content.live else _whole_time()
+    return rrb.StateTimelineView(origin=LANES, name="lanes", time_view=time)
 
 
 def _views(recorder: Recorder) -> list[Part]:

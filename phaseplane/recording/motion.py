@@ -27,6 +27,7 @@ from .content import Content
 
 _HALF_WIDTH = 0.1  # half width of a plane, m of paper
 _CLOSE, _ACROSS = 0.25, 0.51  # distances between the origins of planes, m of paper
+_MARGIN = 0.15  # around the motion, at most, as a part of its larger side
 _MOST = 2000  # vertices of a motion that texts keep clear of
 _AT_REST = 1e-3  # of the largest motion with the same unit
 # of a window of 1366x768, pixels: its width, that of the sheet, and of one of four planes, each below the
@@ -147,7 +148,7 @@ def pages_of(content: Content) -> list[Page]:
         if not planes:
             return []
         motions, known = [_corners(plane, content) for plane in planes], len(content.times) > 1
-        views = [around(of, 0.15) for of in (np.concatenate(motions), *motions)]
+        views = [_view_of(of) for of in (np.concatenate(motions), *motions)]
         if known:
             few = thinned(content.histories, _MOST)
             curves = [z[np.isfinite(z)] for z in (plane.motion(few) for plane in planes)]
@@ -165,6 +166,12 @@ def pages_of(content: Content) -> list[Page]:
     draw_axes(pages[0])
     draw_curves(pages[0])
     return pages
+
+
+def _view_of(motion: Points) -> Box:
+    """Return the view of one or more planes; beyond the outer ones is as much room as between two."""
+    size = max(np.ptp(motion.real), np.ptp(motion.imag)) or 1.0
+    return around(motion, min(_MARGIN, (0.5 * _ACROSS - _HALF_WIDTH) / size))
 
 
 def _corners(state_plane: StatePlane, content: Content) -> Points:

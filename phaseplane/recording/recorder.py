@@ -24,12 +24,15 @@ from .canvas import Viewer, legible, send
 from .clock import Clock, seconds
 from .content import Content
 from .histories import log_series, panels_of, send_at_ticks, send_histories, send_readings
-from .lanes import send_lanes
-from .motion import pages_of, state_planes, thinned
+from .lanes import lanes_shown, send_lanes
+from .motion import is_narrow, pages_of, state_planes, thinned
 from .side_view import log_vehicle, send_vehicle, vehicle_of
 from .steps import ARMS, CHART, SHEET, SLICE, WORDS, send_steps
 
 _PATIENCE = 60.0  # s; once its writer has failed, rerun may wait for it for ever
+# heights of the pane of the turn angles, relative to that for which they are drawn: above so many lanes,
+# and in a column beside the text
+_ABOVE_LANES, _APART = (1.0, 0.8, 0.73), 1.3
 MOST_ROWS = 4000
 """Rows of a run that are drawn in its planes."""
 
@@ -76,7 +79,11 @@ class Recorder:
     def arms_page(self) -> Page | None:
         """The arm of the turn angles, if steps are drawn."""
         drawing = self.content.constructed if self.content.detail != "trail" else None
-        return arms_page(drawing) if drawing is not None else None
+        if drawing is None:
+            return None
+        content = self.content
+        high = _APART if is_narrow(content) else _ABOVE_LANES[lanes_shown(content)]
+        return arms_page(drawing, height=high)
 
     @cached_property
     def quantities(self) -> dict[str, Quantity | None]:

@@ -199,3 +199,13 @@ def test_a_plane_at_rest_has_the_scale_of_those_that_move() -> None:
     near = [z for z in beside if abs(z.real) < 0.14]
     assert any(abs(z.real) > abs(z.imag) for z in near)
     assert any(abs(z.imag) > abs(z.real) for z in near)
+
+
+def test_many_planes_of_a_run_fill_their_sheet() -> None:
+    """Beyond the outer ones is only as much room as between two: those of a full car were small."""
+    columns = {f"{part}{i}": np.sin(20.0 * TIME) for i in range(15) for part in ("y", "v")}
+    pairs = tuple((f"y{i}", f"v{i}") for i in range(15))
+    shown = Content("a run", histories={"time": TIME, **columns}, pairs=pairs)
+    whole, *_ = pages_of(shown)
+    motion = np.concatenate(whole.subject.motions)
+    assert np.ptp(motion.real) > 0.85 * 2.0 * whole.view.half.real

@@ -12,7 +12,7 @@ from driven import MOTION, QUARTER, TIME
 from recorded import content, drawing, read_back
 
 from phaseplane.constructions import EquationPlane, construct_motion, delta
-from phaseplane.recording import Content
+from phaseplane.recording import Content, Vehicle
 from phaseplane.recording.histories import panels_of
 from phaseplane.recording.layout import blueprint
 from phaseplane.recording.motion import pages_of
@@ -62,6 +62,20 @@ def test_lanes_show_the_whole_time_and_leave_the_sheet_its_whole_height(tmp_path
             assert scale * page.em > 16.0
             assert page.view.half.imag * scale > 0.49 * high
             assert page.view.half.real * scale > 0.47 * wide
+
+
+@pytest.mark.parametrize("vehicle", [None, QUARTER])
+@pytest.mark.parametrize(("wheels", "high"), [(0, 90.0), (1, 128.0), (2, 128.0)])
+def test_lanes_and_the_note_above_them_have_room(
+    wheels: int, high: float, vehicle: Vehicle | None
+) -> None:
+    """Seen in a window of 1366x768, where lanes were cut off below a vehicle; the motion has one, too."""
+    off = {f"wheel{i}_airborne": TIME > 0.2 for i in range(wheels)}
+    shown = Content("a run", histories={**MOTION, **off}, vehicle=vehicle)
+    (column,) = blueprint(Recorder(new_recording(shown), shown)).root_container.contents
+    note, *_, lanes = (700.0 * share / sum(column.row_shares) for share in column.row_shares)
+    assert high <= lanes <= high + 6.0
+    assert note >= 173.0
 
 
 @pytest.mark.parametrize(("axles", "named"), [(2, True), (3, False)])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from itertools import product
+from itertools import product, zip_longest
 from textwrap import wrap
 
 import pytest
@@ -16,7 +16,7 @@ from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.constructions import RULES
 from phaseplane.picture.story import arms_page, story_of, told_steps
 from phaseplane.picture.subject import read_off
-from phaseplane.picture.text import control_text, end_text, step_head, step_texts
+from phaseplane.picture.text import control_text, end_text, readings_table, step_head, step_texts
 from phaseplane.recording import Content
 from phaseplane.recording.layout import blueprint
 from phaseplane.recording.motion import pages_of
@@ -42,6 +42,31 @@ def text_height(text: str) -> float:
         else:
             height += 15 * max(1, len(wrap(plain, 82)))
     return height + (8 if "|" in text else 0)
+
+
+def table_width(text: str) -> float:
+    """The width of a table in the viewer with its frame and the pane's, in pixels.
+
+    As seen there: a letter takes up 5.8 pixels, a character of a number 6.9, and a column 8 more.
+    """
+    rows = [line.strip("| ").split(" | ") for line in text.split("\n") if line.startswith("| ")]
+    columns = list(zip_longest(*rows, fillvalue=""))
+    names = max((5.8 * len(name) for name in columns[0]), default=0.0) if columns else 0.0
+    return 38.0 + names + sum(8.0 + 6.9 * max(map(len, cells)) for cells in columns[1:])
+
+
+@pytest.mark.parametrize("name", ["ap57", "half_car_pitch"])
+def test_a_table_of_readings_is_at_most_as_wide_as_its_pane(name: str) -> None:
+    """The drift, in the last column, was cut off where four planes leave less room for the text."""
+    drawing = drawing_of(name)
+    shown = Content(name, drawing, readings(drawing))
+    recorder = Recorder(rr.RecordingStream("layout"), shown)
+    width = blueprint(recorder).root_container.column_shares[1]
+    drifts = {f"{plane.name}_drift": 1.386e-6 for plane in drawing.planes}
+    quantities = recorder.quantities | {name: recorder.quantities[name[:-6]] for name in drifts}
+    for frame in drawing.frames[::20]:
+        text = readings_table({**frame.readings, **drifts}, quantities)
+        assert table_width(text) <= width, text
 
 
 @pytest.mark.slow

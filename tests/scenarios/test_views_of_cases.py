@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 import rerun as rr
@@ -13,6 +15,7 @@ from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.two_planes import STUCK
 from phaseplane.picture.frames import motions_of, table
+from phaseplane.picture.letters import text_box
 from phaseplane.picture.story import arms_page
 from phaseplane.picture.views import gathered, motion_points, view_of
 from phaseplane.recording import Content
@@ -42,6 +45,26 @@ def test_the_turn_angles_fit_their_pane_with_type_of_its_size(name: str) -> None
     assert 2.0 * page.view.half.imag / page.em <= (120.0 - 25.0) / 16.75 + 0.05
     lowest = min(text.centre.imag for text in page.texts) - (3.0 + 0.5 * 23.0) / 16.75 * page.em
     assert lowest >= page.view.corners[0].imag
+
+
+@pytest.mark.parametrize("name", ["ap57", "speed_bump", "half_car_pitch"])
+def test_values_of_the_turn_angles_are_told_apart_above_lanes(name: str) -> None:
+    """Type is as large in a pane that is lower: 60 and 80 cm were read as 6080 cm."""
+    drawing = drawing_of(name)
+    recorder = Recorder(
+        rr.RecordingStream("arms"), of_scene(load_scene(name, [], expect=False), drawing)
+    )
+    column = blueprint(recorder).root_container.contents[-1]
+    arms = next(k for k, part in enumerate(column.contents) if isinstance(part, rrb.Container))
+    height = 700.0 * column.row_shares[arms] / sum(column.row_shares)
+    if isinstance(column.contents[arms], rrb.Vertical):  # the side view is above them
+        height /= 2.0
+    page = recorder.arms_page
+    pixels = (height - 25.0) / (2.0 * page.view.half.imag)
+    values = [text for text in page.texts if text.kind == "value"]
+    plates = [text_box(pixels * v.centre, v.text, 16.75).grown(0.25 * 16.75) for v in values]
+    assert len(values) > 1
+    assert not any(one.overlap(other) for one, other in combinations(plates, 2))
 
 
 @pytest.mark.sampled
