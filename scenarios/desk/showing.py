@@ -24,6 +24,8 @@ from ..scene.loading import load_scene
 from .picture import Picture
 from .run import settings
 
+_WINDOW = 768.0  # height of a window in which nothing of a recording is cut off, pixels
+
 _open = ExitStack()  # servers and their files, until the notebook ends
 atexit.register(_open.close)
 
@@ -67,7 +69,7 @@ def show(
     kind : name of a figure, such as `phase_planes`, `storyboard` or `figure7`; `animation`; or
         `recording`, which is served to this machine only until the notebook ends
     at_step : step that a figure of one step shows
-    height : of a recording, in pixels
+    height : of a recording, in pixels; below 768 it is shown smaller
     look : dark, width (m, or a string such as "85mm"), font, mono, headed; see `figures.Look`
 
     Raises
@@ -93,5 +95,13 @@ def show(
     path = Path(_open.enter_context(TemporaryDirectory())) / f"{found.name}.rrd"
     recording.record(of_scene(found, drawing), path)
     server = _open.enter_context(recording.serving([path]))
-    frame = f'<iframe src="{escape(server.page)}" width="100%" height="{height}"></iframe>'
-    return Page(frame, path)
+    return Page(_frame(server.page, height), path)
+
+
+def _frame(address: str, height: int) -> str:
+    """Return the viewer as HTML, smaller if the height is less than what shows a whole recording."""
+    scale = min(1.0, max(height, 1) / _WINDOW)
+    size = f"width:{100.0 / scale:.2f}%;max-width:none;height:{height / scale:.0f}px"
+    smaller = f"transform:scale({scale:.4f});transform-origin:0 0"
+    frame = f'<iframe src="{escape(address)}" style="border:0;{size};{smaller}"></iframe>'
+    return f'<div style="height:{height}px;overflow:hidden">{frame}</div>'

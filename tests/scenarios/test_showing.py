@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from urllib.request import urlopen
 
 import pytest
@@ -35,12 +36,25 @@ def test_a_recording_is_served_to_this_machine() -> None:
     shown = show("ap57", SHORT, "recording", height=300)
     assert isinstance(shown, Page)
     html = shown._repr_html_()
-    assert 'height="300"' in html
+    assert html.startswith('<div style="height:300px;')
     address = html.split('src="')[1].split('"')[0]
     assert address.startswith("http://127.0.0.1:")
     with urlopen(address.split("?")[0]) as page:
         assert page.status == 200
     showing._open.close()  # as at the end of a notebook
+
+
+@pytest.mark.parametrize("height", [640, 768, 1000])
+def test_nothing_of_a_recording_is_cut_off_in_a_notebook(height: int) -> None:
+    """In a frame of 640 pixels the present stage was below its pane, and lanes were half seen."""
+    html = showing._frame("http://127.0.0.1:9090", height)
+    inner, across, scale = (
+        float(re.search(pattern, html.partition("iframe")[2])[1])
+        for pattern in (r";height:(\d+)px", r"[^-]width:([\d.]+)%", r"scale\(([\d.]+)\)")
+    )
+    assert inner >= 768.0
+    assert inner * scale == pytest.approx(height, abs=1.0)
+    assert across * scale == pytest.approx(100.0, abs=0.1)
 
 
 def test_what_cannot_be_shown_is_refused() -> None:
