@@ -189,8 +189,8 @@ def body_force(where: str = "") -> Variable:
 
 
 PAYLOAD = parameter(
-    "payload", 0.0, "mass added to the body over the axle. The body sinks under it, and all motion and "
-    "forces are from the loaded equilibrium; springs, tables and gaps of the stops stay given from the "
+    "payload", 0.0, "mass added to the body over the axle. Motion and forces are measured from the "
+    "equilibrium of the loaded vehicle; springs, tables and gaps of the stops from that of the "
     "unloaded one, the design position", "kg", minimum=0.0,
 )  # fmt: skip
 ACTUATOR_FORCE = Variable(

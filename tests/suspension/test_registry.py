@@ -115,6 +115,17 @@ def test_every_model_has_its_files() -> None:
         assert content.picture_file(name).read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.parametrize("name", FILES)
+def test_the_page_of_a_model_names_every_mass_and_every_force_on_it(name: str) -> None:
+    named = {
+        v.name.replace("rear", "front")  # "rear likewise"
+        for v in ALL[name].variables
+        if (v.causality, v.unit) in {("parameter", "kg"), ("input", "N")}
+        or v.name.endswith("force.table")
+    }
+    assert not {each for each in named if not re.search(rf"\b{each}\b", ALL[name].page)}
+
+
 @pytest.mark.slow
 def test_no_other_file_of_models_and_fmus_depends_on_a_models_name() -> None:
     """What depends on one would have to be changed for the next."""

@@ -91,7 +91,7 @@ the same direction; the spring force opposes a positive displacement.</p>
 <p class="equation">q&#775; = <i>k</i><sub>0</sub> u&#775; in the elastic range, &emsp;
 q&#775; = <i>h</i> u&#775; while it yields.</p>
 <p>It yields from the time at which <i>q</i> reaches the yield force until the velocity reverses; then it is
-elastic again, with a permanent set. With <i>h</i> = 0 it is ideally plastic; with <i>h</i> &gt; 0 the elastic
+elastic again, with a permanent set. With <i>h</i> = 0 it is perfectly plastic; with <i>h</i> &gt; 0 the elastic
 range shifts without changing its size (kinematic hardening).</p>
 <table>
 <tr><th>Symbol</th><th>Meaning</th><th>Variable</th></tr>

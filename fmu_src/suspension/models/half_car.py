@@ -115,21 +115,21 @@ pull the body down and the wheels up.</p>
 &Phi;<i><sub>i</sub></i>(y&#775;<i><sub>i</sub></i>, <i>y<sub>i</sub></i>) +
 <i>F<sub>i</sub></i>(<i>y<sub>i</sub></i>) (AP57 eq. 1):</p>
 <p class="equation"><i>M</i><sub>1</sub> x&#776;<sub>11</sub> + <i>M</i><sub>3</sub> x&#776;<sub>21</sub> +
-<i>S</i><sub>1</sub> = <i>p b</i>/<i>L</i></p>
+<i>S</i><sub>1</sub> = <i>p b</i>/<i>L</i> + <i>f</i><sub>1</sub></p>
 <p class="equation"><i>M</i><sub>3</sub> x&#776;<sub>11</sub> + <i>M</i><sub>2</sub> x&#776;<sub>21</sub> +
-<i>S</i><sub>2</sub> = <i>p a</i>/<i>L</i></p>
+<i>S</i><sub>2</sub> = <i>p a</i>/<i>L</i> + <i>f</i><sub>2</sub></p>
 <p class="equation"><i>m<sub>i</sub></i> x&#776;<sub><i>i</i>2</sub> &minus; <i>S<sub>i</sub></i> +
-<i>T<sub>i</sub></i> = 0</p>
+<i>T<sub>i</sub></i> = &minus;<i>f<sub>i</sub></i></p>
 <p class="equation"><i>T<sub>i</sub></i> = <i>c</i><sub>2<i>i</i></sub> (<i>x</i><sub><i>i</i>2</sub>
 &minus; &xi;<i><sub>i</sub></i>) + <i>k</i><sub>2<i>i</i></sub> (x&#775;<sub><i>i</i>2</sub> &minus;
 &xi;&#775;<i><sub>i</sub></i>) on the road</p>
 <p>with the body's masses over the axles</p>
 <p class="equation"><i>M</i><sub>1</sub> = (&rho;<sup>2</sup> + <i>b</i><sup>2</sup>)
-<i>M</i>/<i>L</i><sup>2</sup>, &emsp; <i>M</i><sub>2</sub> = (&rho;<sup>2</sup> + <i>a</i><sup>2</sup>)
-<i>M</i>/<i>L</i><sup>2</sup>, &emsp; <i>M</i><sub>3</sub> = (<i>a b</i> &minus; &rho;<sup>2</sup>)
+<i>M</i>/<i>L</i><sup>2</sup> + <i>M<sub>p</sub></i><sub>1</sub>, &emsp; <i>M</i><sub>2</sub> = (&rho;<sup>2</sup> + <i>a</i><sup>2</sup>)
+<i>M</i>/<i>L</i><sup>2</sup> + <i>M<sub>p</sub></i><sub>2</sub>, &emsp; <i>M</i><sub>3</sub> = (<i>a b</i> &minus; &rho;<sup>2</sup>)
 <i>M</i>/<i>L</i><sup>2</sup>.</p>
-<p>At rest the tyres carry <i>N</i><sub>1</sub> = (<i>b M</i>/<i>L</i> + <i>m</i><sub>1</sub>) <i>g</i> and
-<i>N</i><sub>2</sub> = (<i>a M</i>/<i>L</i> + <i>m</i><sub>2</sub>) <i>g</i>. With <code>contact</code> =
+<p>At rest the tyres carry <i>N</i><sub>1</sub> = (<i>b M</i>/<i>L</i> + <i>M<sub>p</sub></i><sub>1</sub> + <i>m</i><sub>1</sub>) <i>g</i> and
+<i>N</i><sub>2</sub> = (<i>a M</i>/<i>L</i> + <i>M<sub>p</sub></i><sub>2</sub> + <i>m</i><sub>2</sub>) <i>g</i>. With <code>contact</code> =
 <code>gap</code> (the default) a wheel leaves the road when its contact force <i>N<sub>i</sub></i> &minus;
 <i>T<sub>i</sub></i> falls to zero or a gap opens under the tyre, and touches down when the gap closes; with
 <code>force</code> it is on the road whenever that force is positive. In flight <i>T<sub>i</sub></i> = <i>N<sub>i</sub></i>. The rear axle
@@ -139,6 +139,8 @@ are two <code>QuarterCar</code>.</p>
 <tr><th>Symbol</th><th>Meaning</th><th>Variable</th></tr>
 <tr><td>M, &rho;</td><td>mass of the whole body; its radius of gyration in pitch</td>
 <td>sprung_mass, pitch_radius_of_gyration</td></tr>
+<tr><td>M<sub>p</sub>&#8321;, M<sub>p</sub>&#8322;</td><td>payload over the axles</td>
+<td>front.payload, rear.payload</td></tr>
 <tr><td>m&#8321;, m&#8322;</td><td>wheel and axle share</td>
 <td>front.unsprung_mass, rear.unsprung_mass</td></tr>
 <tr><td>a, b, L</td><td>centre of gravity to front and rear axle; wheelbase</td>
@@ -157,7 +159,9 @@ front_damper_force; rear likewise</td></tr>
 <tr><td>T; c&#8322;, k&#8322;</td><td>tyre force; its stiffness and damping</td>
 <td>front_tyre_force; front.tyre.stiffness, front.tyre.damping; rear likewise</td></tr>
 <tr><td>v, g, p</td><td>speed; gravitational acceleration; upward force on the body at its centre of
-gravity</td><td>speed, gravity, body_force</td></tr>
+gravity</td><td>speed, gravity, body_force + body_force.table</td></tr>
+<tr><td>f&#8321;, f&#8322;</td><td>forces of actuators, push the body up and the wheels down</td>
+<td>front_actuator_force, rear_actuator_force</td></tr>
 </table>"""
 
 _PICTURE = """\

@@ -80,13 +80,13 @@ body down.</p>
 <i>y<sub>i</sub></i> = <i>x<sub>i</sub></i> &minus; &xi;<i><sub>i</sub></i> (AP57 eq. 33; the masses, eq. 1):</p>
 <p class="equation"><i>M</i><sub>1</sub> x&#776;<sub>1</sub> + <i>M</i><sub>3</sub> x&#776;<sub>2</sub> +
 &Phi;<sub>1</sub>(y&#775;<sub>1</sub>, <i>y</i><sub>1</sub>) + <i>F</i><sub>1</sub>(<i>y</i><sub>1</sub>) =
-<i>p b</i>/<i>L</i></p>
+<i>p b</i>/<i>L</i> + <i>f</i><sub>1</sub></p>
 <p class="equation"><i>M</i><sub>3</sub> x&#776;<sub>1</sub> + <i>M</i><sub>2</sub> x&#776;<sub>2</sub> +
 &Phi;<sub>2</sub>(y&#775;<sub>2</sub>, <i>y</i><sub>2</sub>) + <i>F</i><sub>2</sub>(<i>y</i><sub>2</sub>) =
-<i>p a</i>/<i>L</i></p>
+<i>p a</i>/<i>L</i> + <i>f</i><sub>2</sub></p>
 <p class="equation"><i>M</i><sub>1</sub> = (&rho;<sup>2</sup> + <i>b</i><sup>2</sup>)
-<i>M</i>/<i>L</i><sup>2</sup>, &emsp; <i>M</i><sub>2</sub> = (&rho;<sup>2</sup> + <i>a</i><sup>2</sup>)
-<i>M</i>/<i>L</i><sup>2</sup>, &emsp; <i>M</i><sub>3</sub> = (<i>a b</i> &minus; &rho;<sup>2</sup>)
+<i>M</i>/<i>L</i><sup>2</sup> + <i>M<sub>p</sub></i><sub>1</sub>, &emsp; <i>M</i><sub>2</sub> = (&rho;<sup>2</sup> + <i>a</i><sup>2</sup>)
+<i>M</i>/<i>L</i><sup>2</sup> + <i>M<sub>p</sub></i><sub>2</sub>, &emsp; <i>M</i><sub>3</sub> = (<i>a b</i> &minus; &rho;<sup>2</sup>)
 <i>M</i>/<i>L</i><sup>2</sup></p>
 <p>For &rho;<sup>2</sup> = <i>a b</i> the two axles are two <code>OneDof</code>. The rear axle meets the
 road of the front axle <i>L</i>/<i>v</i> later.</p>
@@ -94,6 +94,8 @@ road of the front axle <i>L</i>/<i>v</i> later.</p>
 <tr><th>Symbol</th><th>Meaning</th><th>Variable</th></tr>
 <tr><td>M, &rho;</td><td>mass of the whole body; its radius of gyration in pitch</td>
 <td>sprung_mass, pitch_radius_of_gyration</td></tr>
+<tr><td>M<sub>p</sub>&#8321;, M<sub>p</sub>&#8322;</td><td>payload over the axles</td>
+<td>front.payload, rear.payload</td></tr>
 <tr><td>a, b, L</td><td>centre of gravity to front and rear axle; wheelbase</td>
 <td>cg_to_front, cg_to_rear; their sum</td></tr>
 <tr><td>x&#8321;, x&#8322;</td><td>body over the front and the rear axle</td>
@@ -106,7 +108,9 @@ road of the front axle <i>L</i>/<i>v</i> later.</p>
 <td>front_spring_force + front_bump_stop_force + front_rebound_stop_force + front_friction_force;
 front_damper_force; rear likewise</td></tr>
 <tr><td>v, p</td><td>speed; upward force on the body at its centre of gravity</td>
-<td>speed, body_force</td></tr>
+<td>speed, body_force + body_force.table</td></tr>
+<tr><td>f&#8321;, f&#8322;</td><td>forces of actuators, push the body up</td>
+<td>front_actuator_force, rear_actuator_force</td></tr>
 </table>"""
 
 _PICTURE = """\

@@ -64,20 +64,21 @@ The start values are those of the worked example of AP57 section 8. Displacement
 and, like the forces, measured from static equilibrium; forces are positive in extension, that is, they
 pull the body down.</p>
 <p>With <i>y</i> = <i>x</i> &minus; &xi; (AP57 eq. 2):</p>
-<p class="equation"><i>M</i> x&#776; + &Phi;(y&#775;, <i>y</i>) + <i>F</i>(<i>y</i>) = <i>p</i></p>
+<p class="equation"><i>M</i> x&#776; + &Phi;(y&#775;, <i>y</i>) + <i>F</i>(<i>y</i>) = <i>p</i> + <i>f</i></p>
 <p>where <i>F</i>(<i>y</i>) = <i>c</i> <i>y</i> + <i>G</i>(<i>y</i>) is the force of the spring, the end stops
 and dry friction, which can stick. In terms of the deflection, with &Omega;<sup>2</sup> = <i>c</i>/<i>M</i> (AP57 eq. 3):</p>
 <p class="equation">y&#776; + &Phi;(y&#775;, <i>y</i>)/<i>M</i> + &Omega;<sup>2</sup> <i>y</i> +
-<i>G</i>(<i>y</i>)/<i>M</i> = <i>p</i>/<i>M</i> &minus; &xi;&#776;</p>
+<i>G</i>(<i>y</i>)/<i>M</i> = (<i>p</i> + <i>f</i>)/<i>M</i> &minus; &xi;&#776;</p>
 <table>
 <tr><th>Symbol</th><th>Meaning</th><th>Variable</th></tr>
-<tr><td>M</td><td>body share on one wheel</td><td>sprung_mass</td></tr>
+<tr><td>M</td><td>body share on one wheel, with its payload</td><td>sprung_mass + payload</td></tr>
 <tr><td>x, y</td><td>body, suspension deflection</td>
 <td>body_displacement, suspension_deflection</td></tr>
 <tr><td>&xi;</td><td>road under the suspension</td><td>ground_elevation</td></tr>
 <tr><td>F, &Phi;</td><td>spring with end stops and dry friction; damper</td>
 <td>spring_force + bump_stop_force + rebound_stop_force + friction_force; damper_force</td></tr>
-<tr><td>p</td><td>external force on the body, upwards</td><td>body_force</td></tr>
+<tr><td>p</td><td>external force on the body, upwards</td><td>body_force + body_force.table</td></tr>
+<tr><td>f</td><td>force of an actuator, pushes the body up</td><td>actuator_force</td></tr>
 </table>"""
 
 _PICTURE = """\

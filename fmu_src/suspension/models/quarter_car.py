@@ -80,17 +80,17 @@ def system(p: Mapping[str, Value]) -> System:
 
 
 _PAGE = """\
-<p>Body and wheel of one corner of a vehicle with elastic coupling, on a tyre that cannot pull on the
-road (AP57 sections 4, 5 and 8). The start values are those of the worked example of AP57 section 8.
-Displacements are positive upwards and, like the forces, measured from static equilibrium; forces are
-positive in extension, that is, they pull the body down and the wheel up.</p>
+<p>Body and wheel of one corner of a vehicle, on a tyre that cannot pull on the road (AP57 sections 4, 5
+and 8). The start values are those of the worked example of AP57 section 8. Displacements are positive
+upwards and, like the forces, measured from static equilibrium; forces are positive in extension, that
+is, they pull the body down and the wheel up.</p>
 <p>On the road (AP57 eqs. 12, 13), with <i>y</i> = <i>x</i><sub>1</sub> &minus;
 <i>x</i><sub>2</sub>:</p>
 <p class="equation"><i>M</i> x&#776;<sub>1</sub> + &Phi;(y&#775;, <i>y</i>) + <i>F</i>(<i>y</i>) =
-<i>p</i></p>
+<i>p</i> + <i>f</i></p>
 <p class="equation"><i>m</i> x&#776;<sub>2</sub> &minus; &Phi;(y&#775;, <i>y</i>) &minus; <i>F</i>(<i>y</i>) +
 <i>k</i><sub>2</sub> x&#775;<sub>2</sub> + <i>c</i><sub>2</sub> <i>x</i><sub>2</sub> =
-<i>h</i><sub>2</sub>(<i>t</i>), &emsp; <i>h</i><sub>2</sub> = <i>c</i><sub>2</sub> &xi; +
+<i>h</i><sub>2</sub>(<i>t</i>) &minus; <i>f</i>, &emsp; <i>h</i><sub>2</sub> = <i>c</i><sub>2</sub> &xi; +
 <i>k</i><sub>2</sub> &xi;&#775;</p>
 <p>where <i>F</i>(<i>y</i>) = <i>c</i><sub>1</sub> <i>y</i> + <i>G</i>(<i>y</i>) (AP57 eq. 14) is the force of
 the spring, the end stops and dry friction, which can stick. The road pushes on the tyre with the contact
@@ -102,13 +102,13 @@ force</p>
 or a gap opens under the tyre, and touches down when the gap closes; with <code>force</code> it is on the road
 whenever <i>N</i> is positive (AP57 eqs. 26 to 28). In flight (AP57 eq. 29):</p>
 <p class="equation"><i>M</i> x&#776;<sub>1</sub> + &Phi;(y&#775;, <i>y</i>) + <i>F</i>(<i>y</i>) =
-<i>p</i></p>
+<i>p</i> + <i>f</i></p>
 <p class="equation"><i>m</i> x&#776;<sub>2</sub> &minus; &Phi;(y&#775;, <i>y</i>) &minus; <i>F</i>(<i>y</i>) =
-&minus;(<i>M</i> + <i>m</i>) <i>g</i></p>
+&minus;(<i>M</i> + <i>m</i>) <i>g</i> &minus; <i>f</i></p>
 <table>
 <tr><th>Symbol</th><th>Meaning</th><th>Variable</th></tr>
-<tr><td>M, m</td><td>body share on one wheel; wheel and axle share</td>
-<td>sprung_mass, unsprung_mass</td></tr>
+<tr><td>M, m</td><td>body share on one wheel, with its payload; wheel and axle share</td>
+<td>sprung_mass + payload; unsprung_mass</td></tr>
 <tr><td>x&#8321;, x&#8322;, y</td><td>body, wheel, suspension deflection</td>
 <td>body_displacement, wheel_displacement, suspension_deflection</td></tr>
 <tr><td>&xi;</td><td>road under the wheel</td><td>ground_elevation</td></tr>
@@ -118,7 +118,9 @@ whenever <i>N</i> is positive (AP57 eqs. 26 to 28). In flight (AP57 eq. 29):</p>
 <td>tyre.stiffness, tyre.damping</td></tr>
 <tr><td>N, g</td><td>contact force; gravitational acceleration</td>
 <td>contact_force, gravity</td></tr>
-<tr><td>p</td><td>external force on the body, upwards</td><td>body_force</td></tr>
+<tr><td>p</td><td>external force on the body, upwards</td><td>body_force + body_force.table</td></tr>
+<tr><td>f</td><td>force of an actuator, pushes the body up and the wheel down</td>
+<td>actuator_force</td></tr>
 </table>"""
 
 _PICTURE = """\
