@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import click
 from phaseplane.suspension.models import ALL, FILES
-from phaseplane.suspension.variables import Variable
+from phaseplane.suspension.variables import Value, Variable
 
 from ..results.plain import as_json
 from ..results.quantities import with_unit
+from ..scene.equation import EQUATION, SUMMARY
 from ..scene.fmus import Fmu, described
 from ..scene.layers import case_titles
 from ..scene.names import sweep_titles
@@ -26,7 +27,7 @@ def list_cases(fmu: str | None, as_data: bool) -> None:
     if fmu is not None:
         _list_parameters(described(fmu), as_data)
         return
-    models = {name: ALL[name].summary for name in FILES}
+    models = {name: ALL[name].summary for name in FILES} | {EQUATION: SUMMARY}
     titles = {"scenes": case_titles(), "sweeps": sweep_titles(), "models": models}
     if as_data:
         click.echo(as_json(titles))
@@ -54,5 +55,11 @@ def _list_parameters(fmu: Fmu, as_data: bool) -> None:
     for words, listed in groups.items():
         click.echo(words)
         for v in listed:
-            value = f"{v.start:g}" if isinstance(v.start, float) else str(v.start) or "none"
-            click.echo(f"  {v.name:<{width}}  {with_unit(value, v.unit)}")
+            click.echo(f"  {v.name:<{width}}  {with_unit(_as_set(v.start), v.unit)}")
+
+
+def _as_set(value: Value) -> str:
+    """Return a value as `--set` takes it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, float) else str(value) or "none"

@@ -19,6 +19,8 @@ from phaseplane import equations
 EQUATION = "Equation"
 """The name a scene gives in place of an FMU."""
 
+SUMMARY = "Equation: x'' + f(x', x, t) = 0, with f given as a formula"
+
 _UNITS = {  # of x, x' and x''
     "1": ("1", "1", "1"),
     "m": ("m", "m/s", "m/s2"),

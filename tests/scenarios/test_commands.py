@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import tomllib
 from pathlib import Path
 
@@ -222,6 +223,7 @@ def test_the_keys_of_controllers_and_systems_are_explained() -> None:
 def test_the_road_is_explained_like_a_model() -> None:
     assert "  wheelbase [m] " in phaseplane("schema", "Road").stdout
     assert "  wheelbase  " in phaseplane("list", "Road").stdout
+    assert re.search(r"  lift_off +true\n", phaseplane("list", "QuarterCar").stdout)
     assert "Equation" in phaseplane("schema").stdout.partition("  duration")[0]
 
 
