@@ -1,4 +1,4 @@
-"""All kinds of characteristics in one picture, drawn from the laws that the integrator evaluates."""
+"""Characteristics in one picture, drawn from the laws that the integrator evaluates."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ def _loops() -> Iterator[Panel]:
     run = simulate("OneDof", leaf, [0.002 * k for k in range(1501)], names)
     x, spring, friction = (np.array(run[name]) for name in names)
     yield Panel("leaf spring: dry friction", (Line("", x, spring + friction),))
-    for title, hardening in (("ideally elastic-plastic", 0.0), ("with linear hardening", 8e3)):
+    for title, hardening in (("elastic, perfectly plastic", 0.0), ("with linear hardening", 8e3)):
         frame = {
             "mass": 200.0, "spring.rate": 5e4, "yield_force": 1e3, "damper.rate": 0.0,
             "hardening": hardening, "force.table": "0:0, 0.2:1400, 0.5:-1400, 0.8:1000, 1.2:0",

@@ -46,7 +46,7 @@ def test_curves_are_those_of_the_laws(sheet: Figure) -> None:
 
 
 def test_loops_stay_between_their_lines(sheet: Figure) -> None:
-    ideal = panel(sheet, "ideally elastic-plastic").get_lines()[2].get_ydata()
+    ideal = panel(sheet, "elastic, perfectly plastic").get_lines()[2].get_ydata()
     assert np.abs(ideal).max() == pytest.approx(1.0, abs=1e-9)
     x, force = panel(sheet, "with linear hardening").get_lines()[2].get_data()
     assert np.abs(force - 8e-3 * x).max() == pytest.approx(1.0 - 8.0 / 50.0, abs=1e-9)
@@ -61,6 +61,6 @@ def test_several_curves_have_a_legend(sheet: Figure) -> None:
 
 
 ONE_CURVE = {
-    "linear spring", "saturating damper", "leaf spring: dry friction", "ideally elastic-plastic",
+    "linear spring", "saturating damper", "leaf spring: dry friction", "elastic, perfectly plastic",
     "with linear hardening",
 }  # fmt: skip

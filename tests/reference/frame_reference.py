@@ -3,7 +3,7 @@
     m u'' + C u' + k (u - p) = f(t)                                        (H83 example 40, CP75)
 
 p is the permanent set. It stands still while the frame is elastic. While the frame flows,
-p' = (1 - h/k) u', so that the force rises by h u' (kinematic hardening; h = 0: ideally plastic). Flow
+p' = (1 - h/k) u', so that the force rises by h u' (kinematic hardening; h = 0: perfectly plastic). Flow
 begins where |k (u - p) - k h/(k - h) p| reaches the yield force and ends where u' changes its sign.
 What the damper and the flow dissipate and what the load brings in is integrated along with the motion.
 

@@ -28,7 +28,7 @@ def frame(
     loads: list[float] = LOADS,
     permanent_set: float = 0.0,
 ) -> System:
-    """H83 example 40: 100 kg, 200 N s/m, 5000 N/m, ideally elastic-plastic from 6 N on."""
+    """H83 example 40: 100 kg, 200 N s/m, 5000 N/m, perfectly plastic from 6 N on."""
     spring = Element(
         "frame", (1.0,), characteristics.linear(5000.0), characteristics.linear(damping),
         yield_force=yield_force, hardening=hardening, permanent_set=permanent_set,
