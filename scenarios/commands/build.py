@@ -171,8 +171,8 @@ def _scenes_among(names: Iterable[str]) -> list[Scene]:
     for name in names:
         if name not in known and Path(name).suffix not in SCENE_FILES:
             raise InputError(
-                f"no model or scene {shown(name)}{nearest(name, known)}; models are "
-                f"{', '.join(FILES)}; or give the path of a .toml or .py file"
+                f"no model or scene {shown(name)}; models are {', '.join(FILES)}; or give the path "
+                f"of a .toml or .py file{nearest(name, known)}"
             )
     scenes = {n: load_scene(n, expect=False) for n in dict.fromkeys(names) if n not in FILES}
     by_name = {name: name for name in names if name in FILES}

@@ -222,7 +222,7 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         ("run ap57 -o bad.toml", "bad.toml is a file"),
         ("run ap57 -o .", "current folder"),
         ("build", "Missing option '-o'"),
-        ("build Quartercar -o x", "did you mean 'QuarterCar'?"),
+        ("build Quartercar -o x", ".toml or .py file; did you mean 'QuarterCar'?"),
         ("build -o bad.toml/x", "cannot write"),
         ("build --native -o full Quartercar", "did you mean 'QuarterCar'"),
         ("build --native -o full QuarterCar --platforms win", "platform 'win' is unknown"),
