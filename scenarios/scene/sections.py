@@ -96,7 +96,12 @@ class Show:
     )
     figures: tuple[str, ...] = entry(choices_of(FIGURES), "pictures to draw", ())
     dark: bool = entry(FLAG, "whether pictures have a dark background", False)
-    recording: str | bool = entry(_DETAIL, "detail of the recording, or false for none", False)
+    recording: str | bool = entry(
+        _DETAIL,
+        "detail of the recording: the motion alone, every step, or, as with true, some steps stage by "
+        "stage; false for none",
+        False,
+    )
     views: tuple[str, ...] = entry(choices_of(VIEWS), "views of the recording", VIEWS)
     planes: tuple[tuple[str, str], ...] = entry(
         PAIRS_OF_NAMES,

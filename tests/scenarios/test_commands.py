@@ -227,6 +227,10 @@ def test_the_road_is_explained_like_a_model() -> None:
     assert "Equation" in phaseplane("schema").stdout.partition("  duration")[0]
 
 
+def test_schema_says_which_detail_of_a_recording_true_is() -> None:
+    assert "as with true, some steps stage by stage" in " ".join(printed("schema").split())
+
+
 def test_schema_says_what_each_rule_of_a_step_is() -> None:
     told = " ".join(printed("schema").split())
     assert "how a step ends in Liénard's construction" in told
