@@ -23,7 +23,9 @@ _USUAL = ("sprung_mass", "payload", "unsprung_mass", "spring.rate", "damper.rebo
 
 @click.command()
 @click.argument("path", metavar="FILE.toml", type=click.Path(path_type=Path))
-@click.option("--model", default="QuarterCar", show_default=True, help="Model of the scene.")
+@click.option(
+    "--model", metavar="NAME", default="QuarterCar", show_default=True, help="Model of the scene."
+)
 def new(path: Path, model: str) -> None:
     """Write a commented scene to start from."""
     try:

@@ -30,7 +30,13 @@ from .console import failed, json_option, output_option, progress_bar, warn
     help="Number of processes. [default: one per core]",
 )
 @click.option("--dask", metavar="ADDRESS", default="", help="Run on this Dask cluster.")
-@click.option("--table", default="runs.csv", show_default=True, help="Name of the table of runs.")
+@click.option(
+    "--table",
+    metavar="NAME",
+    default="runs.csv",
+    show_default=True,
+    help="Table of the runs; its ending, .csv or .parquet, sets the format.",
+)
 @json_option
 def sweep(*, file: str, output: Path | None, as_data: bool, **how: Any) -> int:
     """Run a scene many times with varied parameters.

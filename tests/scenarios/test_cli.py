@@ -58,8 +58,10 @@ def test_the_list_of_commands_says_what_each_says_of_itself(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_no_help_shows_a_range_without_bounds(name: str) -> None:
-    assert "None" not in printed(name, "--help")
+def test_help_says_what_options_take_and_no_range_without_bounds(name: str) -> None:
+    told = printed(name, "--help")
+    assert " TEXT" not in told
+    assert "None" not in told
 
 
 def test_every_command_of_the_package_is_listed() -> None:
