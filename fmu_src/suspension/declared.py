@@ -194,8 +194,8 @@ PAYLOAD = parameter(
     "unloaded one, the design position", "kg", minimum=0.0,
 )  # fmt: skip
 ACTUATOR_FORCE = Variable(
-    "actuator_force", "force of an actuator between body and wheel (or road), positive pushes the body "
-    "up and the wheel down", "input", 0.0, "N", "kN", nominal=1e3,
+    "actuator_force", "force of an actuator between body and wheel (or road), positive if it pushes the "
+    "body up and the wheel down", "input", 0.0, "N", "kN", nominal=1e3,
 )  # fmt: skip
 SPRUNG_MASS = parameter("sprung_mass", 30 * KGF, "body mass on one wheel", "kg", positive=True)
 ROAD_UNDER_WHEEL = road(
