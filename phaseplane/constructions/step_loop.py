@@ -74,7 +74,8 @@ def frames(
     if start is None:
         states = construction.remembered(construction.initial, None)
         start = Start(0.0, construction.mode_at(states, 0.0), states)
-    return _frames(Stepper(construction, rule), step, start, start.time + length, ending)
+    stepper = Stepper(construction, rule, start=start.states)
+    return _frames(stepper, step, start, start.time + length, ending)
 
 
 def _frames(

@@ -12,7 +12,11 @@ from phaseplane.constructions.primitives import Plane
 from phaseplane.constructions.rules import REPEATED, Rule
 from phaseplane.constructions.steps import Construct, Points, States, along_tangent
 
-_FARTHEST = 100.0  # m of paper from an origin along the y axis, far beyond any sheet
+# of a state point from an origin along the y axis, in sizes of the motion: what goes farther diverges
+_FARTHEST = 1000.0
+_LEAST_SIZE = 0.1  # m of paper, that of a small sheet
+# parts of the time since 0 at which the excitation is looked at: none is a multiple of another
+_LOOKED_AT = tuple(k * 0.6180339887498949 % 1.0 for k in range(16))
 # times y-bar: damping that changes it by more in a step leads beyond the mirror image of P
 _FOLLOWED = 2.0
 _SEEN = 1e-3  # m of paper: how far beyond
@@ -46,12 +50,15 @@ class Stepper:
     ----------
     make_points : makes the points; None if the construction does
     factors : of the turn angles, by plane; empty if they are right
+    start : the state points from which each step continues the last one; None if every step starts
+        from known ones
     """
 
     construction: Construction
     rule: Rule
     make_points: MakePoints | None = None
     factors: tuple[float, ...] = ()
+    start: States | None = None
 
     @cached_property
     def planes(self) -> tuple[Plane, ...]:
@@ -115,11 +122,35 @@ class Stepper:
             points["N" + number + "'"] = vertex + length * exp(1j * abs(turn))
         for plane, successor in zip(self.planes, move.successors, strict=True):
             distance = abs((successor - plane.displacement.origin).real)
-            if not isfinite(successor) or distance > _FARTHEST:
+            if not isfinite(successor) or (
+                distance > _FARTHEST * _LEAST_SIZE
+                and distance > _FARTHEST * self._size(mode, states, window)
+            ):
                 raise OverflowError(
                     f"the state point leaves the paper in the step from {window.start:.4g} s; shorten it"
                 )
         return points, move.successors + memory
+
+    def _size(self, mode: str, states: States, window: Window) -> float:
+        """Return the size of the motion by what causes it, m of paper: its start and its excitation.
+
+        The excitation is seen in the feet of the normals at rest in the origins.
+        """
+        count = len(self.planes)
+        origins = [plane.displacement.origin for plane in self.planes]
+        causes = [self.start or states]
+        for part in _LOOKED_AT:
+            points = self.points(mode, (*origins, *states[count:]), Window(part * window.end))
+            causes.append(tuple(points[foot] for foot in self.feet))
+        return max(
+            (
+                size
+                for cause in causes
+                for point, origin in zip(cause, origins, strict=False)
+                if isfinite(size := abs(point - origin))
+            ),
+            default=0.0,
+        )
 
     def _check_damping(
         self,

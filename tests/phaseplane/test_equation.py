@@ -155,6 +155,28 @@ def test_an_equation_that_runs_away_says_when():
         construct_motion(one, step=0.01, duration=20.0)
 
 
+@pytest.mark.parametrize("size", [1.0, 3e4, 1e100])
+@pytest.mark.parametrize(
+    ("start", "push"),
+    [
+        ((1.0, 0.0), lambda t: 0.0), ((0.0, 1.0), lambda t: 0.0), ((0.0, 0.0), lambda t: 1.0),
+        ((0.0, 0.0), sin), ((0.0, 0.0), lambda t: t),
+    ],
+    ids=["displacement", "velocity", "force", "alternating", "growing"],
+)  # fmt: skip
+def test_a_motion_of_any_size_is_constructed_alike(size, start, push):
+    one, many = (
+        EquationPlane(
+            lambda v, x, t, of=of: 0.1 * v + x - of * push(t),
+            initial_displacement=of * start[0], initial_velocity=of * start[1],
+        )
+        for of in (1.0, size)
+    )  # fmt: skip
+    drawings = (construct_motion(plane, step=0.1, steps=60) for plane in (one, many))
+    x, larger = (column(drawing, "displacement") for drawing in drawings)
+    assert larger == pytest.approx(size * np.array(x), rel=1e-9, abs=1e-9 * size)
+
+
 def test_of_several_starts_the_one_that_runs_away_is_named():
     """x'' = x'^3 from x' = 2 reaches infinity at 1/8 s."""
     still = EquationPlane(lambda v, x, t: x - v**3, initial_displacement=0.1)

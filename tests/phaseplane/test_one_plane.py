@@ -165,6 +165,19 @@ def test_a_construction_that_leaves_the_sheet_says_when():
         construct_motion(stiff, step=0.02, duration=2.0)
 
 
+def test_a_car_far_off_the_road_is_constructed():
+    one, far = (
+        construct_motion(
+            OneDofPlane(MASS, linear(RATE), linear(500.0), initial_deflection=y),
+            step=0.02,
+            duration=1.0,
+        )
+        for y in (0.1, 1e5)
+    )
+    ends = [drawing.frames[-1].readings["suspension_deflection"] for drawing in (one, far)]
+    assert ends[1] == pytest.approx(1e6 * ends[0], rel=1e-9)
+
+
 @pytest.mark.parametrize("rule", RULES.values(), ids=lambda rule: rule.name)
 def test_a_damper_too_steep_for_the_step_is_refused(rule):
     """The points would leap from one side of the axis to the other."""
