@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import functools
+from collections import Counter
 from collections.abc import Mapping
 
 VARIABLES = ("v", "x", "t")
@@ -23,8 +24,8 @@ _MOST_SWITCHES = 40
 class Pieces(ast.NodeTransformer):
     """Replaces each piece by a smooth expression of the signs s[0], s[1], ... of its guards.
 
-    A guard may contain the signs of guards before it. Expressions that differ by a constant factor, or an
-    odd power, share a guard: two that coincide would hold a motion one at a time.
+    A guard may contain the signs of guards before it. Expressions that differ by a constant factor, or by
+    an odd power of a factor, share a guard: two that coincide would hold a motion one at a time.
 
     Parameters
     ----------
@@ -79,15 +80,13 @@ class Pieces(ast.NodeTransformer):
         return ast.BinOp(base, node.op, exponent)
 
     def _sign(self, u: ast.expr) -> ast.expr:
-        match u:
-            case ast.BinOp(base, ast.Pow(), exponent) if _is_odd(exponent):
-                return self._sign(base)  # which, unlike the power, has a slope where it is zero
         if not any(mentions(u, name) for name in VARIABLES):
             # a number, or one that follows from the signs of other guards
             return ast.Call(ast.Name("sign", ast.Load()), [u], [])
-        sense, varying = self._factors(u)
+        sense, factors = self._factors(u)
         if sense == 0.0:  # a guard that is zero everywhere would hold every motion
             return ast.Constant(0.0)
+        u, varying = _simplest(u, sense, factors)
         number, first_sense = self._numbers.setdefault(varying, (len(self.guards), sense))
         if number == len(self.guards):
             if number >= _MOST_SWITCHES:
@@ -96,26 +95,34 @@ class Pieces(ast.NodeTransformer):
         sign = ast.Subscript(ast.Name("s", ast.Load()), ast.Constant(number), ast.Load())
         return sign if sense == first_sense else ast.UnaryOp(ast.USub(), sign)
 
-    def _factors(self, u: ast.expr) -> tuple[float, tuple[str, ...]]:
-        """Return the sign of the constant factors of an expression, and the other factors as text."""
+    def _factors(self, u: ast.expr) -> tuple[float, list[ast.expr]]:
+        """Return the sign of the constant factors of an expression, and its other factors.
+
+        An odd power is the product of at most three, an even one of two: more do not change the sign.
+        """
         match u:
             case ast.BinOp(a, ast.Mult(), b):
                 (one, varying), (other, more) = self._factors(a), self._factors(b)
-                return one * other, tuple(sorted(varying + more))
+                return one * other, varying + more
             case ast.BinOp(a, ast.Div(), b) if (divisor := self._factors(b))[0]:
                 sense, varying = self._factors(a)
-                return sense * divisor[0], tuple(sorted(varying + divisor[1]))
-            case ast.BinOp(a, ast.Pow(), exponent) if _is_odd(exponent):
-                return self._factors(a)
+                return sense * divisor[0], varying + divisor[1]
+            case ast.BinOp(a, ast.Pow(), ast.Constant(float() as exponent)) if (
+                exponent > 0.0 and exponent.is_integer()
+            ):
+                sense, varying = self._factors(a)
+                if exponent % 2.0 == 0.0:
+                    return sense * sense, 2 * varying
+                return sense, (1 if exponent == 1.0 else 3) * varying
             case ast.UnaryOp(ast.USub(), a):
                 sense, varying = self._factors(a)
                 return -sense, varying
             case ast.Constant(float() as value):
-                return float(value > 0.0), ()
+                return float(value > 0.0), []
             case ast.Name(name) if name in self._parameters:
                 value = self._parameters[name]
-                return float((value > 0.0) - (value < 0.0)), ()
-        return 1.0, (ast.dump(u),)
+                return float((value > 0.0) - (value < 0.0)), []
+        return 1.0, [u]
 
     def _size(self, u: ast.expr) -> ast.expr:
         return u if _is_never_negative(u) else _product(u, self._sign(u))
@@ -127,6 +134,29 @@ class Pieces(ast.NodeTransformer):
     def _saturation(self, u: ast.expr, limit: ast.expr) -> ast.expr:
         above, below = self._size(_sum(u, limit)), self._size(_difference(u, limit))
         return _half(_difference(above, below))
+
+
+def _simplest(
+    u: ast.expr, sense: float, factors: list[ast.expr]
+) -> tuple[ast.expr, tuple[str, ...]]:
+    """Return an expression of the sign of u, and its factors as text.
+
+    Factors that occur three times or more are left once or twice: unlike the power, one of them has a
+    slope where it is zero.
+
+    Parameters
+    ----------
+    sense, factors : the sign of u's constant factors, and its other factors
+    """
+    texts = [ast.dump(factor) for factor in factors]
+    times = Counter(texts)
+    if max(times.values()) < 3:
+        return u, tuple(sorted(texts))
+    left = [f for text, f in dict(zip(texts, factors, strict=True)).items()
+            for _ in range(2 - times[text] % 2)]  # fmt: skip
+    product = functools.reduce(_product, left)
+    simplest = product if sense > 0.0 else ast.UnaryOp(ast.USub(), product)
+    return simplest, tuple(sorted(map(ast.dump, left)))
 
 
 def _within_domain(u: ast.expr, given: ast.expr) -> ast.expr:
@@ -149,11 +179,6 @@ def _is_whole(node: ast.expr) -> bool:
     if isinstance(node, ast.UnaryOp):
         return _is_whole(node.operand)
     return isinstance(node, ast.Constant) and float(node.value).is_integer()  # type: ignore[arg-type]
-
-
-def _is_odd(node: ast.expr) -> bool:
-    """Return whether an exponent is an odd number, which keeps the sign."""
-    return isinstance(node, ast.Constant) and float(node.value) % 2.0 == 1.0  # type: ignore[arg-type]
 
 
 def _is_never_negative(u: ast.expr) -> bool:

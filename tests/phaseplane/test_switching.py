@@ -22,6 +22,7 @@ from phaseplane.equations import Formula, motion, steps
     [
         "x + R*sign(v)", "x + 2*R*sign(v) - R*sign(2*v)", "x - 2*R*sign(-v) - R*sign(v/R)",
         "x + R*sign(v^3)", "x + 2*R*sign(v) - R*sign(2*v^3)",
+        "x + R*sign(v*v*v)", "x + 2*R*sign(v) + R*sign(-2*v*v^2)", "x + R*sign(v*exp(x)*v*v/R)",
         "x + 2*R*sign(R*v*exp(x)) - R*sign(exp(x)*v)",
         "x + 2*R*sign(0*v) + R*sign(v)", "x + abs(0*x)*v + R*sign(v)",
     ],
