@@ -137,7 +137,7 @@ def story_of(
         *_drift(stays),
         f"Red points: {marks}." if marks else "",
         text.control_text(drawing, quantities),
-        text.readings_table(told_here, quantities, text.is_laid_over(first)),
+        text.readings_table(drawing, told_here, quantities),
     ]
     said = "\n\n".join(filter(None, told))
     yield Tick(page, arms.following(), said, caption, count, last.time + last.duration)
@@ -180,7 +180,7 @@ def _drift(stays: Page) -> list[str]:
         largest = drift.max() if drift.max() > _ROUNDED * state.max() else 0.0
         found.append(f"{typeset(axis.label)} {number(factor * largest, 3)} {unit}".rstrip())
         follows = follows and bool((drift**2).mean() < _MOST_DRIFT**2 * (state**2).mean())
-    if text.is_laid_over(frames[0]):
+    if text.is_laid_over(stays.drawing):
         return [f"A step misses the motion by at most {', '.join(found)}."]
     words = [f"Largest drift from the run: {', '.join(found)}."]
     return words if follows else [*words, _LEFT]

@@ -22,7 +22,7 @@ from phaseplane.equations.typeset import number, printed
 
 from .frames import by_readings, columns
 from .paper import Reals
-from .quantities import Quantity, rate_of, rate_unit, unit_text
+from .quantities import Quantity, quantity_of, rate_of, rate_unit, unit_text
 
 # of each kind of event: a sentence with room for its axle, and the letter and the words of its mark
 _EVENTS = {
@@ -37,7 +37,8 @@ LETTER_OF_EVENT = {kind: letter for kind, (_, letter, _) in _EVENTS.items() if l
 # characters of a row and rows of a protocol in the pane of the text in a window of 1366x768
 _ROW, _MOST_ROWS = 75, 17
 _DIGITS = (4, 4, 4, 2)  # of a displacement, its rates, and its drift
-_NOTHING = 1e-12  # a smaller reading is one of rounding
+_ROUNDING = 1e-12  # of the largest reading of its kind in a motion: a smaller one is rounding
+_INVISIBLE = 1e-14  # m of paper: a shorter length is one of rounding
 _DECIMALS = 5  # fewest decimals of a time in s
 _SHORTEST = 1e-11  # s: shorter steps add no decimals
 _DIFFERS = 0.1  # of the largest displacement of a body: a difference of its control that is told
@@ -66,9 +67,9 @@ def level_text(label: str, unit: str, factor: float) -> str:
     return f"{text} {unit}".rstrip()
 
 
-def _read(value: float, digits: int = 4) -> str:
-    """Return a reading as text, zero if it is one of rounding."""
-    return number(0.0 if abs(value) < _NOTHING else value, digits)
+def _read(value: float, length: float, digits: int = 4) -> str:
+    """Return what a length on the sheet, m, stands for as text; zero if the length is one of rounding."""
+    return number(0.0 if abs(length) < _INVISIBLE else value, digits)
 
 
 def in_words(name: str) -> str:
@@ -120,20 +121,42 @@ def _row(name: str) -> str:
     return "from its forces" if name.startswith("control_") else markdown(in_words(name))
 
 
-def is_laid_over(frame: Frame) -> bool:
-    """Whether a step, as all others, starts from a known motion, so that no drift accumulates."""
-    return not frame.mode
+def is_laid_over(drawing: Drawing) -> bool:
+    """Whether all steps start from a known motion, so that no drift accumulates."""
+    return not drawing.frames[0].mode
 
 
 def readings_table(
-    readings: Mapping[str, float], quantities: Mapping[str, Quantity | None], over: bool = False
+    drawing: Drawing, readings: Mapping[str, float], quantities: Mapping[str, Quantity | None]
 ) -> str:
-    """Return the readings as a Markdown table, a displacement and its rates in a row."""
-    return next(_tables(tuple(readings), np.array([[*readings.values()]]), quantities, over))
+    """Return readings of a motion as a Markdown table, a displacement and its rates in a row."""
+    read, over = np.array([[*readings.values()]]), is_laid_over(drawing)
+    return next(_tables(tuple(readings), read, quantities, _largest(drawing), over))
+
+
+def _kind(name: str) -> tuple[str, int]:
+    """Return the quantity of a reading and the order of its derivative."""
+    order = 2 if name.endswith("acceleration") else int(name.endswith(("velocity", "rate")))
+    quantity = quantity_of(name.removesuffix("_drift"))
+    return quantity.name if quantity else "", order
+
+
+def _largest(drawing: Drawing) -> dict[tuple[str, int], float]:
+    """Return the largest reading of each kind in a whole motion, SI."""
+    largest: dict[tuple[str, int], float] = {}
+    for names, places in by_readings(drawing.frames).items():
+        read = abs(columns(drawing.frames.at(places), names, "readings"))
+        for name, most in zip(names, read.max(axis=0), strict=True):
+            largest[_kind(name)] = max(largest.get(_kind(name), 0.0), float(most))
+    return largest
 
 
 def _tables(
-    names: tuple[str, ...], read: Reals, quantities: Mapping[str, Quantity | None], over: bool
+    names: tuple[str, ...],
+    read: Reals,
+    quantities: Mapping[str, Quantity | None],
+    largest: Mapping[tuple[str, int], float],
+    over: bool,
 ) -> Iterator[str]:
     """Yield the table of each row of readings; empty ones without names."""
     if not names:
@@ -141,9 +164,9 @@ def _tables(
         return
     head, form, order = _table_form(names, quantities, "missed by" if over else "drift")
     factors = [q.factor if (q := quantities.get(name)) else 1.0 for name in order]
-    values = np.array(factors) * read[:, [names.index(name) for name in order]]
-    values[abs(values) < _NOTHING] = 0.0
-    for row in values.tolist():
+    values = read[:, [names.index(name) for name in order]]
+    values[abs(values) < [_ROUNDING * largest.get(_kind(name), 0.0) for name in order]] = 0.0
+    for row in (np.array(factors) * values).tolist():
         yield head + printed(form % tuple(row))
 
 
@@ -202,10 +225,11 @@ def step_texts(
     note: str = "",
 ) -> list[str]:
     """Return the descriptions of steps, each with a note on all steps and its readings, in Markdown."""
-    over, tables = is_laid_over(drawing.frames[0]), [""] * len(frames)
+    largest, over, tables = _largest(drawing), is_laid_over(drawing), [""] * len(frames)
     for names, places in by_readings(frames).items():
         read = columns(frames.at(places), names, "readings")
-        for place, table in zip(places, _tables(names, read, quantities, over), strict=True):
+        found = _tables(names, read, quantities, largest, over)
+        for place, table in zip(places, found, strict=True):
             tables[place] = table
     note = f" {note}" if note else ""
     heads = _heads(drawing, frames)
@@ -219,7 +243,7 @@ def end_text(drawing: Drawing, quantities: Mapping[str, Quantity | None], run: f
     longer = run > end + 0.5 * first.duration
     more = f"; the run goes on to {number(run, 4)} s, in violet" if longer else ""
     told = f"**The construction ends** at {_instant(end, first.duration)}{more}."
-    read = readings_table((drawing.end or last).readings, quantities, is_laid_over(first))
+    read = readings_table(drawing, (drawing.end or last).readings, quantities)
     return "\n\n".join(filter(None, (told, read, control_text(drawing, quantities))))
 
 
@@ -327,26 +351,29 @@ def _state(plane: Plane, z: complex, unit: tuple[str, float]) -> Iterator[str]:
     away = f"{_pair(f'O{plane.number}', foot)} = {_centimetres(axis.scale * y)}"
     yield f"{away}: {_displacement(plane, z, unit)}"
     up = f"{_pair(foot, plane.state)} = {_centimetres(rate.scale * y_bar)}"
-    yield f"{up}: {_rate(plane, 1, plane.angular_frequency * y_bar)}"
+    yield f"{up}: {_rate(plane, 1, y_bar)}"
 
 
 def _acceleration(plane: Plane, points: Mapping[str, complex], mean: bool) -> str:
     """Return what D gives; it is constructed with the mean excitation over the step, if there is one."""
     axis = plane.displacement
     value = axis.read(points[plane.foot]) - axis.read(points[plane.state])
-    rate = _rate(plane, 2, plane.angular_frequency**2 * value)
+    rate = _rate(plane, 2, value)
     length = f"{_pair('Q' + plane.number, plane.foot)} = {_centimetres(axis.scale * value)}"
     return f"{length}: {'mean ' * mean}{rate}"
 
 
 def _displacement(plane: Plane, z: complex, unit: tuple[str, float]) -> str:
     (name, factor), axis = unit, plane.displacement
-    return f"{typeset(axis.label)} = {_read(factor * axis.read(z))} {name}".rstrip()
+    y = axis.read(z)
+    return f"{typeset(axis.label)} = {_read(factor * y, axis.scale * y)} {name}".rstrip()
 
 
-def _rate(plane: Plane, order: int, value: float) -> str:
-    unit = rate_unit(plane.displacement.unit, order)
-    return f"{rate_letter(plane.displacement.label, order)} = {_read(value)} {unit}"
+def _rate(plane: Plane, order: int, away: float) -> str:
+    """Return the rate that a length, in the unit of the displacement, stands for."""
+    axis = plane.displacement
+    value = _read(plane.angular_frequency**order * away, axis.scale * away)
+    return f"{rate_letter(axis.label, order)} = {value} {rate_unit(axis.unit, order)}"
 
 
 def _length(start: str, end: str, points: Mapping[str, complex]) -> str:
@@ -365,4 +392,4 @@ def _pair(start: str, end: str) -> str:
 
 
 def _centimetres(length: float) -> str:
-    return f"{_read(100.0 * length, 3)} cm"
+    return f"{_read(100.0 * length, length, 3)} cm"

@@ -12,6 +12,7 @@ from worked_example import ap57
 
 from phaseplane.constructions import Curve, EquationPlane, Mark, construct_motion, delta
 from phaseplane.constructions.letters import typeset
+from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.sheet import Event
 from phaseplane.constructions.storage import StoredFrames
 from phaseplane.equations import Formula
@@ -31,6 +32,12 @@ from phaseplane.picture.text import (
 )
 from phaseplane.recording import Content
 from phaseplane.recording.canvas import legible
+
+
+def read_once(readings: dict[str, float]) -> Drawing:
+    """A motion of one step with these readings."""
+    only = replace(frame(0), readings=readings, mode="contact")
+    return replace(drawing(1), frames=(only,))
 
 
 def test_what_is_laid_off_says_which_way_and_mean_excitations_are_told() -> None:
@@ -126,7 +133,8 @@ def test_there_is_no_negative_zero() -> None:
 def test_numbers_are_printed_in_full_or_with_a_power_of_ten(value: float, text: str) -> None:
     assert number(value, 4) == text
     (force,) = (q for q in QUANTITIES if q.name == "force")
-    assert f"| {text} " in readings_table({"contact_force": value}, {"contact_force": force})
+    read = {"contact_force": value}
+    assert f"| {text} " in readings_table(read_once(read), read, {"contact_force": force})
 
 
 @pytest.mark.parametrize("pace", [1e-5, 1e6])
@@ -144,14 +152,32 @@ def test_no_number_of_a_slow_or_a_quick_motion_has_an_exponent(pace: float) -> N
 
 def test_rounding_is_read_off_as_zero() -> None:
     read = {"wheel_displacement": -0.0, "wheel_velocity": 4.2e-21, "wheel_acceleration": -1.5e-16}
-    table = readings_table(read, dict.fromkeys(read))
+    moved = read_once(dict.fromkeys(read, 1e-3))
+    table = readings_table(moved, read, dict.fromkeys(read))
     assert table.splitlines()[-1] == "| wheel | 0 | 0 | 0 |"
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-15, 1e-100])
+def test_a_motion_on_a_plane_scaled_to_it_is_read_as_what_it_is(size: float) -> None:
+    law = EquationPlane(lambda v, x, t: x, True, scale=0.05 / size, initial_displacement=2.0 * size)
+    made = construct_motion(law, delta, step=0.1, steps=20)
+    first = " ".join(step_texts(made, made.frames[:1], {}))
+    assert f"| {number(2.0 * size)} | 0 | {number(-2.0 * size)} |" in first
+    units = {plane.name: ("", 1.0) for plane in made.planes}
+    (said,) = (
+        words
+        for stage in range(3)
+        for words in measured(made, made.frames[0], stage, units)
+        if words.startswith("OQ")
+    )
+    assert said == f"OQ = 10 cm: x = {number(2.0 * size)}"
 
 
 def test_a_drift_is_read_off_in_its_unit() -> None:
     names = [f"wheel_{part}" for part in ("displacement", "velocity", "acceleration")]
     read = dict.fromkeys((*names, "wheel_displacement_drift"), 0.01)
-    head, _, row = readings_table(read, {name: quantity_of(name) for name in read}).splitlines()
+    quantities = {name: quantity_of(name) for name in read}
+    head, _, row = readings_table(read_once(read), read, quantities).splitlines()
     assert head == "| read off the sheet | cm | m/s | m/s² | drift, cm |"
     assert row == "| wheel | 1 | 0.01 | 0.01 | 1 |"
 
