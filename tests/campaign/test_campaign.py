@@ -19,6 +19,7 @@ import symmetries
 import truth
 from phaseplane.suspension.characteristics import cubic, function, linear, power
 from phaseplane.suspension.models import SYSTEMS, build
+from phaseplane.suspension.session import Session
 from phaseplane.suspension.systems import Element, System
 from scipy.linalg import expm
 
@@ -103,6 +104,16 @@ def test_the_truth_of_elements_of_ones_own_is_that_of_closed_forms() -> None:
     with_function = solved(Element("spring", (1.0,), own_law))
     plain = solved(Element("spring", (1.0,), cubic(rate, 1e6)))
     assert with_function == pytest.approx(plain, abs=1e-12)
+
+
+def test_the_truth_tries_a_step_shorter_in_which_a_power_law_overflows() -> None:
+    """A wheel of 10 g on an orifice at 9 ms; displacements are those of the package."""
+    drawn, times = draws.draw_own(321), np.array([0.0, 0.0095])
+    session = Session(drawn.model, drawn.parameters)
+    start = np.array([*session.state.q, *session.state.v], float)
+    right = truth.solve(build(drawn.model, drawn.parameters), start, times)
+    found = judging.run(drawn, times, tolerance=1e-8).rows["displacements"]
+    assert found == pytest.approx(right.displacements, abs=1e-8)
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import ceil, inf
+from math import ceil, inf, nan
 from typing import Any
 
 import numpy as np
@@ -420,7 +420,10 @@ class _Curved:
 
     def derivative(self, t: float, state: Array) -> list[float]:
         found = [0.0] * self._size
-        self._rhs(t, state.tolist(), found, self._p)
+        try:
+            self._rhs(t, state.tolist(), found, self._p)
+        except OverflowError:  # of a step too long for a power law: it is tried shorter
+            return [nan] * self._size
         return found
 
     def rooms(self, t: Array, states: Array) -> list[Array]:
