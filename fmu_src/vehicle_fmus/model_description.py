@@ -17,9 +17,10 @@ from phaseplane.suspension.variables import Value, Variable, variables
 _CATEGORIES = {
     "logEvents": "Times of lift-off, touchdown and contact with end stops.",
     "logStatusWarning": "What has no effect, costs accuracy or takes longer.",
-    "logStatusDiscard": "Steps that failed.",
     "logStatusError": "Calls and values that were refused.",
 }
+_DISCARDED = {"logStatusDiscard": "Steps that failed."}
+_FAILED = {"logStatusError": "Calls and values that were refused, and steps that failed."}
 _EXPERIMENT = {"startTime": "0.0", "stopTime": "1.0", "tolerance": "1e-06", "stepSize": "0.001"}
 _TYPES = {float: "Real", int: "Integer", bool: "Boolean", str: "String"}
 _MAKERS = {"author": "The phaseplane developers", "license": "MIT",
@@ -60,7 +61,7 @@ def description(
     if native:
         SubElement(SubElement(kind, "SourceFiles"), "File", name="all.c")
     root.append(unit_definitions(declared))
-    append_categories(root)
+    append_categories(root, discards=True)
     held = SubElement(root, "ModelVariables")
     for k, variable in enumerate(declared):
         said = role(k, variable, variable.name in fixed, isinstance(variable.start, float))
@@ -80,10 +81,15 @@ def begun(model: str, given: Mapping[str, str], about: Mapping[str, str]) -> Ele
     )
 
 
-def append_categories(root: Element) -> None:
-    """Append the categories of log messages and the default experiment."""
+def append_categories(root: Element, *, discards: bool) -> None:
+    """Append the categories of log messages and the default experiment.
+
+    Parameters
+    ----------
+    discards : whether steps that failed are discarded, rather than errors
+    """
     categories = SubElement(root, "LogCategories")
-    for name, text in _CATEGORIES.items():
+    for name, text in (_CATEGORIES | (_DISCARDED if discards else _FAILED)).items():
         SubElement(categories, "Category", name=name, description=text)
     SubElement(root, "DefaultExperiment", _EXPERIMENT)
 

@@ -41,7 +41,7 @@ def description(
         hasEventMode="true", providesDirectionalDerivatives="true",
     )  # fmt: skip
     root.append(unit_definitions(declared))
-    append_categories(root)
+    append_categories(root, discards=False)
     held, structure = SubElement(root, "ModelVariables"), SubElement(root, "ModelStructure")
     for k, variable in enumerate(declared):
         value = start.get(variable.name, variable.start)

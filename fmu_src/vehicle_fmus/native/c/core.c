@@ -59,10 +59,10 @@ typedef struct Instance {
 /* Given by the layer of an FMI version: tell the host something. */
 static void tell(Instance *one, int status, const char *category, const char *text);
 
-/* The categories of the model description. */
+/* The categories of messages; the model description of an FMI version has so many of them. */
 static const char *const categories_known[] = {
-    "logEvents", "logStatusWarning", "logStatusDiscard", "logStatusError"};
-enum { EVENTS, WARNINGS, CATEGORIES = 4 };
+    "logEvents", "logStatusWarning", "logStatusError", "logStatusDiscard"};
+enum { EVENTS, WARNINGS };
 
 static void say(Instance *one, int status, const char *format, ...) {
     const int category = status == FINE ? EVENTS : WARNINGS;
@@ -85,16 +85,18 @@ static int fail(Instance *one, const char *format, ...) {
 }
 
 /* Switch categories of messages on or off, all if none is named; return whether a name is unknown. */
-static int switch_logging(Instance *one, int on, size_t count, const char *const names[]) {
-    int chosen = count ? 0 : (1 << CATEGORIES) - 1;
+static int switch_logging(Instance *one, int on, size_t count, const char *const names[], int known) {
+    int chosen = count ? 0 : (1 << known) - 1;
     for (size_t i = 0; i < count; i++) {
         const char *name = names && names[i] ? names[i] : "";
         int k = 0;
-        while (k < CATEGORIES && strcmp(name, categories_known[k]) != 0) k++;
-        if (k == CATEGORIES) {
-            return fail(one, "there is no category '%s' of messages, but only %s, %s, %s, %s", name,
-                        categories_known[0], categories_known[1], categories_known[2],
-                        categories_known[3]);
+        while (k < known && strcmp(name, categories_known[k]) != 0) k++;
+        if (k == known) {
+            char all[128] = "";
+            for (k = 0; k < known; k++) {
+                strcat(strcat(all, k ? ", " : ""), categories_known[k]);
+            }
+            return fail(one, "there is no category '%s' of messages, but only %s", name, all);
         }
         chosen |= 1 << k;
     }

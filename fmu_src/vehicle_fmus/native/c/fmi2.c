@@ -2,6 +2,8 @@
 
 #include "fmi2Functions.h"
 
+#define CATEGORIES 4 /* of messages */
+
 typedef struct Host {
     Instance instance;
     const fmi2CallbackFunctions *callbacks;
@@ -41,7 +43,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count,
     Host *host = c;
     const int before = host->instance.logged;
     host->instance.logged = 0; /* here a call says all that is logged; in FMI 3.0 it says what changes */
-    if (switch_logging(&host->instance, on, count, categories)) {
+    if (switch_logging(&host->instance, on, count, categories, CATEGORIES)) {
         host->instance.logged = before;
         return failed(host, fmi2Error);
     }
@@ -62,7 +64,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     if (!host) return NULL;
     memset(host, 0, sizeof *host);
     host->callbacks = functions;
-    switch_logging(&host->instance, logging, 0, NULL);
+    switch_logging(&host->instance, logging, 0, NULL, CATEGORIES);
     snprintf(host->name, sizeof host->name, "%s", name ? name : "");
     host->instance.host = host;
     reset_instance(&host->instance);

@@ -6,6 +6,8 @@
 #define TIME VARIABLES
 #define FIRST_CLOCK (VARIABLES + 1)
 #define CLOCKS (2 * TYRES)
+/* of messages; no call is discarded: after a step that failed, the instance is not what it was before */
+#define CATEGORIES 3
 
 typedef struct Host {
     Instance instance;
@@ -31,7 +33,7 @@ const char *fmi3GetVersion(void) { return fmi3Version; }
 fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t count,
         const fmi3String categories[]) {
     Host *host = c;
-    return switch_logging(&host->instance, on, count, categories) ? failed(host) : fmi3OK;
+    return switch_logging(&host->instance, on, count, categories, CATEGORIES) ? failed(host) : fmi3OK;
 }
 
 /* ---- life ---------------------------------------------------------------------------------- */
@@ -65,7 +67,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     host->environment = environment;
     host->log = log;
     host->update = update;
-    switch_logging(&host->instance, logging, 0, NULL);
+    switch_logging(&host->instance, logging, 0, NULL, CATEGORIES);
     host->instance.host = host;
     host->instance.event_mode = event_mode;
     host->instance.early_return = early_return;
