@@ -29,14 +29,25 @@ _SLOW = 2.0  # s that a viewer may be behind a run before it is said
 
 @dataclass(frozen=True, slots=True)
 class LiveRun:
-    """A run and the viewer that shows it."""
+    """A run and the viewer that shows it.
+
+    Parameters
+    ----------
+    live : None if the viewer's library cannot be loaded
+    path : of its recording, if there is one
+    why : what is wrong with that library
+    """
 
     scene: Scene
-    live: Live
+    live: Live | None
+    path: Path | None = None
+    why: str = ""
 
     def watch(self, rows: RowsSoFar) -> None:
         """Show the rows so far."""
-        if not self.live.watching:  # once in a run: this is called after every step
+        if (
+            self.live is not None and not self.live.watching
+        ):  # once in a run: this is called after every step
             self.live.watch([known(name) for name in rows.names], rows)
 
     def complete(self, results: Results, drawing: Drawing | None) -> tuple[list[str], list[str]]:
@@ -46,13 +57,15 @@ class LiveRun:
         -------
         Problems (the file could not be written) and warnings (the run could not be shown), a line each.
         """
-        self.live.complete(of_results(results, drawing, asdict(self.scene.shown)))
-        if not self.live.problem:
-            slow = f"the viewer was up to {self.live.behind:.1f} s behind the run, and skipped rows"
-            return [], [slow] if self.live.behind > _SLOW else []
-        why = one_line(self.live.problem)
-        if self.live.path and not self.live.filed:
-            return [f"{self.live.path} was not written: {why}"], []
+        why, filed = self.why, False
+        if self.live is not None:
+            self.live.complete(of_results(results, drawing, asdict(self.scene.shown)))
+            if not self.live.problem:
+                slow = f"the viewer was up to {self.live.behind:.1f} s behind the run, and skipped rows"
+                return [], [slow] if self.live.behind > _SLOW else []
+            why, filed = one_line(self.live.problem), self.live.filed
+        if self.path and not filed:
+            return [f"{self.path} was not written: {why}"], []
         return [], [f"the run was not shown: {why}"]
 
 
@@ -62,6 +75,8 @@ def show_live(
 ) -> Iterator[LiveRun]:
     """Show a run in the viewer at this address (unless it is empty), in a file, or both.
 
+    A run goes on unshown if rerun cannot be loaded, which its end tells.
+
     Raises
     ------
     InputError : if this is not the address of a viewer.
@@ -69,9 +84,16 @@ def show_live(
     outputs, shown = scene.fmu.outputs(), asdict(scene.shown)
     units = {name: outputs[name].unit for name in scene.columns}
     columns = dict.fromkeys(("time", *scene.columns), np.zeros(0))
-    before = of_scene(scene, drawing, columns, units, shown, live=True)
+    try:
+        before = of_scene(scene, drawing, columns, units, shown, live=True)
+    except (ImportError, OSError) as error:  # OSError: its native library
+        why = one_line(
+            f"rerun cannot be loaded ({error}); try `pip install --force-reinstall rerun-sdk`"
+        )
+        yield LiveRun(scene, None, path, why)
+        return
     with _live(before, viewer, path) as live:
-        yield LiveRun(scene, live)
+        yield LiveRun(scene, live, path)
 
 
 def show_in(shown: Content, viewer: str) -> None:

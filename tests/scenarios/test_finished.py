@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from errno import ENOSPC
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,8 @@ from hosting import HANGS, started
 from phaseplane.scenarios.commands import console
 from phaseplane.scenarios.draw import pictures
 from phaseplane.scenarios.results.folder import Place, read_results, replace_folder, write_results
+
+from phaseplane.picture.files import replace_file
 
 FIGURES = 'show.figures=["time_histories", "phase_planes"]'
 PICTURES = ["time_histories.png", "phase_planes.png"]
@@ -137,11 +141,34 @@ def test_a_full_disk_leaves_whole_files_and_says_what_is_missing(
     assert summary()["undrawn"] == PICTURES[1:]
 
 
-def test_the_hidden_folder_in_which_a_picture_is_drawn_is_not_told() -> None:
+def test_the_hidden_folder_in_which_a_picture_is_drawn_is_not_told(tmp_path: Path) -> None:
+    """Under whatever name it is reported."""
     problems: list[str] = []
-    with pictures.draws_or_tells("plane.png", problems):
-        raise OSError("cannot write /home/out/.ap57.49bd53df/plane.png: No space left on device")
+    with (
+        pictures.draws_or_tells("plane.png", problems),
+        replace_file(tmp_path / ".ap57.49bd53df.png") as path,
+    ):
+        raise OSError(ENOSPC, "No space left on device", str(path))
     assert problems == ["plane.png was not drawn: No space left on device"]
+
+
+@pytest.mark.parametrize("error", ["ImportError", "OSError"])
+def test_a_run_does_without_a_rerun_that_cannot_be_loaded(
+    error: str, fmu: Path, tmp_path: Path
+) -> None:
+    package = tmp_path / "broken" / "rerun"
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text(f"raise {error}('no libfoo')", encoding="ascii")
+    bare = settings(f"fmu={fmu}", "show.recording=false", "show.figures=[]")
+    done = subprocess.run(
+        [sys.executable, "-P", "-m", "phaseplane", "run", "ap57", *bare, "--save", "ap57.rrd"],
+        env={**os.environ, "PYTHONPATH": str(package.parent)},
+        capture_output=True, text=True, check=False, timeout=HANGS,
+    )  # fmt: skip
+    why = "rerun cannot be loaded (no libfoo); try `pip install --force-reinstall rerun-sdk`"
+    assert done.stderr == f"phaseplane: ap57: ap57.rrd was not written: {why}\n"
+    assert done.returncode == console.FAILED
+    assert names() == RESULTS
 
 
 @pytest.mark.slow
