@@ -5,7 +5,6 @@ Drawing libraries are imported only when they are needed.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -78,9 +77,9 @@ def draws_or_tells(name: str, problems: list[str]) -> Iterator[None]:
     try:
         yield
     except Exception as error:  # also where the drawing library cannot be imported
-        # the folder that it is drawn in is a draft's, which the user does not see
-        why = re.sub(rf"^cannot write .*{re.escape(name)}: ", "", one_line(error))
-        problems.append(f"{name} was not drawn: {why}")
+        # not the path that it could not be written to: it is that of a draft, which the user does not see
+        why = getattr(error, "strerror", None) or error
+        problems.append(f"{name} was not drawn: {one_line(why)}")
 
 
 def _draw_plane(
