@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from kernels import UNCOMPILED
+from phaseplane.suspension import engine
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import Session
 from phaseplane.suspension.variables import variables
@@ -304,6 +306,18 @@ def test_a_force_that_jumps_at_a_sample_is_that_force() -> None:
     here, there = (float(session.value("body_displacement")) for session in (always, once))
     assert here == pytest.approx(there, abs=1e-9)
     assert here > 0.01
+
+
+@pytest.mark.parametrize("kernel", [UNCOMPILED, engine.Integrator])
+def test_switches_at_times_given_as_whole_numbers_have_times_that_are_none(kernel: Any) -> None:
+    system = build("QuarterCar", {"road.shape": "input"})
+    integrator = kernel(system, start=0)
+    integrator.set_state([0.0, 0.0], [0.0, 0.0])
+    assert type(integrator.time) is float
+    integrator.advance(1, stop=True)
+    integrator.set_signal(0, [-0.5, 0.0, 0.0, 0.0])
+    (time, *_), *_ = integrator.log
+    assert (time, type(time)) == (1.0, float)
 
 
 def test_what_is_set_as_it_was_keeps_the_steps_of_an_internal_road() -> None:

@@ -134,7 +134,7 @@ class TimeLoop:
         self.transitions = Transitions(
             memory, self.net, self.motion, self.ledger, self.limited, self.noted
         )
-        self._stand_still(start, max(system.scales))
+        self._stand_still(float(start), max(system.scales))
         self._begin()
         self.net.place_moving()
         self._make_room()
