@@ -33,9 +33,9 @@ def check_system(system: System) -> list[str]:
     """Return the errors found in a system, one sentence each.
 
     Checks shapes and names; symmetry and definiteness of the mass matrix; every characteristic (see
-    `check_characteristic`); dampers that add energy; kerbs that push without limit; the stability of
-    rest. If all these hold, checks that the integrator's accelerations agree with the elements' forces,
-    and that energy is balanced.
+    `check_characteristic`); dampers that add energy; kerbs after time 0 that push without limit; the
+    stability of rest. If all these hold, checks that the integrator's accelerations agree with the
+    elements' forces, and that energy is balanced.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def check_system(system: System) -> list[str]:
     findings = [*_shapes(system), *_mass(system.mass)]
     for element in system.elements:
         findings += _element(element)
-    findings = findings or [*system.kerbs_without_limit(), *_tangent_at_rest(system)]
+    findings = findings or [*system.kerbs_without_limit(0.0), *_tangent_at_rest(system)]
     return findings or [*_motion(system)]
 
 
@@ -52,12 +52,13 @@ def check_numbers(system: System) -> list[str]:
     """Return the errors that depend on the numbers in a system, not on its form.
 
     A small part of `check_system`, cheap enough for every set of parameters: shapes and finite numbers,
-    the mass matrix, dampers that add energy, kerbs that push without limit, and the stability of rest.
+    the mass matrix, dampers that add energy, and the stability of rest. Kerbs that push without limit are
+    for the integrator to refuse, which knows when the run starts.
     """
     findings = [*_shapes(system), *_mass(system.mass)]
     for element in system.elements:
         findings += _adds_energy(element)
-    return findings or [*system.kerbs_without_limit(), *_tangent_at_rest(system)]
+    return findings or [*_tangent_at_rest(system)]
 
 
 def check_characteristic(law: Characteristic, name: str = "characteristic") -> list[str]:

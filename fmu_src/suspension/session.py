@@ -313,7 +313,7 @@ class Session:
     def _refuse(self, system: System) -> None:
         """Refuse a system that the method cannot integrate."""
         try:
-            self._integrator.refuse(system)
+            self._integrator.refuse(system, self.time)
         except ValueError as error:
             raise ParameterError(str(error)) from None
 

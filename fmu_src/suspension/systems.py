@@ -270,10 +270,10 @@ class System:
         """The axles whose tyres may leave the road, in the order in which their contacts are numbered."""
         return tuple([axle for axle in self.axles if axle.tyre])
 
-    def kerbs_without_limit(self) -> Iterator[str]:
+    def kerbs_without_limit(self, start: float = -inf) -> Iterator[str]:
         """Yield a sentence for each damper whose impulse is without limit as a ramp gets shorter.
 
-        Also if the kerb is before the start of the run and has no effect, as a system does not know that.
+        Kerbs before the start of a run, s, or at it have no effect.
         """
         for element in self.elements:
             if element.road not in self.signals:  # no road, or one whose lack is reported elsewhere
@@ -282,7 +282,7 @@ class System:
             sides = (-1.0,) if element.limit < inf else (-1.0, 1.0)
             steep = [side for side in sides if _outgrows_its_rate(element.damper, side)]
             for time, jump in self.signals[element.road].jumps if steep else ():
-                if any(jump * side < 0.0 for side in steep):
+                if time > start and any(jump * side < 0.0 for side in steep):
                     yield (
                         f"{element.name}: its road {element.road!r} jumps by {jump:g} m at {time:g} s, "
                         "which pushes without limit through a damper whose force grows faster than its "

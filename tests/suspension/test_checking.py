@@ -133,11 +133,15 @@ def with_strut(**changes: object) -> System:
 
 
 def on_a_kerb(
-    damper: law.Characteristic, length: float = 0.0, height: float = 0.05, limit: float = inf
+    damper: law.Characteristic,
+    length: float = 0.0,
+    height: float = 0.05,
+    limit: float = inf,
+    start: float = 0.1,
 ) -> System:
     """The strut over a kerb, with a damper that stands on the road."""
     tyre = Element("tyre", (0.0, 1.0), law.linear(2e5), damper, road="road", limit=limit)
-    kerb = roads.ramp(height, length, 20.0)
+    kerb = roads.ramp(height, length, 20.0, start=start)
     return strut(elements=(strut().elements[0], tyre), signals={"road": kerb})
 
 
@@ -177,12 +181,12 @@ STEEP_IN_REBOUND = Characteristic((
         (with_strut(modulation=law.table([(0.0, 1.0), (0.1, -1.0)])), "modulation: negative at"),
         (
             on_a_kerb(law.power(300.0, 1.5)),
-            "tyre: its road 'road' jumps by 0.05 m at 0 s, which pushes",
+            "tyre: its road 'road' jumps by 0.05 m at 0.1 s, which pushes",
         ),
         (on_a_kerb(law.cubic(300.0, 5.0)), "grows faster than its rate; give the road a ramp"),
         (on_a_kerb(law.function(lambda w: w**3, lambda w: 3.0 * w**2)), "without limit"),
         (on_a_kerb(law.function(sinh, cosh)), "without limit"),
-        (on_a_kerb(STEEP_IN_REBOUND, height=-0.05), "its road 'road' jumps by -0.05 m at 0 s"),
+        (on_a_kerb(STEEP_IN_REBOUND, height=-0.05), "its road 'road' jumps by -0.05 m at 0.1 s"),
         (with_strut(spring=law.linear(-2e4)), "rest is unstable"),
         (with_strut(spring=Fake(law.linear(100.0).pieces, "tangent")), "strut.spring: tangent"),
     ],
@@ -203,6 +207,7 @@ def test_each_fault_of_a_system_is_told(system: System, sentence: str) -> None:
         on_a_kerb(law.function(lambda w: 3.0 * w + tanh(w), lambda w: 3.0 + cosh(w) ** -2.0)),
         on_a_kerb(STEEP_IN_REBOUND),
         on_a_kerb(STEEP_IN_REBOUND, height=-0.05, limit=900.0),
+        on_a_kerb(law.power(300.0, 1.5), start=0.0),  # where runs start: there is nothing to push
     ],
 )
 def test_a_kerb_may_push_through_a_damper_of_limited_slope(system: System) -> None:

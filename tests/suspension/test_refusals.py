@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from math import inf, nan
 
@@ -51,9 +52,23 @@ def test_a_road_and_a_load_that_no_signal_is_for() -> None:
 def test_a_kerb_that_pushes_without_limit() -> None:
     tyre = replace(CAR.elements[-1], damper=power(300.0, 1.5))
     kerb = replace(
-        CAR, elements=(*CAR.elements[:-1], tyre), signals={**CAR.signals, "road": step(0.05)}
+        CAR, elements=(*CAR.elements[:-1], tyre), signals={**CAR.signals, "road": step(0.05, 0.1)}
     )
     with pytest.raises(
-        ValueError, match=r"'road' jumps by 0\.05 m at 0 s, which pushes without limit"
-    ):
-        Integrator(kerb)
+        ValueError, match=r"'road' jumps by 0\.05 m at 0\.1 s, which pushes without limit"
+    ) as refusal:
+        Integrator(kerb, start=0.0999)
+    on_it = Integrator(kerb, start=0.1)
+    rest = [0.0] * len(kerb.mass)
+    on_it.row(kerb, rest, rest, 0.1)
+    with pytest.raises(ValueError, match=re.escape(str(refusal.value))):
+        on_it.row(kerb, rest, rest)
+    level = replace(kerb, signals={**CAR.signals, "road": step(0.0, 0.1)})
+    on_level, without = Integrator(level, start=0.1), [*rest]
+    on_it.set_state([0.05] * len(rest), rest)
+    on_level.set_state(without, rest)
+    for integrator in (on_it, on_level):
+        assert integrator.advance(0.2) == 0
+        integrator.sample(0.2)
+    risen = [q - 0.05 for q in on_it.sample_q]
+    assert risen == pytest.approx(list(on_level.sample_q), abs=1e-12)

@@ -323,7 +323,7 @@ class _Bench:
         system = build(model, parameters)
         state = start_state(system, parameters, self._task.times[0])
         kind = self._kind(solver_settings(parameters), system)
-        kind.integrator.add_row(kind.numbers, system, *state)
+        kind.integrator.add_row(kind.numbers, system, *state, self._task.times[0])
         kind.runs.append(run)
         if kind.series.needs_systems:
             kind.systems.append(system)

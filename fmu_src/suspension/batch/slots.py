@@ -55,7 +55,7 @@ class Slots:
         state = start_state(system, noted, start)
         if not integrator.fits(system):
             raise ValueError("the structure of the system depends on how it is built")
-        self._row = [tape.node(x) for x in integrator.row(system, *state)]
+        self._row = [tape.node(x) for x in integrator.row(system, *state, start)]
         self.width = len(self._row)
 
     def rows(

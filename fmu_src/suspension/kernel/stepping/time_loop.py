@@ -92,7 +92,7 @@ class TimeLoop:
                 "a typical displacement, such as 0.01 m"
             )
         self.method_name = method
-        self.refuse(system)
+        self.refuse(system, start)
         self.wanted = step, tolerance, order
         kind = METHODS[method]
         order = kind.order_of(system, *self.wanted)
@@ -153,26 +153,36 @@ class TimeLoop:
         )
 
     @of_python
-    def refuse(self, system: System) -> None:
-        """Refuse a system that the method cannot integrate, or whose kerbs push without limit."""
+    def refuse(self, system: System, start: float) -> None:
+        """Refuse a system that the method cannot integrate, or whose kerbs push without limit.
+
+        `start` is when its motion starts, or goes on, s: kerbs until then have no effect.
+        """
         why = METHODS[self.method_name].refusal(system)
         if why:
             raise ValueError(f"method {self.method_name!r} cannot integrate this system: {why}")
-        for kerb in system.kerbs_without_limit():
+        for kerb in system.kerbs_without_limit(start):
             raise ValueError(kerb)
 
     @of_python
-    def row(self, system: System, displacements: Numbers, velocities: Numbers) -> list[float]:
+    def row(
+        self,
+        system: System,
+        displacements: Numbers,
+        velocities: Numbers,
+        start: float = -UNBOUNDED,
+    ) -> list[float]:
         """Return what `begin_row` reads: the numbers of a system that fits, and its start (m, m/s).
 
-        In this list they may be numbers that record operations (see `trace`).
+        In this list they may be numbers that record operations (see `trace`). `start` is the start time,
+        s, before which it cannot be.
 
         Raises
         ------
         ValueError : if the method cannot integrate the system.
         """
         numbers: list[float] = []
-        self.add_row(numbers, system, displacements, velocities)
+        self.add_row(numbers, system, displacements, velocities, start)
         return numbers
 
     @of_python
@@ -182,6 +192,7 @@ class TimeLoop:
         system: System,
         displacements: Numbers,
         velocities: Numbers,
+        start: float = -UNBOUNDED,
     ) -> None:
         """Add the same to an array of doubles.
 
@@ -189,7 +200,7 @@ class TimeLoop:
         ------
         ValueError : if the method cannot integrate the system; then nothing is added.
         """
-        self.refuse(system)
+        self.refuse(system, start)
         numbers.extend([max(system.scales), *displacements, *velocities])
         add_numbers(system, numbers)
 
