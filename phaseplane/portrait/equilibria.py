@@ -9,6 +9,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from phaseplane.portrait.energy import power
+from phaseplane.portrait.focal import first_focal_value
 from phaseplane.portrait.returns import turns
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
 from phaseplane.portrait.trajectories import traced
@@ -202,7 +203,7 @@ def _classified(
     if "degenerate" in kinds:  # on the edge of the domain of f
         kinds = ["degenerate"] * 4
     elif set(kinds) == {"centre"}:
-        kinds = [_turning_kind(system, window, x, room)] * 4
+        kinds = [_turning_kind(system, window, x, room, abs(values[0][0]))] * 4
     return Equilibrium(x, tuple(kinds), tuple(values), x)  # type: ignore[arg-type]
 
 
@@ -222,10 +223,16 @@ def _bent_kind(restores: bool, damping: float) -> str:
     return "stable node" if damping > 0.0 else "unstable node"
 
 
-def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float) -> str:
-    """Return the kind of a centre of the linear part, by the dissipation around it, then by a turn.
+def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float, omega: float) -> str:
+    """Return the kind of a centre of the linear part.
 
-    It stays a centre if small motions meet no damping: if that begins at some distance, all at once.
+    It follows from the dissipation around it; if that is positive and negative, from the first focal
+    value that is not zero; if there is none, from a turn. It stays a centre if small motions meet no
+    damping: if that begins at some distance, all at once.
+
+    Parameters
+    ----------
+    omega : angular frequency of small motions, rad/s; 0 without a linear part
     """
     angle = np.linspace(0.0, 2.0 * np.pi, 65)[:-1]
     size = _RINGS[:, None] * room
@@ -244,6 +251,8 @@ def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float) ->
         return "stable focus" if losses else "unstable focus"
     if _is_mirrored(system, x, away, v):
         return "centre"
+    if omega > 0.0 and (value := first_focal_value(system, x, omega, window.width)):
+        return "stable focus" if value < 0.0 else "unstable focus"
     kind = "centre"
     for distance in room * 0.25 ** np.arange(_TURNS):
         start = np.array([x + distance])

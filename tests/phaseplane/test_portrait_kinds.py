@@ -123,7 +123,7 @@ def test_a_plane_turned_by_half_a_turn_has_the_same_kinds() -> None:
     assert there == turned[::-1] == ["stable focus", "saddle"]
 
 
-@pytest.mark.parametrize("half", [3.0, 30.0, 60.0, 300.0])
+@pytest.mark.parametrize("half", [0.03, 0.3, 3.0, 30.0, 60.0, 300.0])
 @pytest.mark.parametrize(
     ("text", "kind"),
     [
@@ -133,6 +133,10 @@ def test_a_plane_turned_by_half_a_turn_has_the_same_kinds() -> None:
         ("x + 10*x*v - v^3", "unstable focus"),  # from wide turns it does not return
         ("x + x^2*v - 5*v^5", "stable focus"),  # beyond its limit cycle motions spiral outwards
         ("x + v^3", "stable focus"),  # its damping begins with the third power
+        # of second and third order: a turn changes the distance r by a part that goes with r^4, r^6
+        ("sin(x) + 3*x^2*v - v^3", "stable focus"),
+        ("x + 3*x^2*v - v^3", "stable focus"),
+        ("x - 3*x^2*v + v^3 + x^3*v^2", "unstable focus"),
     ],
 )
 def test_the_kind_does_not_depend_on_the_size_of_the_window(
