@@ -346,9 +346,9 @@ class Integrator(TimeLoop):
         dry friction that sticks is the one needed to hold it. `sample_set` gets the permanent sets.
         Each call needs a `sample` before it, as it uses up the accelerations of that.
         """
-        self._show_last_branches()
-        self.reading.find_forces(t, self.dense.end - self.dense.start)
-        self.net.branches.exchange_branches()
+        self.show_last_branches()
+        self.find_forces(t)
+        self.show_present_branches()
 
     @property
     def sample_q(self) -> memoryview[float]:
@@ -408,18 +408,26 @@ class Integrator(TimeLoop):
             self.net.signals.all_signals(self.state.time)
             self.ledger.take_stock(self.motion.q, self.motion.v)
             return
-        self._show_last_branches()
+        self.show_last_branches()
         self.ledger.find_until(t)
         self.dense.read(t)
         self.net.signals.all_signals(t)
         self.ledger.take_stock(self.dense.q, self.dense.v)
-        self.net.branches.exchange_branches()
+        self.show_present_branches()
 
-    def _show_last_branches(self) -> None:
+    def show_last_branches(self) -> None:
         """Exchange the present branches for those of the last step."""
         if self.state.in_step or self.dense.end <= self.dense.start:
             self.net.branches.keep_branches()
         self.net.branches.exchange_branches()
+
+    def show_present_branches(self) -> None:
+        """Exchange them back."""
+        self.net.branches.exchange_branches()
+
+    def find_forces(self, t: float) -> None:
+        """Do what `sample_forces` does, while the branches of the last step are shown."""
+        self.reading.find_forces(t, self.dense.end - self.dense.start)
 
     @open_to_python
     def limited_time_at(self, e: int, t: float) -> float:

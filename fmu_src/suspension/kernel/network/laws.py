@@ -219,6 +219,11 @@ class Laws:
 
     def law_and_slope(self, p: int, x: float) -> None:
         """Set `value`, `slope`, `curvature` to those of piece p, or of those it is joined with, at x."""
+        if self.straight[p]:
+            at = p * PIECE
+            self.slope, self.curvature = self.piece[at + C1], 0.0
+            self.value = self.piece[at + C0] + (x - self.piece[at + ORIGIN]) * self.slope
+            return
         self.read_piece(self.place(p, x), x)
 
     def law_and_curvature(self, p: int, x: float) -> None:

@@ -31,6 +31,7 @@ SLAVED = 4.0  # decay within a step, from which a damper's force is not found fr
 # parts of the step, and iterations, when a damper's rate is found from its force
 _PARTS = 20.0
 _NEWTON = 4
+_BALANCED = 1e-13  # of the largest inertia: a smaller lack of force is one of rounding
 
 
 class Network:
@@ -77,6 +78,7 @@ class Network:
         self.modes, self.modes2 = memory.zeros(n * n), memory.zeros(n * n)
         self.mass, self.mass_factor = memory.zeros(n * n), memory.zeros(n * n)
         self.flexibility = memory.zeros(n * n)
+        self.mobility = memory.zeros(max(self.elements.rows, 1))  # b' M^-1 b of each row, 1/kg
         if any(len(row) != n for row in system.mass):
             raise ValueError("mass matrix and directions must have one entry per coordinate")
         mass = system.mass
@@ -159,6 +161,12 @@ class Network:
             self.load_direction[i] = x[at + i]
         at = self.signals.enter_signals(x, at + self.loads * n)
         self.branches.enter_elements(x, at)
+        b = self.elements.row_direction
+        for r in range(self.elements.rows):
+            self.mobility[r] = 0.0
+            for i in range(n):
+                for k in range(n):
+                    self.mobility[r] += b[r * n + i] * b[r * n + k] * self.flexibility[i * n + k]
         return 0
 
     def forget(self) -> None:
@@ -333,18 +341,9 @@ class Network:
         """Return whether a damper stops its masses within a small part of h, with `row_c`."""
         for r in range(self.elements.rows):
             c = self.elements.row_c[r]
-            if c != 0.0 and c * self.mobility(r) * h > SLAVED:
+            if c != 0.0 and c * self.mobility[r] * h > SLAVED:
                 return True
         return False
-
-    def mobility(self, r: int) -> float:
-        """Return b' M^-1 b of row r, 1/kg."""
-        n, b = self.n, self.elements.row_direction
-        mobility = 0.0
-        for i in range(n):
-            for k in range(n):
-                mobility += b[r * n + i] * b[r * n + k] * self.flexibility[i * n + k]
-        return mobility
 
     def _slave_rates(self, h: float, q: Doubles, v: Doubles, a: Doubles) -> None:
         """Find rates v' at which strong dampers have the force left for them, M a' = p - sum b f(q, v').
@@ -352,20 +351,27 @@ class Network:
         Within a step of length h, the rate w of a damper c is read with an error that c may magnify
         beyond all forces; the accelerations a are not. The equation M (a + (v' - v) / tau) =
         p - sum b f(q, v'), with tau = h / 20, is solved by Newton's method; where c tau is small compared
-        with the mass, v' = v.
+        with the mass, v' = v. In straight branches the first correction is exact.
         """
         n = self.n
         for i in range(n):
             self.rate[i] = v[i]
         for _iteration in range(_NEWTON):
             self.net_force(self.lack)
-            self.assemble(self.elements.row_k, self.elements.row_c, self.modes2, self.modes)
+            lack = 0.0
+            most = 0.0
             for i in range(n):
+                inertia = 0.0
                 for k in range(n):
-                    mass = self.mass[k * n + i]
                     change = (self.rate[k] - v[k]) * _PARTS / h
-                    self.lack[i] -= mass * (a[k] + change)
-                    self.modes[k * n + i] += mass * _PARTS / h
+                    inertia += self.mass[k * n + i] * (a[k] + change)
+                self.lack[i] -= inertia
+                lack, most = max(lack, fabs(self.lack[i])), max(most, fabs(inertia))
+            if lack <= _BALANCED * most:
+                return
+            self.assemble(self.elements.row_k, self.elements.row_c, self.modes2, self.modes)
+            for i in range(n * n):
+                self.modes[i] += self.mass[i] * _PARTS / h
             if decompose(self.modes, 0, n) != 0:
                 return
             solve(self.modes, 0, n, self.lack)

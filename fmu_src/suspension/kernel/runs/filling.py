@@ -119,33 +119,49 @@ class Filling:
         while self.filled < self.last:
             if self.filled == self.next_mark:
                 return PAUSED
-            t = self.instants[self.filled]
-            status = self.integrator.step_until(t, False)
+            status = self.integrator.step_until(self.instants[self.filled], False)
             if status != 0:
                 return status
+            end = self._end_of_step()
             if self.want_r:
-                residual = self.integrator.energy_residual(t)
-                self.out_r[before + self.filled] = residual
-            at = before * self.n + self.filled
-            if not (self.want_v or self.want_a or self.want_f):
-                self.integrator.dense.read_values(
-                    t, self.integrator.state.datum, self.out_q, at, self.count, self.n
-                )
-                self.filled += 1
-                continue
-            self.integrator.sample(t)
-            if self.want_f:
-                self.integrator.sample_forces(t)
-                force_at = before * self.elements + self.filled
-                for i in range(self.elements):
-                    self.out_f[force_at + i * self.count] = self.integrator.reading.f[i]
-            for i in range(self.n):
-                self.out_q[at + i * self.count] = self.integrator.reading.q[i]
-            if self.want_v:
-                for i in range(self.n):
-                    self.out_v[at + i * self.count] = self.integrator.reading.v[i]
-            if self.want_a:
-                for i in range(self.n):
-                    self.out_a[at + i * self.count] = self.integrator.reading.a[i]
-            self.filled += 1
+                for k in range(self.filled, end):
+                    residual = self.integrator.energy_residual(self.instants[k])
+                    self.out_r[before + k] = residual
+            if self.want_v or self.want_a or self.want_f:
+                self._read(run, end)
+            else:
+                for k in range(self.filled, end):
+                    self.integrator.dense.read_values(
+                        self.instants[k], self.integrator.state.datum,
+                        self.out_q, before * self.n + k, self.count, self.n,
+                    )  # fmt: skip
+            self.filled = end
         return 0
+
+    def _end_of_step(self) -> Size:
+        """Return the number of the next instant after the last step, or of that to pause or end at."""
+        time, k = self.integrator.state.time, self.filled + 1
+        while k < self.last and k != self.next_mark and self.instants[k] <= time:
+            k += 1
+        return k
+
+    def _read(self, run: Size, end: Size) -> None:
+        """Read everything wanted at the next instants, before number `end`, within the last step."""
+        at, force_at = run * self.count * self.n, run * self.count * self.elements
+        if self.want_f:
+            self.integrator.show_last_branches()
+        for k in range(self.filled, end):
+            self.integrator.sample(self.instants[k])
+            if self.want_f:
+                self.integrator.find_forces(self.instants[k])
+                for e in range(self.elements):
+                    self.out_f[force_at + e * self.count + k] = self.integrator.reading.f[e]
+            for i in range(self.n):
+                to = at + i * self.count + k
+                self.out_q[to] = self.integrator.reading.q[i]
+                if self.want_v:
+                    self.out_v[to] = self.integrator.reading.v[i]
+                if self.want_a:
+                    self.out_a[to] = self.integrator.reading.a[i]
+        if self.want_f:
+            self.integrator.show_present_branches()

@@ -164,7 +164,7 @@ class Switches:
         """Return whether a tyre on the road stops its masses within a small part of the attempt."""
         if not self.stepper.errors.own_jerks or self.elements.branch[BRANCHES * e + CONTACT]:
             return False
-        mobility = self.net.mobility(self.elements.row_of[e])
+        mobility = self.net.mobility[self.elements.row_of[e]]
         return self.straight.damper_c[e] * mobility * h > SLAVED
 
     def _rate_left(self, e: int, j: Doubles, jerk: Doubles) -> float:
@@ -176,7 +176,7 @@ class Switches:
         less = 0.0
         for i in range(self.net.n):
             less += self.elements.row_direction[r * self.net.n + i] * (j[i] - jerk[i])
-        return less / self.net.mobility(r)
+        return less / self.net.mobility[r]
 
     def _end_rate(self, e: int, h: float) -> float:
         """Return the rate of the contact force last found, at the end of the attempt."""
@@ -196,7 +196,7 @@ class Switches:
         for i in range(self.net.n):
             fastest = max(fastest, fabs(self.stepper.motion.vb[i]))
         lost = ROUNDING_OF_RATES * self.straight.damper_c[e] * fastest * self.side
-        return acceleration / self.net.mobility(self.elements.row_of[e]) - lost
+        return acceleration / self.net.mobility[self.elements.row_of[e]] - lost
 
     @inline
     def _contact_force(self, e: int, at: int) -> None:
