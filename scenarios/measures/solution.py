@@ -296,7 +296,9 @@ def _cells(column: Column, extreme: str, time: Column) -> set[int]:
         return set()
     bend = np.zeros(len(values))
     bend[1:-1] = _RISE * abs(np.diff(values, 2))
-    rise = np.maximum.reduce([bend, np.roll(bend, 1), np.roll(bend, -1)])
+    rise = bend.copy()  # the largest of three neighbours
+    np.maximum(rise[1:], bend[:-1], out=rise[1:])
+    np.maximum(rise[:-1], bend[1:], out=rise[:-1])
     found = [bend] if extreme.endswith("mean") else []
     for height in _HEIGHTS[extreme.removeprefix("late ")]:
         z = height(values)

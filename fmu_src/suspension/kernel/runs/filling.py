@@ -76,7 +76,7 @@ class Filling:
         self.instants, self.out_q, self.out_f = t.numbers, q.numbers, f.numbers
         self.out_v, self.out_a, self.out_r = v.numbers, a.numbers, r.numbers
         self.lent = [t, q, v, a, f, r]
-        self.next_mark: Size = -1  # the instant before which the run pauses
+        self.next_mark: Size = -1  # the instant from which the run pauses
         self.begin()
 
     def begin(self) -> None:
@@ -110,6 +110,10 @@ class Filling:
             self.integrator.raise_failure(status)
             return status
 
+    def is_at_mark(self) -> bool:
+        """Return whether the run pauses before its next step, as it has reached an instant for that."""
+        return 0 <= self.next_mark <= self.filled
+
     def go_on(self, run: Size) -> int:
         """Step over the next instants, and fill the part of the arrays that belongs to one run.
 
@@ -117,7 +121,7 @@ class Filling:
         """
         before = run * self.count
         while self.filled < self.last:
-            if self.filled == self.next_mark:
+            if self.is_at_mark():
                 return PAUSED
             status = self.integrator.step_until(self.instants[self.filled], False)
             if status != 0:
@@ -139,9 +143,9 @@ class Filling:
         return 0
 
     def _end_of_step(self) -> Size:
-        """Return the number of the next instant after the last step, or of that to pause or end at."""
+        """Return the number of the first instant after the last step, or after all."""
         time, k = self.integrator.state.time, self.filled + 1
-        while k < self.last and k != self.next_mark and self.instants[k] <= time:
+        while k < self.last and self.instants[k] <= time:
             k += 1
         return k
 

@@ -20,7 +20,7 @@ class RunQueue:
     ----------
     filling : the arrays that the runs of one batch fill
     logs : whether to log the switches of all runs of a batch
-    every : instants from one mark of a run to the next, from which it can be resumed; 0 for no marks
+    every : least instants between two marks of a run, from which it can be resumed; 0 for no marks
 
     Attributes
     ----------
@@ -98,9 +98,9 @@ class RunQueue:
                 if self.status[self.made - 1] != 0:
                     self.failures[self.made - 1] = failure
                 continue
-            if filling.filled == filling.next_mark:
+            if filling.is_at_mark():
                 self.marks[self.made].append((one.state.time, one.snapshot()))
-                filling.next_mark += self.every
+                filling.next_mark = filling.filled + self.every
                 continue
             status = one.reason_to_end(filling.instants[filling.count - 1])
             if status != 0:
