@@ -28,7 +28,7 @@ from phaseplane.constructions.primitives import Drawing, Frame
 from phaseplane.constructions.storage import StoredFrames
 from phaseplane.picture.layers import layers_of
 from phaseplane.picture.subject import read_off
-from phaseplane.picture.text import step_texts
+from phaseplane.picture.text import largest_readings, step_texts
 from phaseplane.recording import DETAILS, Content, new_recording, record, serving
 from phaseplane.recording.canvas import xy
 from phaseplane.recording.server import free_port, viewer_program
@@ -66,12 +66,12 @@ def log_one_by_one(drawing: Drawing) -> int:
 
 
 def _log_frame(recording: rr.RecordingStream, drawing: Drawing, frame: Frame) -> None:
-    quantities = read_off(drawing)
+    quantities, largest = read_off(drawing), largest_readings(drawing)
     for plane in drawing.planes:
         segment = [frame.points[plane.state], frame.points[plane.state + "'"]]
         recording.log(f"/sheet/trail/{plane.name}", rr.LineStrips2D([xy(segment)]))
     alone = StoredFrames([frame])
-    recording.log("/words", rr.TextDocument(*step_texts(drawing, alone, quantities)))
+    recording.log("/words", rr.TextDocument(*step_texts(drawing, alone, quantities, largest)))
     for layer in layers_of(drawing.schemes[frame.scheme], alone):
         path = f"/sheet/steps/{frame.scheme}/{layer.stage + 1}/{layer.kind}"
         if layer.kind == "points":

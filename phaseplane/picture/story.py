@@ -148,6 +148,7 @@ def staged(stays: Page, arms: Page, index: int) -> Iterator[Tick]:
     drawing = stays.drawing
     frame = drawing.frames[index]
     scheme = drawing.schemes[frame.scheme]
+    least = text.ROUNDING * stays.subject.size
     lettered = _page(stays, index)  # with P and D, which keep their places through its stages
     draw_step(lettered, frame, _WHOLE)
     ring = 0.5 * _RING * style_of(MOVING_POINT[0]).size / TYPE * stays.em * (1 + 1j)
@@ -157,7 +158,8 @@ def staged(stays: Page, arms: Page, index: int) -> Iterator[Tick]:
         beside = arms.following()
         draw_step(beside, frame, ["turn"], stage=stage)
         beside.items = [item for item in beside.items if item.role == "arc"]
-        said = f"{text.step_head(drawing, frame)}\n\n{text.protocol(drawing, frame, stage, stays.units)}"
+        done = text.protocol(drawing, frame, stage, stays.units, least)
+        said = f"{text.step_head(drawing, frame)}\n\n{done}"
         caption = f"Step {frame.step}, {stage + 1} of {len(scheme.stages)}: {typeset(words)}"
         page = _stage(stays, lettered, index, stage)
         yield Tick(page, beside, said, caption, index, frame.time)

@@ -40,6 +40,12 @@ class Subject:
         return known or paths_of(self.drawing, self.motions)
 
     @cached_property
+    def size(self) -> float:
+        """The largest distance of a state point from the zero of the sheet, m of paper."""
+        known = (abs(motion[np.isfinite(motion)]) for motion in self.motions)
+        return max(float(away.max(initial=0.0)) for away in known)
+
+    @cached_property
     def winds(self) -> bool:
         """Whether a motion is many times as long as it is large, so that its curve would be a blot."""
         curves = [z[np.isfinite(z)] for z in map(joined, self.ways)]

@@ -37,11 +37,15 @@ LETTER_OF_EVENT = {kind: letter for kind, (_, letter, _) in _EVENTS.items() if l
 # characters of a row and rows of a protocol in the pane of the text in a window of 1366x768
 _ROW, _MOST_ROWS = 75, 17
 _DIGITS = (4, 4, 4, 2)  # of a displacement, its rates, and its drift
-_ROUNDING = 1e-12  # of the largest reading of its kind in a motion: a smaller one is rounding
-_INVISIBLE = 1e-14  # m of paper: a shorter length is one of rounding
+ROUNDING = 1e-12
+"""Of the largest reading of its kind in a motion, or its largest length: smaller ones are rounding."""
+
 _DECIMALS = 5  # fewest decimals of a time in s
 _SHORTEST = 1e-11  # s: shorter steps add no decimals
 _DIFFERS = 0.1  # of the largest displacement of a body: a difference of its control that is told
+Largest = dict[tuple[str, int], float]
+"""The largest readings of a motion, by quantity and order of the derivative."""
+
 HELP = (
     "**How to use this view.** Space plays and pauses, the arrow keys go one tick back or forward.{} "
     "Drag to move the sheet, turn the mouse wheel to zoom, double-click to reset the view. Ctrl and + "
@@ -67,9 +71,9 @@ def level_text(label: str, unit: str, factor: float) -> str:
     return f"{text} {unit}".rstrip()
 
 
-def _read(value: float, length: float, digits: int = 4) -> str:
-    """Return what a length on the sheet, m, stands for as text; zero if the length is one of rounding."""
-    return number(0.0 if abs(length) < _INVISIBLE else value, digits)
+def _read(value: float, length: float, least: float, digits: int = 4) -> str:
+    """Return what a length on the sheet stands for as text; zero if it is below the least one."""
+    return number(0.0 if abs(length) < least else value, digits)
 
 
 def in_words(name: str) -> str:
@@ -131,7 +135,7 @@ def readings_table(
 ) -> str:
     """Return readings of a motion as a Markdown table, a displacement and its rates in a row."""
     read, over = np.array([[*readings.values()]]), is_laid_over(drawing)
-    return next(_tables(tuple(readings), read, quantities, _largest(drawing), over))
+    return next(_tables(tuple(readings), read, quantities, largest_readings(drawing), over))
 
 
 def _kind(name: str) -> tuple[str, int]:
@@ -141,9 +145,9 @@ def _kind(name: str) -> tuple[str, int]:
     return quantity.name if quantity else "", order
 
 
-def _largest(drawing: Drawing) -> dict[tuple[str, int], float]:
+def largest_readings(drawing: Drawing) -> Largest:
     """Return the largest reading of each kind in a whole motion, SI."""
-    largest: dict[tuple[str, int], float] = {}
+    largest: Largest = {}
     for names, places in by_readings(drawing.frames).items():
         read = abs(columns(drawing.frames.at(places), names, "readings"))
         for name, most in zip(names, read.max(axis=0), strict=True):
@@ -155,7 +159,7 @@ def _tables(
     names: tuple[str, ...],
     read: Reals,
     quantities: Mapping[str, Quantity | None],
-    largest: Mapping[tuple[str, int], float],
+    largest: Largest,
     over: bool,
 ) -> Iterator[str]:
     """Yield the table of each row of readings; empty ones without names."""
@@ -165,7 +169,7 @@ def _tables(
     head, form, order = _table_form(names, quantities, "missed by" if over else "drift")
     factors = [q.factor if (q := quantities.get(name)) else 1.0 for name in order]
     values = read[:, [names.index(name) for name in order]]
-    values[abs(values) < [_ROUNDING * largest.get(_kind(name), 0.0) for name in order]] = 0.0
+    values[abs(values) < [ROUNDING * largest.get(_kind(name), 0.0) for name in order]] = 0.0
     for row in (np.array(factors) * values).tolist():
         yield head + printed(form % tuple(row))
 
@@ -222,10 +226,11 @@ def step_texts(
     drawing: Drawing,
     frames: StoredFrames,
     quantities: Mapping[str, Quantity | None],
+    largest: Largest,
     note: str = "",
 ) -> list[str]:
     """Return the descriptions of steps, each with a note on all steps and its readings, in Markdown."""
-    largest, over, tables = _largest(drawing), is_laid_over(drawing), [""] * len(frames)
+    over, tables = is_laid_over(drawing), [""] * len(frames)
     for names, places in by_readings(frames).items():
         read = columns(frames.at(places), names, "readings")
         found = _tables(names, read, quantities, largest, over)
@@ -273,19 +278,27 @@ def control_text(drawing: Drawing, quantities: Mapping[str, Quantity | None]) ->
 
 
 def protocol(
-    drawing: Drawing, frame: Frame, present: int, units: Mapping[str, tuple[str, float]]
+    drawing: Drawing,
+    frame: Frame,
+    present: int,
+    units: Mapping[str, tuple[str, float]],
+    least: float,
 ) -> str:
     """Return all stages as a list, an arrow before the present one, with the lengths measured so far.
 
     Where the text would be too long for its pane, the lengths of the first stages are left out, and
     then stages far from the present one. The numbers belong to the text, because the viewer cuts the
     number of a list off if it has two digits.
+
+    Parameters
+    ----------
+    least : a shorter length is one of rounding, m of paper
     """
     scheme = drawing.schemes[frame.scheme]
     lines = [f"- {i}: {markdown(typeset(words))}" for i, words in enumerate(scheme.stages, 1)]
     lines[present] = f"- **\N{RIGHTWARDS ARROW} {lines[present][2:]}**"
     for stage in range(present, -1, -1):
-        found = markdown("; ".join(measured(drawing, frame, stage, units)))
+        found = markdown("; ".join(measured(drawing, frame, stage, units, least)))
         longer = [*lines[:stage], f"{lines[stage]} {found}".rstrip(), *lines[stage + 1 :]]
         if stage < present and sum(map(_rows, longer)) > _MOST_ROWS:
             break
@@ -304,12 +317,20 @@ def _rows(line: str) -> int:
 
 
 def measured(
-    drawing: Drawing, frame: Frame, stage: int, units: Mapping[str, tuple[str, float]]
+    drawing: Drawing,
+    frame: Frame,
+    stage: int,
+    units: Mapping[str, tuple[str, float]],
+    least: float,
 ) -> list[str]:
     """Return the lengths measured in a stage, each with the value derived from it.
 
     Displacements and velocities follow from AP57 eqs. 21 and 22, accelerations from eq. 23, arcs from
     eq. 8.
+
+    Parameters
+    ----------
+    least : a shorter length is one of rounding, m of paper
     """
     points, planes = frame.points, drawing.planes
     scheme = drawing.schemes[frame.scheme]
@@ -322,74 +343,76 @@ def measured(
     found: list[str] = []
     for plane in planes:
         if plane.state in marked:
-            found += _state(plane, points[plane.state], units[plane.name])
+            found += _state(plane, points[plane.state], units[plane.name], least)
     for stroke in strokes:
         if stroke.role == "excitation":
             plane = plane_of(planes, stroke.start)
-            found.append(_laid_off(stroke.start, stroke.end, points, plane))
+            found.append(_laid_off(stroke.start, stroke.end, points, plane, least))
     for plane in planes:
         if plane.foot in marked or (plane.foot in normals and plane.foot not in shown):
-            found.append(_acceleration(plane, points, excited))
+            found.append(_acceleration(plane, points, excited, least))
         if plane.foot in normals:
-            found.append(_length(plane.foot, plane.state, points))
+            found.append(_length(plane.foot, plane.state, points, least))
     for plane in planes:
         if f"N{plane.number}" in swept:
             turn = plane.angular_frequency * frame.duration
-            arc = _centimetres(turn * abs(points[plane.state] - points[plane.foot]))
+            arc = _centimetres(turn * abs(points[plane.state] - points[plane.foot]), least)
             found.append(f"{typeset('dtau' + plane.number)} = {number(turn, 3)} rad, arc {arc}")
     for plane in planes:
         if f"{plane.state}'" in marked:
             successor = f"{plane.state}'"
-            value = _displacement(plane, points[successor], units[plane.name])
+            value = _displacement(plane, points[successor], units[plane.name], least)
             found.append(f"{typeset(successor)}: {value}")
     return found
 
 
-def _state(plane: Plane, z: complex, unit: tuple[str, float]) -> Iterator[str]:
+def _state(plane: Plane, z: complex, unit: tuple[str, float], least: float) -> Iterator[str]:
     axis, rate, foot = plane.displacement, plane.scaled_velocity, f"Q{plane.number}"
     y, y_bar = axis.read(z), rate.read(z)
-    away = f"{_pair(f'O{plane.number}', foot)} = {_centimetres(axis.scale * y)}"
-    yield f"{away}: {_displacement(plane, z, unit)}"
-    up = f"{_pair(foot, plane.state)} = {_centimetres(rate.scale * y_bar)}"
-    yield f"{up}: {_rate(plane, 1, y_bar)}"
+    away = f"{_pair(f'O{plane.number}', foot)} = {_centimetres(axis.scale * y, least)}"
+    yield f"{away}: {_displacement(plane, z, unit, least)}"
+    up = f"{_pair(foot, plane.state)} = {_centimetres(rate.scale * y_bar, least)}"
+    yield f"{up}: {_rate(plane, 1, y_bar, least)}"
 
 
-def _acceleration(plane: Plane, points: Mapping[str, complex], mean: bool) -> str:
+def _acceleration(plane: Plane, points: Mapping[str, complex], mean: bool, least: float) -> str:
     """Return what D gives; it is constructed with the mean excitation over the step, if there is one."""
     axis = plane.displacement
     value = axis.read(points[plane.foot]) - axis.read(points[plane.state])
-    rate = _rate(plane, 2, value)
-    length = f"{_pair('Q' + plane.number, plane.foot)} = {_centimetres(axis.scale * value)}"
+    rate = _rate(plane, 2, value, least)
+    length = f"{_pair('Q' + plane.number, plane.foot)} = {_centimetres(axis.scale * value, least)}"
     return f"{length}: {'mean ' * mean}{rate}"
 
 
-def _displacement(plane: Plane, z: complex, unit: tuple[str, float]) -> str:
+def _displacement(plane: Plane, z: complex, unit: tuple[str, float], least: float) -> str:
     (name, factor), axis = unit, plane.displacement
     y = axis.read(z)
-    return f"{typeset(axis.label)} = {_read(factor * y, axis.scale * y)} {name}".rstrip()
+    return f"{typeset(axis.label)} = {_read(factor * y, axis.scale * y, least)} {name}".rstrip()
 
 
-def _rate(plane: Plane, order: int, away: float) -> str:
+def _rate(plane: Plane, order: int, away: float, least: float) -> str:
     """Return the rate that a length, in the unit of the displacement, stands for."""
     axis = plane.displacement
-    value = _read(plane.angular_frequency**order * away, axis.scale * away)
+    value = _read(plane.angular_frequency**order * away, axis.scale * away, least)
     return f"{rate_letter(axis.label, order)} = {value} {rate_unit(axis.unit, order)}"
 
 
-def _length(start: str, end: str, points: Mapping[str, complex]) -> str:
-    return f"{_pair(start, end)} = {_centimetres(abs(points[end] - points[start]))}"
+def _length(start: str, end: str, points: Mapping[str, complex], least: float) -> str:
+    return f"{_pair(start, end)} = {_centimetres(abs(points[end] - points[start]), least)}"
 
 
-def _laid_off(start: str, end: str, points: Mapping[str, complex], plane: Plane) -> str:
+def _laid_off(
+    start: str, end: str, points: Mapping[str, complex], plane: Plane, least: float
+) -> str:
     """Return a length that is laid off along the axis of the displacement, or against it."""
     axis = plane.displacement
     way = "along" if axis.read(points[end]) >= axis.read(points[start]) else "against"
-    return f"{_length(start, end, points)} {way} {axis_letter(axis.label)}"
+    return f"{_length(start, end, points, least)} {way} {axis_letter(axis.label)}"
 
 
 def _pair(start: str, end: str) -> str:
     return typeset(start) + typeset(end)
 
 
-def _centimetres(length: float) -> str:
-    return f"{_read(100.0 * length, length, 3)} cm"
+def _centimetres(length: float, least: float) -> str:
+    return f"{_read(100.0 * length, length, least, 3)} cm"

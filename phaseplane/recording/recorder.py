@@ -18,7 +18,14 @@ from phaseplane.picture.quantities import Quantity
 from phaseplane.picture.step import event_pages, mark_events
 from phaseplane.picture.story import VERTICES, Tick, arms_page, story_of
 from phaseplane.picture.subject import joined, read_off
-from phaseplane.picture.text import control_text, end_text, motion_text, step_texts
+from phaseplane.picture.text import (
+    Largest,
+    control_text,
+    end_text,
+    largest_readings,
+    motion_text,
+    step_texts,
+)
 
 from .canvas import Viewer, legible, send
 from .clock import Clock, seconds
@@ -90,6 +97,18 @@ class Recorder:
         """The quantities of the readings of the construction."""
         assert self.content.drawing is not None
         return read_off(self.content.drawing)
+
+    @cached_property
+    def largest(self) -> Largest:
+        """The largest readings of the construction."""
+        assert self.content.drawing is not None
+        return largest_readings(self.content.drawing)
+
+    @cached_property
+    def control(self) -> str:
+        """What is told in all steps of the body's motion from its forces."""
+        assert self.content.drawing is not None
+        return control_text(self.content.drawing, self.quantities)
 
     @cached_property
     def chart(self) -> Chart | None:
@@ -181,8 +200,9 @@ class Recorder:
             if self.content.detail != "trail":
                 send_steps(self.recording, drawing, self.room, self.clock, start, end)
         if self.words:
-            note = control_text(drawing, self.quantities)
-            texts = step_texts(drawing, drawing.frames[start:end], self.quantities, note)
+            texts = step_texts(
+                drawing, drawing.frames[start:end], self.quantities, self.largest, self.control
+            )
             run = float(np.max(self.content.times, initial=0.0))
             texts += [end_text(drawing, self.quantities, run)] if ends else []
             self._say(texts, self.clock.columns(start + np.arange(len(texts))))

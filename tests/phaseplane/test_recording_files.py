@@ -14,6 +14,9 @@ import pytest
 import rerun as rr
 from recorded import HISTORIES, Recorded, content, drawing, frame, read_back
 
+from phaseplane.constructions.storage import StoredFrames
+from phaseplane.picture import text
+from phaseplane.picture.frames import by_readings as frames_by_readings
 from phaseplane.picture.styles import hue_of
 from phaseplane.recording import Content, new_recording, record, recorder, server
 from phaseplane.recording.canvas import rgba
@@ -137,6 +140,23 @@ def test_steps_are_written_slice_by_slice(tmp_path: Path, monkeypatch: pytest.Mo
     # when a slice is made, those before it are in the file
     assert all(size > written * 20 * 300 for written, size in enumerate(sizes))
     assert Recorded(tmp_path / "f.rrd").rows["/sheet/steps/here"]
+
+
+def test_the_whole_motion_is_not_read_for_each_slice(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With more steps there were more slices, each of which read all steps."""
+    many, sizes = drawing(), []
+
+    def by_readings(frames: StoredFrames) -> dict[tuple[str, ...], list[int]]:
+        sizes.append(len(frames))
+        return frames_by_readings(frames)
+
+    monkeypatch.setattr(recorder, "SLICE", 5)
+    monkeypatch.setattr(text, "by_readings", by_readings)
+    record(many, tmp_path / "f.rrd")
+    assert sizes.count(5) == len(many.frames) / 5 == 12
+    assert sizes.count(len(many.frames)) <= 3  # for all steps, for their end, and for the story
 
 
 def test_an_existing_file_is_replaced(tmp_path: Path) -> None:

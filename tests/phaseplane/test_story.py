@@ -25,7 +25,7 @@ from phaseplane.picture.page import Arrow, Dots, Lines
 from phaseplane.picture.story import arms_page, story_of, told_steps
 from phaseplane.picture.styles import MOVING_POINT
 from phaseplane.picture.subject import read_off
-from phaseplane.picture.text import markdown, step_texts
+from phaseplane.picture.text import largest_readings, markdown, step_texts
 from phaseplane.recording import Content
 from phaseplane.recording.motion import pages_of
 
@@ -92,7 +92,7 @@ def test_a_story_laid_over_a_motion_tells_by_how_much_a_step_misses_it() -> None
     )
     _, (*_, last) = sheet_and_story(laid, 12)
     assert "A step misses the motion by at most y₁ 0 cm, y₂ 0 cm." in last.text
-    (beside,) = step_texts(laid, laid.frames[5:6], read_off(laid))
+    (beside,) = step_texts(laid, laid.frames[5:6], read_off(laid), largest_readings(laid))
     for text in (last.text, beside):
         assert "drift" not in text
         assert "missed by" in text

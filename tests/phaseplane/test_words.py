@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import rerun as rr
 from recorded import CONTACT_SCHEME, PLANES, drawing, frame, read_back, sheet_and_story
 from worked_example import ap57
 
@@ -22,6 +23,7 @@ from phaseplane.picture.text import (
     LETTER_OF_EVENT,
     end_text,
     event_text,
+    largest_readings,
     level_text,
     marks_text,
     measured,
@@ -32,6 +34,7 @@ from phaseplane.picture.text import (
 )
 from phaseplane.recording import Content
 from phaseplane.recording.canvas import legible
+from phaseplane.recording.recorder import Recorder
 
 
 def read_once(readings: dict[str, float]) -> Drawing:
@@ -46,7 +49,7 @@ def test_what_is_laid_off_says_which_way_and_mean_excitations_are_told() -> None
     units = {plane.name: ("cm", 100.0) for plane in made.planes}
     for frame_ in made.frames:
         scheme = made.schemes[frame_.scheme]
-        told = [measured(made, frame_, stage, units) for stage in range(len(scheme.stages))]
+        told = [measured(made, frame_, stage, units, 1e-13) for stage in range(len(scheme.stages))]
         lengths = [
             word for words in told for word in words if " along y" in word or " against y" in word
         ]
@@ -99,7 +102,7 @@ def test_rounding_is_measured_as_zero() -> None:
         EquationPlane(lambda v, x, t: x, True, initial_displacement=1.0, initial_velocity=1e-16),
         delta, step=0.1, steps=1,
     )  # fmt: skip
-    told = protocol(made, made.frames[0], 0, {"displacement": ("", 1.0)})
+    told = protocol(made, made.frames[0], 0, {"displacement": ("", 1.0)}, 1e-12)
     assert "QP = 0 cm: ẋ = 0 1/s" in told
 
 
@@ -146,7 +149,7 @@ def test_no_number_of_a_slow_or_a_quick_motion_has_an_exponent(pace: float) -> N
     )  # fmt: skip
     made = construct_motion(law, delta, step=0.1 / pace, steps=20)
     told = [told for tick in sheet_and_story(made)[1] for told in (tick.text, tick.caption)]
-    told += [made.title, *step_texts(made, made.frames, {})]
+    told += [made.title, *step_texts(made, made.frames, {}, largest_readings(made))]
     assert re.findall(r"\S*\de[+-]?\d\S*", " ".join(told)) == []
 
 
@@ -157,20 +160,20 @@ def test_rounding_is_read_off_as_zero() -> None:
     assert table.splitlines()[-1] == "| wheel | 0 | 0 | 0 |"
 
 
+@pytest.mark.parametrize("paper", [0.05, 1e-17])
 @pytest.mark.parametrize("size", [1.0, 1e-15, 1e-100])
-def test_a_motion_on_a_plane_scaled_to_it_is_read_as_what_it_is(size: float) -> None:
-    law = EquationPlane(lambda v, x, t: x, True, scale=0.05 / size, initial_displacement=2.0 * size)
-    made = construct_motion(law, delta, step=0.1, steps=20)
-    first = " ".join(step_texts(made, made.frames[:1], {}))
-    assert f"| {number(2.0 * size)} | 0 | {number(-2.0 * size)} |" in first
-    units = {plane.name: ("", 1.0) for plane in made.planes}
-    (said,) = (
-        words
-        for stage in range(3)
-        for words in measured(made, made.frames[0], stage, units)
-        if words.startswith("OQ")
+def test_a_motion_of_any_size_is_read_as_what_it_is_on_any_paper(size: float, paper: float) -> None:
+    """The stages told zeros beside a table that did not."""
+    law = EquationPlane(
+        lambda v, x, t: x, True, scale=paper / size, initial_displacement=2.0 * size
     )
-    assert said == f"OQ = 10 cm: x = {number(2.0 * size)}"
+    made = construct_motion(law, delta, step=0.1, steps=20)
+    first = " ".join(step_texts(made, made.frames[:1], {}, largest_readings(made)))
+    assert f"| {number(2.0 * size)} | 0 | {number(-2.0 * size)} |" in first
+    recorder = Recorder(rr.RecordingStream("size"), Content("of any size", made, staged=(0,)))
+    told = [tick.text for tick in recorder.ticks]
+    length = f"OQ = {number(200.0 * paper)} cm: x = {number(2.0 * size)}; QP = 0 cm: ẋ = 0 1/s"
+    assert any(length in text for text in told)
 
 
 def test_a_drift_is_read_off_in_its_unit() -> None:

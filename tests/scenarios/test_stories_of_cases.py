@@ -16,7 +16,14 @@ from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.constructions import RULES
 from phaseplane.picture.story import arms_page, story_of, told_steps
 from phaseplane.picture.subject import read_off
-from phaseplane.picture.text import control_text, end_text, readings_table, step_head, step_texts
+from phaseplane.picture.text import (
+    control_text,
+    end_text,
+    largest_readings,
+    readings_table,
+    step_head,
+    step_texts,
+)
 from phaseplane.recording import Content
 from phaseplane.recording.layout import blueprint
 from phaseplane.recording.motion import pages_of
@@ -65,7 +72,7 @@ def test_a_table_of_readings_is_at_most_as_wide_as_its_pane(name: str) -> None:
     drifts = {f"{plane.name}_drift": 1.386e-6 for plane in drawing.planes}
     quantities = recorder.quantities | {name: recorder.quantities[name[:-6]] for name in drifts}
     for frame in drawing.frames[::20]:
-        text = readings_table({**frame.readings, **drifts}, quantities)
+        text = readings_table(drawing, {**frame.readings, **drifts}, quantities)
         assert table_width(text) <= width, text
 
 
@@ -83,7 +90,8 @@ def test_the_text_fits_its_pane(name: str, rule: str | None) -> None:
     shares = getattr(column, "row_shares", None) or [1.0]
     room = (768.0 - 65.0) * shares[0] / sum(shares) - 53.0
     note = control_text(drawing, recorder.quantities)
-    steps = step_texts(drawing, drawing.frames[:200], recorder.quantities, note)
+    largest = largest_readings(drawing)
+    steps = step_texts(drawing, drawing.frames[:200], recorder.quantities, largest, note)
     for text in [tick.text for tick in recorder.ticks] + steps:
         assert text_height(text) <= room, text
     for tick in recorder.ticks:
@@ -145,7 +153,8 @@ def test_it_is_said_if_a_body_from_its_forces_differs(name: str, told: bool) -> 
     quantities = read_off(drawing)
     *_, last = story_of(pages_of(Content(name, drawing))[0], arms_page(drawing), quantities)
     note = control_text(drawing, quantities)
-    (beside,) = step_texts(drawing, drawing.frames[5:6], quantities, note)
+    largest = largest_readings(drawing)
+    (beside,) = step_texts(drawing, drawing.frames[5:6], quantities, largest, note)
     for text in (last.text, beside, end_text(drawing, quantities)):
         assert ("The body from its forces differs by up to " in text) is told
 
