@@ -137,6 +137,7 @@ class Drawer:
             content = replace(content, drawing=whole.drawing)
             self.recorder = Recorder(self.recording, content)  # whose story knows the drift
             self.recorder.content = replace(content, histories=columns)
+            self.recorder.describe(0, self.steps)  # with the drift, and the end of the run
             known = replace(self.recorder.content, live=False)
             send_lanes(self.recording, known, self.recorder.clock)  # at all ticks
         else:

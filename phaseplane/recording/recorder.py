@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -174,9 +174,18 @@ class Recorder:
 
     def steps(self, first: int, last: int) -> None:
         """Log a range of the steps of the construction."""
+        for start, end in self._slices(first, last):
+            self._slice(start, end)
+
+    def describe(self, first: int, last: int) -> None:
+        """Log the descriptions of a range of steps anew, as they are with a drift that is known now."""
+        for start, end in self._slices(first, last):
+            self._describe(start, end)
+
+    def _slices(self, first: int, last: int) -> Iterator[tuple[int, int]]:
+        """Yield parts of a range of steps, each written before the next: memory does not grow."""
         for start in range(first, last, SLICE):
-            self._slice(start, min(last, start + SLICE))
-            # what has been encoded is written, so that memory does not grow
+            yield start, min(last, start + SLICE)
             self.recording.flush(timeout_sec=_PATIENCE)
 
     def _slice(self, start: int, end: int) -> None:
@@ -199,18 +208,25 @@ class Recorder:
                 self.sheet.show("events", marks, self.clock.columns(np.array(marked)))
             if self.content.detail != "trail":
                 send_steps(self.recording, drawing, self.room, self.clock, start, end)
-        if self.words:
-            texts = step_texts(
-                drawing, drawing.frames[start:end], self.quantities, self.largest, self.control
-            )
-            run = float(np.max(self.content.times, initial=0.0))
-            texts += [end_text(drawing, self.quantities, run)] if ends else []
-            self._say(texts, self.clock.columns(start + np.arange(len(texts))))
+        self._describe(start, end)
         if self.chart is not None:
             cursors = np.array([self.chart.cursor(t) for t in self.clock.times[start:end]])
             now = self.clock.columns(np.arange(start, end))
             self.over_time.line("cursor", "value", cursors, now)
         send_readings(self.recording, self.panels, drawing, self.clock, start, end)
+
+    def _describe(self, start: int, end: int) -> None:
+        """Log the descriptions of some steps, and what the construction comes to in the end."""
+        drawing = self.content.drawing
+        if not self.words or drawing is None:
+            return
+        texts = step_texts(
+            drawing, drawing.frames[start:end], self.quantities, self.largest, self.control
+        )
+        if end == len(drawing.frames):
+            run = float(np.max(self.content.times, initial=0.0))
+            texts.append(end_text(drawing, self.quantities, run))
+        self._say(texts, self.clock.columns(start + np.arange(len(texts))))
 
     def run(self, histories: dict[str, np.ndarray]) -> None:
         """Log the motion given by the columns of a run, or by some of their rows."""
