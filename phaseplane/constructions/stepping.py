@@ -15,8 +15,9 @@ from phaseplane.constructions.steps import Construct, Points, States, along_tang
 # of a state point from an origin along the y axis, in sizes of the motion: what goes farther diverges
 _FARTHEST = 1000.0
 _LEAST_SIZE = 0.1  # m of paper, that of a small sheet
-# parts of the time since 0 at which the excitation is looked at: none is a multiple of another
-_LOOKED_AT = tuple(k * 0.6180339887498949 % 1.0 for k in range(16))
+# parts of the time since 0 at which the excitation is looked at: now, as it may have begun in this step,
+# and before, where none is a multiple of another
+_LOOKED_AT = (1.0, *(k * 0.6180339887498949 % 1.0 for k in range(16)))
 # times y-bar: damping that changes it by more in a step leads beyond the mirror image of P
 _FOLLOWED = 2.0
 _SEEN = 1e-3  # m of paper: how far beyond

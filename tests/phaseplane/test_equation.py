@@ -160,9 +160,9 @@ def test_an_equation_that_runs_away_says_when():
     ("start", "push"),
     [
         ((1.0, 0.0), lambda t: 0.0), ((0.0, 1.0), lambda t: 0.0), ((0.0, 0.0), lambda t: 1.0),
-        ((0.0, 0.0), sin), ((0.0, 0.0), lambda t: t),
+        ((0.0, 0.0), sin), ((0.0, 0.0), lambda t: t), ((0.0, 0.0), lambda t: float(t > 3.0)),
     ],
-    ids=["displacement", "velocity", "force", "alternating", "growing"],
+    ids=["displacement", "velocity", "force", "alternating", "growing", "late"],
 )  # fmt: skip
 def test_a_motion_of_any_size_is_constructed_alike(size, start, push):
     one, many = (
