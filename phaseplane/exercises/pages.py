@@ -14,6 +14,7 @@ from phaseplane.constructions.letters import axis_letter, typeset
 from phaseplane.constructions.primitives import Axis, Drawing, Plane
 from phaseplane.constructions.sheet import arc_points, round_step, way_of, with_turn_angles_at
 from phaseplane.constructions.storage import Frame, StoredFrames
+from phaseplane.equations.typeset import printed
 from phaseplane.exercises.protocol import display, excitations, protocol
 from phaseplane.exercises.readings import columns
 
@@ -56,7 +57,13 @@ def sheet_data(drawing: Drawing, steps: int | None = None) -> dict[str, Any]:
             for frame in frames
         ],
         "protocol": [
-            [e.step, e.stage, e.point, "" if e.length is None else f"{e.length:.2f}", e.value]
+            [
+                e.step,
+                e.stage,
+                e.point,
+                "" if e.length is None else f"{e.length:.2f}",
+                printed(e.value),
+            ]
             for e in entries
         ],
     }

@@ -12,6 +12,7 @@ from phaseplane.constructions.letters import axis_letter, typeset
 from phaseplane.constructions.primitives import Axis, Drawing, Mark, Plane
 from phaseplane.constructions.sheet import plane_of
 from phaseplane.constructions.storage import Frame
+from phaseplane.equations.typeset import printed
 
 _COLUMNS = ("step", "time", "stage", "point", "found", "length_cm", "value")
 _ROUNDING = 1e-12  # m of paper
@@ -133,16 +134,17 @@ def _read(axis: Axis, point: complex) -> str:
 
 def protocol_text(entries: Sequence[Entry]) -> str:
     """Return a protocol as a table for a terminal."""
-    wide = max((len(e.value) for e in entries), default=0)
+    values = [printed(e.value) for e in entries]
+    wide = max(map(len, values), default=0)
     lines = [f"step  time s   point   length cm  {'value':<{wide}}  how it is found"]
     before: tuple[int, int] | None = None
-    for e in entries:
+    for e, value in zip(entries, values, strict=True):
         first = before is None or before[0] != e.step
         new = before != (e.step, e.stage)
         head = f"{e.step:4d}  {e.time:<8.5g}" if first else " " * 14
         length = "" if e.length is None else f"{e.length:9.2f}"
         found = e.found if new else ""
-        lines.append(f"{head} {e.point:<7} {length:>9}  {e.value:<{wide}}  {found}".rstrip())
+        lines.append(f"{head} {e.point:<7} {length:>9}  {value:<{wide}}  {found}".rstrip())
         before = (e.step, e.stage)
     return "\n".join(lines) + "\n"
 

@@ -14,7 +14,7 @@ from phaseplane.suspension.units import counted
 from phaseplane import constructions, exercises, figures
 from phaseplane.constructions.construction import CONTACT
 from phaseplane.constructions.letters import typeset
-from phaseplane.equations.typeset import printed
+from phaseplane.equations.typeset import number, printed
 from phaseplane.exercises.marking import RIGHT
 from phaseplane.exercises.protocol import (
     decimal,
@@ -326,7 +326,7 @@ def _sheet(made: Exercise, *, solved: bool, read: Sequence[tuple[list[complex], 
 
 def _format_scale(plane: Plane) -> str:
     factor, unit = display(plane.displacement)
-    return f"{100.0 * plane.displacement.scale / factor:.4g} cm for 1 {unit}".rstrip()
+    return f"{number(100.0 * plane.displacement.scale / factor, 4)} cm for 1 {unit}".rstrip()
 
 
 def _law(made: Exercise) -> Any:

@@ -152,6 +152,17 @@ def test_a_protocol_has_every_point_in_the_order_of_drawing():
     assert protocol_text(entries).count("\n") == len(entries) + 1
 
 
+def test_a_protocol_is_printed_with_powers_of_ten_and_tabulated_without():
+    tiny = EquationPlane(
+        Formula("x").function, True, scale=5e13, initial_displacement=1e-15, initial_velocity=-2e-15
+    )
+    drawing = construct_motion(tiny, DELTA, step=STEP, steps=1)
+    entries = protocol(drawing)
+    assert "x = 1·10⁻¹⁵, x̄ = −2·10⁻¹⁵ " in protocol_text(entries)
+    assert "x = 1·10⁻¹⁵, x̄ = −2·10⁻¹⁵" in str(sheet_data(drawing))
+    assert '"x = 1e-15, x̄ = -2e-15"' in protocol_csv(entries)
+
+
 def test_protocols_of_two_planes_tell_each_point_in_its_plane():
     drawing = construct_motion(ap57(), step=2.5e-3, steps=8)
     head, *lines = protocol_text(protocol(drawing)).splitlines()
