@@ -22,9 +22,7 @@ from phaseplane.portrait.system import Grid, PhaseSystem
 _DEGREE = 9  # of the polynomial that f is compared with
 _NODES = 16  # along each side of a square
 _FITS = 1e-11  # of the largest f: what a polynomial may miss
-_BENDS = (
-    1e-4  # of the largest nonlinear part: the same, so that a corner is not taken for a small one
-)
+_BENDS = 1e-4  # of the largest nonlinear part: the same, so that corners are not taken for small
 _MOST_CURVED = 1.0  # of the linear part: the others, in a square in which all of them count
 _HALVINGS = range(-20, 40)  # of the scale given, in search of such a square
 _ZERO = 1e-9  # of the linear part: smaller values are rounding

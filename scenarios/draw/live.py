@@ -45,9 +45,8 @@ class LiveRun:
 
     def watch(self, rows: RowsSoFar) -> None:
         """Show the rows so far."""
-        if (
-            self.live is not None and not self.live.watching
-        ):  # once in a run: this is called after every step
+        # once in a run: this is called after every step
+        if self.live is not None and not self.live.watching:
             self.live.watch([known(name) for name in rows.names], rows)
 
     def complete(self, results: Results, drawing: Drawing | None) -> tuple[list[str], list[str]]:
