@@ -28,7 +28,7 @@ from phaseplane.constructions.primitives import Drawing, Frame
 from phaseplane.constructions.storage import StoredFrames
 from phaseplane.picture.layers import layers_of
 from phaseplane.picture.subject import read_off
-from phaseplane.picture.text import largest_readings, step_texts
+from phaseplane.picture.text import Largest, largest_readings, step_texts
 from phaseplane.recording import DETAILS, Content, new_recording, record, serving
 from phaseplane.recording.canvas import xy
 from phaseplane.recording.server import free_port, viewer_program
@@ -55,18 +55,20 @@ def peak_memory() -> float:
 def log_one_by_one(drawing: Drawing) -> int:
     """Log the same construction with a `log` call per entity and step, with static styles."""
     recording = new_recording(Content("one by one", drawing))
-    memory = recording.memory_recording()
+    memory, largest = recording.memory_recording(), largest_readings(drawing)
     for frame in drawing.frames:
         recording.set_time("t", duration=frame.time)
         recording.set_time("step", sequence=frame.step)
-        _log_frame(recording, drawing, frame)
+        _log_frame(recording, drawing, frame, largest)
     size = len(memory.drain_as_bytes())
     recording.disconnect()
     return size
 
 
-def _log_frame(recording: rr.RecordingStream, drawing: Drawing, frame: Frame) -> None:
-    quantities, largest = read_off(drawing), largest_readings(drawing)
+def _log_frame(
+    recording: rr.RecordingStream, drawing: Drawing, frame: Frame, largest: Largest
+) -> None:
+    quantities = read_off(drawing)
     for plane in drawing.planes:
         segment = [frame.points[plane.state], frame.points[plane.state + "'"]]
         recording.log(f"/sheet/trail/{plane.name}", rr.LineStrips2D([xy(segment)]))
