@@ -263,9 +263,7 @@ class Integrator(TimeLoop):
         """
         if not fabs(until) <= UNBOUNDED:
             raise ValueError(f"cannot step to {until} s: the time must be finite")
-        until = float(
-            until
-        )  # uncompiled it may be an int, and so would be the times of switches there
+        until = float(until)  # uncompiled it may be an int, as would then be the times of switches
         self.pace.look_at_pace()
         while True:
             with cython.nogil:
