@@ -175,7 +175,9 @@ def simulated(
         return
 
     def solution(run: Outcome) -> Solution:
-        reached = min((len(column) for column in run.columns.values()), default=len(time))
+        # a run that could not start has no columns
+        all_rows = 0 if run.failure else len(time)
+        reached = min((len(column) for column in run.columns.values()), default=all_rows)
         columns = {"time": time[:reached], **run.columns}
         return Solution(
             columns, run.at_end, run.failure, run.switches, run.joints, run.closer or None

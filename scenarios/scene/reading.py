@@ -133,10 +133,12 @@ def _parameters(
         )
     if fmu.is_ours:
         try:
-            build(fmu.model, fmu.with_defaults(checked, duration))
+            system = build(fmu.model, fmu.with_defaults(checked, duration))
         except (ParameterError, OverflowError, ZeroDivisionError) as error:
             about = next((name for name in checked if str(error).startswith(name)), "")
             raise RefusedError(f"parameters.{about}".strip("."), str(error)) from None
+        for kerb in system.kerbs_without_limit(0.0):  # the start of every scene
+            raise RefusedError("parameters", f"system: {kerb}")
     return checked
 
 

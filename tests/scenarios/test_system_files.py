@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from command_line import printed, written
 from phaseplane.scenarios.commands.build import build_models
-from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.errors import InputError, RunError
 from phaseplane.scenarios.scene.fmus import find_fmu
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.sweeps.plan import load_plan
@@ -104,6 +104,31 @@ def test_the_payload_of_any_axle_is_remarked_on_and_no_other_parameter_called_so
     run = phaseplane.run("mass.toml", ["middle.payload=30"])
     (remark,) = run.summary["remarks"]
     assert remark.startswith("middle payload of 30 kg lowers the body by")
+
+
+def test_a_run_that_its_method_refuses_is_no_run():
+    """It was reported as done, without results."""
+    written(SYSTEM.replace('rate = "stiffness"', 'rate = "stiffness", cubic = 1e5'), "mass.toml")
+    with pytest.raises(RunError, match="the run could not start: method 'exact' cannot integrate"):
+        phaseplane.run("mass.toml", solver={"method": "exact"})
+
+
+KERB = """
+[system.elements.shaker]
+direction = { x = 1 }
+damper = { power = 300, exponent = 1.7 }
+road = "left"
+"""
+
+
+def test_a_kerb_without_limit_is_refused_with_the_scene_if_it_is_after_the_start():
+    standing = 'axle = "left"\nbody = { x = 1 }\n'
+    written(f"{SYSTEM}{KERB}[system.wheels.left]\n{standing}", "mass.toml")
+    kerb = ["road.shape=step", "road.height=0.05"]
+    assert phaseplane.run("mass.toml", [*kerb, "road.start=0"])["x_displacement"].size == 501
+    words = "^--set: system: shaker: its road 'left_road' jumps by 0.05 m at 2 s, which pushes"
+    with pytest.raises(InputError, match=words):
+        phaseplane.run("mass.toml", [*kerb, "road.start=2"])
 
 
 @pytest.mark.slow
