@@ -176,10 +176,12 @@ def replay_construction(
         title = scene.title or scene.name
         shown = partial(of_scene, scene, drawing, columns)
     with blaming(what):
-        if save is not None:
-            recording.record(shown(), save)
-        if viewer:
-            show_in(shown(), viewer)
+        if save is not None or viewer:
+            content = shown()
+            if save is not None:
+                recording.record(content, save)
+            if viewer:
+                show_in(content, viewer)
     last = len(drawing.frames) - 1
     if at_step is not None and not 0 <= at_step <= last:
         raise InputError(f"--at-step {at_step}: the drawing has steps 0 to {last}")

@@ -74,7 +74,8 @@ def show(
     if save is not None:
         found, units = timed(results, paths[0], columns, plane)
         title = str(data["summary"].get("title") or paths[0].name)
-        recording.record(draw.recording_content.of_table(title, found, units, plane), save)
+        content = draw.recording_content.of_table(title, found, units, plane)
+        recording.record(content, save)
         data["files"] = [*data.get("files", []), str(save)]
     click.echo(as_json(data) if as_data else format_contents(data, paths[0]))
 

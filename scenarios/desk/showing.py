@@ -93,7 +93,8 @@ def show(
     if kind != "recording":
         return Picture(figure_of(kind, drawing, title=title, look=printed, step=at_step))
     path = Path(_open.enter_context(TemporaryDirectory())) / f"{found.name}.rrd"
-    recording.record(of_scene(found, drawing), path)
+    content = of_scene(found, drawing)
+    recording.record(content, path)
     server = _open.enter_context(recording.serving([path]))
     return Page(_frame(server.page, height), path)
 

@@ -85,11 +85,8 @@ def show_live(
     columns = dict.fromkeys(("time", *scene.columns), np.zeros(0))
     try:
         before = of_scene(scene, drawing, columns, units, shown, live=True)
-    except (ImportError, OSError) as error:  # OSError: its native library
-        why = one_line(
-            f"rerun cannot be loaded ({error}); try `pip install --force-reinstall rerun-sdk`"
-        )
-        yield LiveRun(scene, None, path, why)
+    except RunError as error:
+        yield LiveRun(scene, None, path, str(error))
         return
     with _live(before, viewer, path) as live:
         yield LiveRun(scene, live, path)

@@ -57,6 +57,10 @@ def pictures_of(
         look = figures.Look(dark=dark)
         draw(name, path, drawing=drawing, results=results, title=title, look=look)
 
+    def draw_recording(path: Path) -> None:
+        content = of_results(results, drawing, asdict(scene.shown))
+        recording.record(content, path)
+
     for name in scene.show.figures:
         if name == "time_histories" or drawing is not None:
             pictures[f"{name}.png"] = partial(draw_figure, name)
@@ -64,10 +68,7 @@ def pictures_of(
         plane = partial(_draw_plane, names, results, title, dark)
         pictures["plane.png" if k == 1 else f"plane_{k}.png"] = plane
     if scene.show.recording:
-        shown = asdict(scene.shown)
-        pictures[RECORDING] = lambda path: recording.record(
-            of_results(results, drawing, shown), path
-        )
+        pictures[RECORDING] = draw_recording
     return pictures
 
 

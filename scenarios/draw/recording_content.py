@@ -14,6 +14,7 @@ from phaseplane.picture.frames import read_over, switches_of
 from phaseplane.picture.quantities import rate_of
 
 from .. import draw
+from ..errors import RunError
 
 if TYPE_CHECKING:
     from phaseplane.suspension.systems import Axle, System
@@ -63,7 +64,12 @@ def content(
     duration : of the run, s
     shown : `recording` (its detail), `views`, `planes` (pairs of outputs), `staged` (steps)
     alone : whether the model moved without a controller, so that its energies can be found again
+
+    Raises
+    ------
+    RunError : if rerun cannot be loaded.
     """
+    _load_rerun()
     wanted = shown.get("views") or recording.VIEWS
     views = tuple(view for view in wanted if alone or view != "energies")
     rows = recording.thinned(columns, _MOST_ROWS)
@@ -174,6 +180,16 @@ def _static_tyre_deflection(system: System, axle: Axle) -> float:
         return 0.0
     free = system.elements[number].spring.argument(axle.static_load)
     return free if isfinite(free) else 0.0  # a table that never reaches zero force
+
+
+def _load_rerun() -> None:
+    """Load all of rerun that recordings need, and refuse an installation that is broken."""
+    try:
+        _ = recording.Live
+    except Exception as error:  # a library that is loaded may raise anything
+        raise RunError(
+            f"rerun cannot be loaded ({error}); try `pip install --force-reinstall rerun-sdk`"
+        ) from error
 
 
 def of_scene(

@@ -152,23 +152,60 @@ def test_the_hidden_folder_in_which_a_picture_is_drawn_is_not_told(tmp_path: Pat
     assert problems == ["plane.png was not drawn: No space left on device"]
 
 
-@pytest.mark.parametrize("error", ["ImportError", "OSError"])
-def test_a_run_does_without_a_rerun_that_cannot_be_loaded(
-    error: str, fmu: Path, tmp_path: Path
-) -> None:
-    package = tmp_path / "broken" / "rerun"
+BROKEN = {  # what a package does that cannot be loaded, and what is told of it
+    "raise OSError('no libfoo')": "no libfoo",
+    "raise AttributeError('no such ufunc')": "no such ufunc",
+    "": "No module named 'rerun.",  # an installation that was cut short
+}
+
+
+def broken_rerun(folder: Path, code: str) -> dict[str, str]:
+    """Return an environment in which rerun cannot be loaded."""
+    package = folder / "broken" / "rerun"
     package.mkdir(parents=True)
-    (package / "__init__.py").write_text(f"raise {error}('no libfoo')", encoding="ascii")
+    (package / "__init__.py").write_text(code, encoding="ascii")
+    return {**os.environ, "PYTHONPATH": str(package.parent)}
+
+
+@pytest.mark.parametrize("code", BROKEN)
+def test_a_run_does_without_a_rerun_that_cannot_be_loaded(
+    code: str, fmu: Path, tmp_path: Path
+) -> None:
     bare = settings(f"fmu={fmu}", "show.recording=false", "show.figures=[]")
     done = subprocess.run(
         [sys.executable, "-P", "-m", "phaseplane", "run", "ap57", *bare, "--save", "ap57.rrd"],
-        env={**os.environ, "PYTHONPATH": str(package.parent)},
+        env=broken_rerun(tmp_path, code),
+        capture_output=True, text=True, check=False, timeout=HANGS,
+    )  # fmt: skip
+    why = f"rerun cannot be loaded ({BROKEN[code]}"
+    assert done.stderr.startswith(f"phaseplane: ap57: ap57.rrd was not written: {why}")
+    assert done.stderr.endswith("); try `pip install --force-reinstall rerun-sdk`\n")
+    assert done.stderr.count("\n") == 1
+    assert done.returncode == console.FAILED
+    assert names() == RESULTS
+
+
+@pytest.mark.parametrize(
+    ("command", "place"),
+    [
+        ("replay ap57 --save ap57.rrd", ""),
+        ("show rows.csv --save ap57.rrd", ""),
+        ("run ap57 --set show.figures=[]", "ap57: construction.rrd was not drawn: "),
+    ],
+)
+def test_commands_say_in_one_line_that_rerun_cannot_be_loaded(
+    command: str, place: str, fmu: Path, tmp_path: Path
+) -> None:
+    Path("rows.csv").write_text("time,displacement\n0,0\n1,1\n", encoding="ascii")
+    bare = settings(f"fmu={fmu}") if command.startswith("run") else []
+    done = subprocess.run(
+        [sys.executable, "-P", "-m", "phaseplane", *command.split(), *bare],
+        env=broken_rerun(tmp_path, "raise ImportError('no libfoo')"),
         capture_output=True, text=True, check=False, timeout=HANGS,
     )  # fmt: skip
     why = "rerun cannot be loaded (no libfoo); try `pip install --force-reinstall rerun-sdk`"
-    assert done.stderr == f"phaseplane: ap57: ap57.rrd was not written: {why}\n"
+    assert done.stderr == f"phaseplane: {place}{why}\n"
     assert done.returncode == console.FAILED
-    assert names() == RESULTS
 
 
 @pytest.mark.slow
