@@ -90,6 +90,7 @@ def test_what_describes_it_is_valid(model: str, native_fmu: Packer, tmp_path: Pa
     assert (tmp_path / "terminalsAndIcons/icon.png").read_bytes().startswith(b"\x89PNG")
     page = (tmp_path / "documentation/index.html").read_text("utf-8")
     assert "lift_off_event" in page
+    assert "fmi3Error" in page  # of a step that failed, which is not discarded in FMI 3.0
 
 
 def test_the_reference_result_inside_is_declared() -> None:
