@@ -15,8 +15,8 @@ def replace_file(target: Path) -> Iterator[Path]:
 
     Raises
     ------
-    OSError : if the folder does not exist, or the file cannot be written, `strerror` saying why; the
-        target is as it was.
+    OSError : if the folder does not exist, or the file cannot be written, for the reason that is its
+        cause; the target is as it was.
     """
     if not target.parent.is_dir():
         folder = target.parent
@@ -29,9 +29,6 @@ def replace_file(target: Path) -> Iterator[Path]:
         yield temporary
         temporary.replace(target)
     except OSError as error:
-        why = error.strerror or str(error)
-        refusal = type(error)(f"cannot write {target}: {why}")
-        refusal.strerror = why  # for messages that name the target otherwise
-        raise refusal from error
+        raise type(error)(f"cannot write {target}: {error.strerror or error}") from error
     finally:
         temporary.unlink(missing_ok=True)

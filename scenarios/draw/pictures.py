@@ -78,8 +78,10 @@ def draws_or_tells(name: str, problems: list[str]) -> Iterator[None]:
     try:
         yield
     except Exception as error:  # also where the drawing library cannot be imported
-        # not the path that it could not be written to: it is that of a draft, which the user does not see
-        why = getattr(error, "strerror", None) or error
+        why: object = error
+        if isinstance(error, OSError) and isinstance(error.__cause__, OSError):
+            # without the path that it cannot be written to: a draft's, which the user does not see
+            why = error.__cause__.strerror or error.__cause__
         problems.append(f"{name} was not drawn: {one_line(why)}")
 
 

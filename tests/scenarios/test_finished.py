@@ -9,13 +9,13 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
-from errno import ENOSPC
+from errno import ENOENT, ENOSPC
 from pathlib import Path
 from typing import Any
 
 import pytest
 from click.testing import Result
-from command_line import phaseplane, settings
+from command_line import complaint, phaseplane, settings
 from hosting import HANGS, started
 from phaseplane.scenarios.commands import console
 from phaseplane.scenarios.draw import pictures
@@ -150,6 +150,25 @@ def test_the_hidden_folder_in_which_a_picture_is_drawn_is_not_told(tmp_path: Pat
     ):
         raise OSError(ENOSPC, "No space left on device", str(path))
     assert problems == ["plane.png was not drawn: No space left on device"]
+
+
+def test_a_file_that_a_full_disk_cannot_take_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(_: object, path: Path) -> None:
+        with replace_file(path) as draft:
+            raise OSError(ENOSPC, "No space left on device", str(draft))
+
+    monkeypatch.setattr("phaseplane.recording.record", full)
+    Path("rows.csv").write_text("time,displacement\n0,0\n1,1\n", encoding="ascii")
+    told = complaint("show rows.csv --save rows.rrd", status=console.FAILED)
+    assert told == "phaseplane: cannot write rows.rrd: No space left on device\n"
+
+
+def test_the_file_that_a_library_lacks_is_named() -> None:
+    problems: list[str] = []
+    with pictures.draws_or_tells("plane.png", problems):
+        raise FileNotFoundError(ENOENT, "No such file or directory", "matplotlibrc")
+    (problem,) = problems
+    assert problem.endswith("No such file or directory: 'matplotlibrc'")
 
 
 BROKEN = {  # what a package does that cannot be loaded, and what is told of it
