@@ -183,9 +183,9 @@ def _static_tyre_deflection(system: System, axle: Axle) -> float:
 
 
 def _load_rerun() -> None:
-    """Load all of rerun that recordings need, and refuse an installation that is broken."""
+    """Load what writes recordings, and refuse a rerun that is broken."""
     try:
-        _ = recording.Live
+        _ = recording.record
     except Exception as error:  # a library that is loaded may raise anything
         raise RunError(
             f"rerun cannot be loaded ({error}); try `pip install --force-reinstall rerun-sdk`"
