@@ -194,3 +194,15 @@ def test_rows_that_are_not_there_are_refused() -> None:
         with pytest.raises(ValueError, match="no such rows"):
             rows.go(first, last)
     assert len(rows.go(0, 1)) == 1
+
+
+def test_a_run_is_marked_at_most_once_in_a_step() -> None:
+    """Marks between two instants of one step would be copies of one state."""
+    system = build("QuarterCar", {"road.shape": "bump"})
+    used, times = Integrator(system), array("d", [5e-5 * k for k in range(2001)])
+    rows = RunQueue(Filling(used, times, array("d", [0.0] * 4002)), True, 8)
+    rows.take(array("d", used.row(system, (0.0, 0.0), (0.0, 0.0))), 0.0)
+    ((_, _, _, steps, _),) = rows.go(0, 1)
+    marked = [time for time, _ in rows.marks[0]]
+    assert marked == sorted(set(marked))
+    assert 4 <= len(marked) <= steps

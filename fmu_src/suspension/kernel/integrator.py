@@ -345,7 +345,7 @@ class Integrator(TimeLoop):
         Each call needs a `sample` before it, as it uses up the accelerations of that.
         """
         self.show_last_branches()
-        self.find_forces(t)
+        self.reading.find_forces(t, self.dense.end - self.dense.start)
         self.show_present_branches()
 
     @property
@@ -420,12 +420,8 @@ class Integrator(TimeLoop):
         self.net.branches.exchange_branches()
 
     def show_present_branches(self) -> None:
-        """Exchange them back."""
+        """Exchange those of the last step for the present branches again."""
         self.net.branches.exchange_branches()
-
-    def find_forces(self, t: float) -> None:
-        """Do what `sample_forces` does, while the branches of the last step are shown."""
-        self.reading.find_forces(t, self.dense.end - self.dense.start)
 
     @open_to_python
     def limited_time_at(self, e: int, t: float) -> float:

@@ -152,12 +152,13 @@ class Filling:
     def _read(self, run: Size, end: Size) -> None:
         """Read everything wanted at the next instants, before number `end`, within the last step."""
         at, force_at = run * self.count * self.n, run * self.count * self.elements
+        h = self.integrator.dense.end - self.integrator.dense.start
         if self.want_f:
             self.integrator.show_last_branches()
         for k in range(self.filled, end):
             self.integrator.sample(self.instants[k])
             if self.want_f:
-                self.integrator.find_forces(self.instants[k])
+                self.integrator.reading.find_forces(self.instants[k], h)
                 for e in range(self.elements):
                     self.out_f[force_at + e * self.count + k] = self.integrator.reading.f[e]
             for i in range(self.n):
