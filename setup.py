@@ -106,7 +106,7 @@ def staged() -> str:
     shutil.rmtree(STAGE.parent, ignore_errors=True)
     STAGE.mkdir(parents=True)
     (STAGE / "__init__.py").touch()
-    target = STAGE / "integrator.py"
+    target = STAGE / "interface.py"
     source, types = joined(KERNEL)
     target.write_text(source, encoding="utf-8")
     target.with_suffix(".pxd").write_text(types, encoding="utf-8")
@@ -120,7 +120,7 @@ def translated(source: str) -> str:
     gc.disable()  # a third of the time goes into looking for garbage, of which there is next to none
     try:
         (module,) = cythonize(
-            [Extension(f"{NAME}.integrator", [source])], compiler_directives=DIRECTIVES
+            [Extension(f"{NAME}.interface", [source])], compiler_directives=DIRECTIVES
         )
     finally:
         gc.enable()
@@ -207,7 +207,7 @@ def packages() -> list[str]:
 
 if __name__ == "__main__":
     kernel = Extension(
-        f"{NAME}.integrator",
+        f"{NAME}.interface",
         [],
         define_macros=MACROS,
         py_limited_api=STABLE_ABI,

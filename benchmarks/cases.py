@@ -55,7 +55,7 @@ def uncompiled_integrator() -> Any:
     package.__path__ = [str(engine.KERNEL)]
     sys.modules.setdefault(name, package)
     with engine.cython_directives():
-        return import_module(f"{name}.integrator").Integrator
+        return import_module(f"{name}.interface").Integrator
 
 
 def fixed_steps(

@@ -20,7 +20,7 @@ from .kernel_name import KERNEL, kernel_name
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from .kernel.integrator import *  # noqa: F403
+    from .kernel.interface import *  # noqa: F403
 
 
 @contextmanager
@@ -41,7 +41,7 @@ def cython_directives() -> Iterator[None]:
 
 
 def _import_kernel(folders: list[Path]) -> ModuleType:
-    """Import the kernel's integrator from the first folder that has it, unless it is already loaded."""
+    """Import the kernel from the first folder that has it, unless it is already loaded."""
     name = kernel_name()
     if name not in sys.modules:
         package = ModuleType(name)
@@ -49,7 +49,7 @@ def _import_kernel(folders: list[Path]) -> ModuleType:
         sys.modules[name] = package
     try:
         with cython_directives():
-            return import_module(f"{name}.integrator")
+            return import_module(f"{name}.interface")
     except ImportError:
         for module in [m for m in sys.modules if m == name or m.startswith(f"{name}.")]:
             del sys.modules[module]
@@ -68,6 +68,6 @@ def _choose() -> tuple[ModuleType, str]:
     return _import_kernel([KERNEL]), "no compiled files for these sources and this interpreter"
 
 
-_integrator, why_uncompiled = _choose()
+_kernel, why_uncompiled = _choose()
 compiled: bool = not why_uncompiled
-globals().update({name: getattr(_integrator, name) for name in _integrator.__all__})
+globals().update({name: getattr(_kernel, name) for name in _kernel.__all__})

@@ -22,7 +22,7 @@ def _uncompiled() -> Any:
     package.__path__ = [str(engine.KERNEL)]
     sys.modules[_NAME] = package
     with engine.cython_directives():
-        return import_module(f"{_NAME}.integrator").Integrator
+        return import_module(f"{_NAME}.interface").Integrator
 
 
 UNCOMPILED = _uncompiled()

@@ -55,7 +55,7 @@ def runge_kutta(method: Any) -> Any:
 
 
 KERNELS = {
-    "uncompiled": (_KERNELS[0], sys.modules["uncompiled_kernel.integrator"]),
+    "uncompiled": (_KERNELS[0], sys.modules["uncompiled_kernel.interface"]),
     "as installed": (engine.Integrator, engine),
 }
 

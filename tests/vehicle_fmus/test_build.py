@@ -311,7 +311,7 @@ def test_with_broken_binaries_the_sources_run(bare_folder: Path) -> None:
     binaries = binaries_of(bare_folder)
     binaries.mkdir(exist_ok=True)
     for suffix in EXTENSION_SUFFIXES:
-        Path(binaries, "integrator" + suffix).write_bytes(b"of another machine")
+        Path(binaries, "interface" + suffix).write_bytes(b"of another machine")
     broken = run_in_a_bare_python(bare_folder)
     assert broken["values"] == as_packed["values"]
     assert any("uncompiled" in text and "cannot be loaded" in text for text in broken["log"])
@@ -321,7 +321,7 @@ def test_with_broken_binaries_the_sources_run(bare_folder: Path) -> None:
 def test_binaries_for_another_python_are_passed_over(bare_folder: Path) -> None:
     as_packed = run_in_a_bare_python(bare_folder)
     for file in list(binaries_of(bare_folder).glob("*.*")):
-        file.rename(file.with_name("integrator.cpython-399-x.so"))
+        file.rename(file.with_name("interface.cpython-399-x.so"))
     elsewhere = run_in_a_bare_python(bare_folder)
     assert elsewhere["values"] == as_packed["values"]
     assert any("uncompiled" in text for text in elsewhere["log"])

@@ -20,36 +20,9 @@ from .language import (
     uses_python,
 )
 from .layout import BRANCHES, CONTACT, SPRING, UNBOUNDED
-from .methods.method import Method
-from .methods.registry import METHODS
-from .network.elements import ELASTIC, KINDS
-from .network.network import Network, laws_of
-from .network.rest import Rest
-from .outcomes import DIVERGED, FAILURES, INTERRUPTED, PAUSED, TOO_MANY
-from .runs.account import Account
-from .runs.contacts import Contacts
-from .runs.filling import Filling
-from .runs.lines import Lines
-from .runs.run import Run
-from .runs.run_queue import RunQueue
+from .network.elements import ELASTIC
+from .outcomes import DIVERGED, INTERRUPTED, PAUSED, TOO_MANY
 from .stepping.time_loop import TimeLoop
-
-__all__ = [
-    "FAILURES",
-    "KINDS",
-    "METHODS",
-    "Account",
-    "Contacts",
-    "Filling",
-    "Integrator",
-    "Lines",
-    "Method",
-    "Network",
-    "Rest",
-    "Run",
-    "RunQueue",
-    "laws_of",
-]
 
 
 class Integrator(TimeLoop):

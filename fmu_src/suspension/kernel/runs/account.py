@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from math import fabs
-from typing import TYPE_CHECKING
 
 from ..arrays import Memory
+from ..integrator import Integrator
 from ..language import Long, of_python, open_to_python
-
-if TYPE_CHECKING:
-    from ..integrator import Integrator
 
 # steps before the balance is first checked; then whenever their number has doubled
 _FIRST_LOOK = 1000

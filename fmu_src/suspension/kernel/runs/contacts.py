@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from ..arrays import Memory
+from ..integrator import Integrator
 from ..language import of_python, open_to_python
 from ..layout import UNBOUNDED
-
-if TYPE_CHECKING:
-    from ..integrator import Integrator
 
 _WAITING = 256  # switches later than the present time, up to the end of the last step
 _NONE = -1

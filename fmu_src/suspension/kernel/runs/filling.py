@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import cython
 
 from ..arrays import Lent
+from ..integrator import Integrator
 from ..language import Lendable, Size, open_to_python, uses_python
 from ..outcomes import PAUSED
-
-if TYPE_CHECKING:
-    from ..integrator import Integrator
 
 
 class Filling:

@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from ..arrays import Memory
 from ..language import inline, open_to_python, uses_python
+from .run import Run
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
-
-    from .run import Run
 
     Terms = Sequence[tuple[int, float]]
 

@@ -15,17 +15,14 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from ..arrays import Lent, Memory
+from ..integrator import Integrator
 from ..language import Doubles, Integers, Lendable, of_python, open_to_python
 from ..network.rest import Rest
 from .account import Account
 from .contacts import Contacts
 from .inputs import Inputs
-
-if TYPE_CHECKING:
-    from ..integrator import Integrator
 
 _NONE = -1
 _CHANGED, _SUCCESSIVELY = 2, 3
