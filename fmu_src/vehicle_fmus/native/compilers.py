@@ -13,8 +13,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-# c99 without extensions contracts nothing; -ffp-contract=off says so to every compiler
-FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden", "-w")
+# c99 without extensions contracts nothing; -ffp-contract=off says so to every compiler. With what GCC
+# does at -O3 and the higher limit of inlining, which clang ignores, steps take a quarter less time.
+FLAGS = (
+    "-std=c99", "-O3", "-finline-limit=400", "-ffp-contract=off", "-fno-math-errno",
+    "-fvisibility=hidden", "-w",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

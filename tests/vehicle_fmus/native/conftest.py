@@ -41,7 +41,7 @@ def native_fmu(tmp_path_factory: pytest.TempPathFactory, compiler: str) -> Packe
 
     @cache
     def packed(model: str, *settings: tuple[str, object], text: str = "", fmi: int = 2) -> Path:
-        quick = tuple(flag for flag in compilers.FLAGS if flag not in ("-O2", "-w")) + STRICT
+        quick = tuple(flag for flag in compilers.FLAGS if flag != "-w") + STRICT
         if os.environ.get(SANITIZED):
             quick += SANITIZERS
         with pytest.MonkeyPatch.context() as patch:
