@@ -100,7 +100,7 @@ def test_a_broken_compiled_file_is_passed_over_and_said(copy: Path) -> None:
     name = engine.kernel_name()
     folder = copy / "suspension" / "kernel" / name
     shutil.copytree(PACKAGE / "kernel" / name, folder)
-    for path in folder.glob("integrator.*"):
+    for path in folder.glob("interface.*"):
         path.write_bytes(b"not a library")
     broken = run(copy, {})
     assert not broken["compiled"]
