@@ -19,12 +19,15 @@ _LEAST_LENGTH = 1e-290  # m; keeps the error allowed greater than zero
 _OF_SPEED = 0.5
 # exponent of the step in the error, up to which the septic is as accurate as the step
 _LOW_ORDER = 5
-_READ_SHARE = 0.08  # share of the error allowed, for reading the state at a switch
+_READ_SHARE = 0.3  # share of the error allowed, for reading the state at a switch
 # phase of the fastest motion up to which the septic can be as accurate as the step
 _READ_PHASE = 4.5
 _MISSED = 3.7e-7  # relative error of a sinusoid's rate, in the septic of a step of 1 rad
 _LONG_PHASE = 20.0  # phase of the fastest motion beyond which its remainder spoils the jerks
 _STRONG = 20.0  # parts of a step; a damper whose masses stop within one of them is strong
+# rad: phase of a step that loses all of the fast motions with which it begins; of a shorter one they lose
+# about the sixth power of the share (between 1e-8 and 1 of them, over all orders)
+_LOST_PHASE, _LOST_POWER = 10.0, 6.0
 _NEGLIGIBLE = 0.02  # share of the error allowed, for the residual of iterated curved forces
 
 
@@ -87,6 +90,22 @@ class Errors:
             return 0.2
         factor = 0.9 * pow(self.error, -1.0 / self.order)
         return min(max(factor, 0.2), 4.0)
+
+    def longest_after_switch(self) -> float:
+        """Return the step after a switch that is expected to have the error allowed, s.
+
+        The jerk j there, which jumps at a switch, tells how large the fast motions are that begin: about
+        j / omega^3. Of those a step of phase p = omega h loses (p / 10)^6.
+        """
+        most = 0.0
+        for i in range(self.n):
+            most = max(most, fabs(self.motion.j[i]))
+        omega = self.modes.quickest
+        if omega == 0.0 or not 0.0 < most < UNBOUNDED:
+            return UNBOUNDED
+        reach = max(self.motion.state.reach, self.motion.state.scale)
+        share = _SHARE * self.tolerance * reach / most  # of the jerk, s^3
+        return _LOST_PHASE * pow(share, 1.0 / _LOST_POWER) / sqrt(omega)
 
     def longest_by_jerk(self) -> float:
         """Return the longest step of a method of order 2 while it decays, as at a damper alone.
@@ -265,7 +284,7 @@ class Errors:
         if self.net.branches.stuck or phase > _READ_PHASE:
             return False
         if self.balance.bends.count == 0:
-            self.find_lack(h, False)
+            self.find_lack(h, True)
         allowed = _READ_SHARE * self.allowed * (1.0 - phase * phase / 32.0)
         u = fabs(x * (1.0 - x))
         of_q = 8.0 * h * h * u * u * u * u

@@ -417,6 +417,8 @@ class TimeLoop:
         else:
             h = self.state.proposal if self.state.proposal > 0.0 else _FIRST_PHASE / (omega + 1.0)
             h = self.stepper.modes.bound(h, self.stepper.method.least_damping)
+            if self.state.entered:
+                h = min(h, self.errors.longest_after_switch())
         return road if h > road else h
 
     def _while_decaying(self, h: float) -> float:
