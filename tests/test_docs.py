@@ -2,7 +2,8 @@
 
 A page is worked through from top to bottom in a folder of its own. An indented block is a file if the
 sentence before it names one, a program if it starts with an import, and otherwise a list of commands
-if it starts with one; `<!-- not run: reason -->` above a block leaves it out. What is printed may go on
+if it starts with one; `<!-- not run: reason -->` above a block leaves it out. A program has the FMUs that
+the page packs before it. What is printed may go on
 where the page ends it with `...`.
 """
 
@@ -19,6 +20,7 @@ from io import StringIO
 from pathlib import Path
 from textwrap import dedent
 
+import command_line
 import pytest
 from phaseplane.suspension.units import UNITS
 from phaseplane.vehicle_fmus.build import build
@@ -92,6 +94,13 @@ PROGRAMS = [block for page in BLOCKS.values() for block in page if block.is_prog
 WITH_COMMANDS = [page for page, found in BLOCKS.items() if any(b.commands for b in found)]
 
 
+def packed_before(block: Block) -> list[str]:
+    """The commands of a page that pack FMUs before a block, without the name of the program."""
+    earlier = [b for b in BLOCKS[block.page] if b.line < block.line and not b.omitted]
+    commands = [command.removeprefix("phaseplane ") for b in earlier for command, _ in b.commands]
+    return [command for command in commands if command.startswith("build ")]
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Where the programs run: with the FMU that the README packs before."""
@@ -106,6 +115,8 @@ def test_a_program_runs_and_prints_what_is_said(
     block: Block, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(folder)
+    for command in packed_before(block):
+        command_line.printed(command)
     printed = StringIO()
     with redirect_stdout(printed):
         exec(compile(block.text, str(block), "exec"), {"__name__": "example"})
@@ -151,6 +162,15 @@ def test_there_are_examples_and_some_tell_what_they_print() -> None:
     assert any(block.printed for block in PROGRAMS)
     told = [printed for p in WITH_COMMANDS for b in BLOCKS[p] for _, printed in b.commands]
     assert sum(printed is not None for printed in told) >= 3
+
+
+@pytest.mark.parametrize("page", BLOCKS)
+def test_no_program_stands_below_commands_of_its_block(page: str) -> None:
+    """As such a block is neither, it would not be run."""
+    for block in BLOCKS[page]:
+        first, *others = block.text.split("\n\n")
+        if first.startswith(("phaseplane ", "$ ")):
+            assert not any(part.startswith(("from ", "import ")) for part in others), block
 
 
 def test_the_units_on_the_page_are_those_accepted() -> None:
