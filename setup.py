@@ -181,6 +181,14 @@ class KernelBuild(build_ext):
         except Exception as error:
             self._leave_uncompiled(error)
 
+    def build_extensions(self) -> None:
+        # Python's own linker flags name the folder of its library, which the kernel does not need: it
+        # would stay in the file, and so in wheels and FMUs.
+        linker = getattr(self.compiler, "linker_so", None)
+        if linker is not None:
+            self.compiler.linker_so = [flag for flag in linker if "-rpath" not in flag]
+        super().build_extensions()
+
     def build_extension(self, ext: Extension) -> None:
         for flags in ATTEMPTS:
             try:

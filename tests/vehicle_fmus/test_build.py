@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+import sysconfig
 import zipfile
 from importlib.machinery import EXTENSION_SUFFIXES
 from pathlib import Path
@@ -93,6 +94,15 @@ def test_what_an_fmu_holds(model: str, fmus: dict[str, Path]) -> None:
     assert "The phaseplane developers" in licence
     assert {Path(n).suffix for n in own} <= {".py", ".json", ".txt", ".so", ".pyd"}
     assert not [n for n, text in texts.items() if str(Path.cwd()) in text or "__pycache__" in n]
+
+
+def test_an_fmu_holds_no_place_of_this_machine(model: str, fmus: dict[str, Path]) -> None:
+    """Neither of the sources nor of the Python that compiled them, which linkers note to look in."""
+    python = sysconfig.get_config_var("LIBDIR") or sys.base_prefix
+    places = [os.fsencode(place) for place in (content.SUSPENSION.parents[1], python)]
+    with zipfile.ZipFile(fmus[model]) as archive:
+        held = {name: archive.read(name) for name in archive.namelist()}
+    assert [name for name, data in held.items() if any(place in data for place in places)] == []
 
 
 @pytest.mark.slow
