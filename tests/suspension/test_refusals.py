@@ -26,6 +26,8 @@ CAR = build("QuarterCar", {})
         ({"step": nan}, "step = nan s must be"),
         ({"tolerance": 0.0}, "tolerance = 0 must be greater than 0"),
         ({"tolerance": nan}, "tolerance = nan must be greater than 0"),
+        ({"start": nan}, "start = nan s must be finite"),
+        ({"start": -inf}, "start = -inf s must be finite"),
     ],
     ids=str,
 )
@@ -37,6 +39,12 @@ def test_a_setting_that_makes_no_sense(options: dict[str, float], why: str) -> N
 def test_scales_that_are_not_one_for_each_coordinate() -> None:
     with pytest.raises(ValueError, match="0 scales for 2 coordinates"):
         Integrator(replace(CAR, scales=()))
+
+
+@pytest.mark.parametrize("scale", [nan, inf, -0.01])
+def test_scales_that_are_no_displacements(scale: float) -> None:
+    with pytest.raises(ValueError, match=f"scales = .*{scale}.* must be finite and at least 0"):
+        Integrator(replace(CAR, scales=(0.01, scale)))
 
 
 def test_a_road_and_a_load_that_no_signal_is_for() -> None:

@@ -86,11 +86,15 @@ class TimeLoop:
             raise ValueError(f"step = {step:g} s must be finite and positive, or 0 (automatic)")
         if not 0.0 < tolerance < 1.0:
             raise ValueError(f"tolerance = {tolerance:g} must be greater than 0 and less than 1")
+        if not fabs(start) < UNBOUNDED:
+            raise ValueError(f"start = {start:g} s must be finite")
         if len(system.scales) != len(system.mass):
             raise ValueError(
                 f"{len(system.scales)} scales for {len(system.mass)} coordinates: each coordinate needs "
                 "a typical displacement, such as 0.01 m"
             )
+        if not all(0.0 <= scale < UNBOUNDED for scale in system.scales):
+            raise ValueError(f"scales = {system.scales} must be finite and at least 0, in m")
         self.method_name = method
         self.refuse(system, start)
         self.wanted = step, tolerance, order
