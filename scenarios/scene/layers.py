@@ -306,7 +306,7 @@ def _chain(
                 hint = "; parameters belong in the table [parameters]"
                 raise InputError(
                     f"{name}: unknown key {shown(key)}; allowed: {', '.join(KEYS)}"
-                    + (hint if _is_parameter(key) else nearest(key, KEYS))
+                    + (hint if _is_parameter(key) else nearest(top, KEYS))
                 )
         base = layer.pop("extends", None)
         yield layer, name, folder

@@ -340,6 +340,15 @@ def test_an_empty_table_that_is_no_section(line: str, words: str) -> None:
     assert re.search(words, refusal(written(f"{MINIMAL}{line}\n")))
 
 
+@pytest.mark.parametrize(
+    ("table", "meant"),
+    [("[shwo]\ndark = true", "show"), ("[expected]\nlift_off_count = 1", "expect"),
+     ("[paramters]\nspeed = 9.0", "parameters")],
+)  # fmt: skip
+def test_a_misspelt_section_is_compared_without_its_keys(table: str, meant: str) -> None:
+    assert refusal(written(f"{MINIMAL}{table}\n")).endswith(f"; did you mean '{meant}'?")
+
+
 def test_an_empty_table_at_the_top_is_a_heading_without_keys() -> None:
     loaded = load_scene(written(MINIMAL + "[expect]\n[parameters]\n"))
     assert not loaded.expect
