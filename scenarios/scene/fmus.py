@@ -13,11 +13,19 @@ from phaseplane.suspension.models import ALL
 from phaseplane.suspension.roads import extent
 from phaseplane.suspension.units import UNITS, nearest
 from phaseplane.suspension.variable import Checked
-from phaseplane.suspension.variables import MODELS, SOURCES, Value, Variable
+from phaseplane.suspension.variables import (
+    MODELS,
+    SOURCES,
+    ParameterError,
+    Value,
+    Variable,
+    refuse_unknown,
+)
 from phaseplane.vehicle_fmus.content import content_key
 from phaseplane.vehicle_fmus.model_description import CHOSEN
 
 from ..errors import InputError, SystemFileError, blaming, one_line, read_text, shown
+from ..results.quantities import with_unit
 from .equation import EQUATION, equation_variables
 from .names import SCENE_FILES, meant
 
@@ -112,6 +120,27 @@ class Fmu:
         """Return the parameters by name."""
         return {v.name: v for v in self.variables if v.causality == "parameter"}
 
+    def checked(self, name: str, raw: object) -> Value:
+        """Return the value of a parameter in SI, if a scene may have it.
+
+        Raises
+        ------
+        ParameterError : an unknown parameter; a value that it cannot have, or not in a scene.
+        OverflowError : a number that is too large.
+        """
+        declared = self.parameters()
+        refuse_unknown([name], declared, f"{self.model} has no parameter")
+        value, start, unit = declared[name].checked(raw), declared[name].start, declared[name].unit
+        if name in self.fixed and value != start:
+            packed = "without one" if start == "" else f"for {_written(start, unit)}"
+            raise ParameterError(
+                f"{name} = {_written(value, unit)}: this FMU was packed {packed}, and its structure "
+                f"depends on it; pack another with phaseplane build --native --set {name}=..."
+            )
+        if name == "road.shape" and value == "input":
+            raise ParameterError(f"{name} = {value!r}: a scene gives no inputs; use road.table")
+        return value
+
     def outputs(self) -> dict[str, Variable]:
         """Return the outputs by name, except texts, which have no column."""
         return {
@@ -152,6 +181,12 @@ class Fmu:
         }
         length = extent.length_for(given | dict(parameters), duration)
         return {} if length is None else {extent.LENGTH: length}
+
+
+def _written(value: Value, unit: str) -> str:
+    if isinstance(value, bool | str):
+        return str(value).lower() if isinstance(value, bool) else shown(value)
+    return with_unit(f"{value:g}", unit)
 
 
 def find_fmu(

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from phaseplane.suspension.models import build
 from phaseplane.suspension.units import nearest
-from phaseplane.suspension.variables import ParameterError, Value, refuse_unknown
+from phaseplane.suspension.variables import ParameterError, Value
 
 from .. import results
 from ..errors import InputError, SystemFileError, refuse_unknown_keys, shown
 from ..measures import catalogue
-from ..results.quantities import with_unit
 from ..results.signals import KEYS as SIGNAL_KEYS
 from ..results.signals import read_signals
 from ..results.tables import read_table as read_columns
@@ -115,7 +114,7 @@ def _parameters(
         _refuse_absent(given, declared)
     # the unit of an equation first: others are read by it
     ordered = sorted(given.items(), key=lambda item: item[0] != "unit")
-    checked = {name: _parameter(fmu, name, raw, declared) for name, raw in ordered}
+    checked = {name: _parameter(fmu, name, raw) for name, raw in ordered}
     shape = checked.get("road.shape", "")
     if "road.table" in files and shape not in ("table", "spline"):
         raise RefusedError(
@@ -126,11 +125,6 @@ def _parameters(
     if fmu.model == EQUATION:
         with refusing("parameters.equation"):
             check_equation(checked)
-    if shape == "input":
-        raise RefusedError(
-            "parameters.road.shape",
-            "road.shape = 'input': a scene gives no inputs; use road.table",
-        )
     if fmu.is_ours:
         try:
             system = build(fmu.model, fmu.with_defaults(checked, duration))
@@ -157,29 +151,14 @@ def _refuse_absent(given: Mapping[str, Any], declared: Mapping[str, Variable]) -
             )
 
 
-def _parameter(fmu: Fmu, name: str, raw: object, declared: Mapping[str, Variable]) -> Value:
+def _parameter(fmu: Fmu, name: str, raw: object) -> Value:
     try:
-        refuse_unknown([name], declared, f"{fmu.model} has no parameter")
-        value = declared[name].checked(raw)
-        if name in fmu.fixed and value != declared[name].start:
-            now, start = (_written(v, declared[name].unit) for v in (value, declared[name].start))
-            packed = "without one" if declared[name].start == "" else f"for {start}"
-            raise ParameterError(
-                f"{name} = {now}: this FMU was packed {packed}, and its structure depends on it; "
-                f"pack another with phaseplane build --native --set {name}=..."
-            )
-        return value
+        return fmu.checked(name, raw)
     except ParameterError as error:
         why = str(error)
     except OverflowError:
         why = f"{name} = {shown(raw)}: too large"
     raise RefusedError(f"parameters.{name}", why)
-
-
-def _written(value: Value, unit: str) -> str:
-    if isinstance(value, bool | str):
-        return str(value).lower() if isinstance(value, bool) else shown(value)
-    return with_unit(f"{value:g}", unit)
 
 
 def _bounds(fmu: Fmu, given: Mapping[str, Any]) -> dict[str, Bounds | tuple[Bounds, ...]]:

@@ -31,6 +31,7 @@ from ..scene.fields import (
     read_table,
     whole,
 )
+from ..scene.fmus import Fmu
 from ..scene.layers import KEYS, Setting, from_top
 from ..scene.loading import load_scene
 from ..scene.names import SCENE_FILES, SWEEPS, file_meant, meant, sweep_titles
@@ -357,7 +358,7 @@ def plan_of(
                 f"{' or '.join(known[name].single)}"
             )
     declared = scene.fmu.parameters()
-    columns = [_values(path, key, values, declared) for key, values in said.vary.items()]
+    columns = [_values(path, key, values, scene.fmu) for key, values in said.vary.items()]
     if said.method == "grid":
         points = list(product(*columns))
     elif said.method == "list":
@@ -406,10 +407,9 @@ def _shown_in(values: Range | tuple[Any, ...], unit: str) -> tuple[str, float]:
     return (name, to_si(f"1 {name}", unit)) if name and unit else (unit, 1.0)
 
 
-def _values(
-    path: Path, key: str, values: Range | tuple[Any, ...], declared: Mapping[str, Variable]
-) -> list[Value]:
+def _values(path: Path, key: str, values: Range | tuple[Any, ...], fmu: Fmu) -> list[Value]:
     """Return the values of a key in SI, parameters checked; a range without count gives its ends."""
+    declared = fmu.parameters()
     variable = declared.get(key)
     varied = [name for name in KEYS if name not in _NOT_VARIED]
     if variable is None and key not in _TIMES and key.split(".", maxsplit=1)[0] not in varied:
@@ -425,7 +425,7 @@ def _values(
                 values = tuple(round(value) for value in values)
         if variable is None:
             return [SECONDS.read(x) if unit else x for x in values]
-        return [variable.checked(value) for value in values]
+        return [fmu.checked(key, value) for value in values]
 
 
 def _sampled(said: SweepFile, ends: list[tuple[Any, Any]]) -> list[tuple[Value, ...]]:

@@ -68,6 +68,13 @@ def test_a_scene_is_refused_another_structure_and_told_what_to_do(
     assert all(part in said for part in words.split("|"))
 
 
+def test_a_sweep_is_refused_another_structure_before_its_runs(car: Path) -> None:
+    scene = written(f'fmu = "{car.as_posix()}"\nduration = 0.1\n')
+    sweep = f'scene = "{scene}"\nmeasures = ["step_count"]\n[vary]\npayload = [0, 30]\n'
+    said = complaint("sweep --through fmu", written(sweep, "loads.toml"))
+    assert "vary.payload: payload = 30 kg: this FMU was packed for 0 kg, and" in said
+
+
 def test_a_scene_runs_it_and_measures_between_its_rows(car: Path) -> None:
     assert "lift-off" in printed("run", car, *settings("duration=0.3 s"))
 

@@ -107,6 +107,11 @@ def test_a_sample_of_whole_numbers_takes_each_as_often(method: str) -> None:
         ('["2 cm", 0.05]', '["2 kg"]', "'kg' does not fit"),
         ('"36 km/h"', "-1", "must be greater than 0"),
         (
+            '"road.height" = ["2 cm", 0.05]',
+            'road.shape = ["flat", "input"]',
+            "vary.road.shape: road.shape = 'input': a scene gives no inputs; use road.table",
+        ),
+        (
             "[vary]",
             'method = "sobol"\n[vary]',
             "runs is missing, the number of runs of method sobol",
