@@ -25,6 +25,8 @@ import pytest
 from phaseplane.suspension.units import UNITS
 from phaseplane.vehicle_fmus.build import build
 
+import phaseplane
+
 ROOT = Path(__file__).parents[1]
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
 PROGRAM = Path(sys.executable).with_name("phaseplane")
@@ -178,6 +180,40 @@ def test_the_units_on_the_page_are_those_accepted() -> None:
     rows = [row.split("|")[2:4] for row in text.splitlines() if re.match(r"\| [a-z ]+ \| `", row)]
     told = {si.strip(" `"): re.findall(r"`([^`]+)`", others) for si, others in rows}
     assert told == {name: list(unit.display) for name, unit in UNITS.items()}
+
+
+@pytest.mark.slow
+def test_the_errors_of_the_step_rules_on_the_page_are_those_found() -> None:
+    text = (ROOT / "docs" / "constructions.md").read_text(encoding="utf-8")
+    columns = r" \| ([\d.]+)" * 3 + r" \| (\d) \| ([\d., ]+) \|$"
+    told = re.findall(r"^\| (?:integrator, )?`(\w+)`" + columns, text, re.MULTILINE)
+    found = [
+        (
+            rule["rule"].removeprefix("integrator: "),
+            *(f"{1e3 * error:.3g}" for error in rule["errors"].values()),
+            str(rule["stated_order"]),
+            ", ".join(f"{order:.2f}" for order in rule["orders"]),
+        )
+        for rule in command_line.reported("rules")["rules"]
+    ]
+    assert told == found
+
+
+@pytest.mark.slow
+def test_the_touchdowns_under_a_controller_on_the_page_are_those_found() -> None:
+    text = (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8")
+    rows = re.findall(
+        r"^\| (event-triggered, and )?evaluated every ([\d.]+) ms[^|]*\| ([\d.]+) ms \|.*\| (\d+) N \|$",
+        text,
+        re.MULTILINE,
+    )
+    assert len(rows) == 5
+    for woken, period, touchdown, force in rows:
+        controller = {"controller.events": bool(woken), "controller.period": f"{period} ms"}
+        run = phaseplane.run("woken_by_lift_off", {**controller, "show.output_interval": 1e-5})
+        (found,) = run.measures["touchdowns"]
+        later = run["contact_force"][run["time"] >= found]
+        assert (f"{1e3 * found:.3f}", f"{later.max():.0f}") == (touchdown, force)
 
 
 def test_the_readme_is_short() -> None:
