@@ -27,8 +27,7 @@ from phaseplane.constructions import construct_motion, delta
 from phaseplane.constructions.primitives import Drawing, Frame
 from phaseplane.constructions.storage import StoredFrames
 from phaseplane.picture.layers import layers_of
-from phaseplane.picture.subject import read_off
-from phaseplane.picture.text import Largest, largest_readings, step_texts
+from phaseplane.picture.readings import Readings
 from phaseplane.recording import DETAILS, Content, new_recording, record, serving
 from phaseplane.recording.canvas import xy
 from phaseplane.recording.server import free_port, viewer_program
@@ -55,25 +54,23 @@ def peak_memory() -> float:
 def log_one_by_one(drawing: Drawing) -> int:
     """Log the same construction with a `log` call per entity and step, with static styles."""
     recording = new_recording(Content("one by one", drawing))
-    memory, largest = recording.memory_recording(), largest_readings(drawing)
+    memory, readings = recording.memory_recording(), Readings(drawing)
     for frame in drawing.frames:
         recording.set_time("t", duration=frame.time)
         recording.set_time("step", sequence=frame.step)
-        _log_frame(recording, drawing, frame, largest)
+        _log_frame(recording, readings, frame)
     size = len(memory.drain_as_bytes())
     recording.disconnect()
     return size
 
 
-def _log_frame(
-    recording: rr.RecordingStream, drawing: Drawing, frame: Frame, largest: Largest
-) -> None:
-    quantities = read_off(drawing)
+def _log_frame(recording: rr.RecordingStream, readings: Readings, frame: Frame) -> None:
+    drawing = readings.drawing
     for plane in drawing.planes:
         segment = [frame.points[plane.state], frame.points[plane.state + "'"]]
         recording.log(f"/sheet/trail/{plane.name}", rr.LineStrips2D([xy(segment)]))
     alone = StoredFrames([frame])
-    recording.log("/words", rr.TextDocument(*step_texts(drawing, alone, quantities, largest)))
+    recording.log("/words", rr.TextDocument(*readings.step_texts(alone)))
     for layer in layers_of(drawing.schemes[frame.scheme], alone):
         path = f"/sheet/steps/{frame.scheme}/{layer.stage + 1}/{layer.kind}"
         if layer.kind == "points":

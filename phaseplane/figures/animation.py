@@ -139,7 +139,7 @@ def storyboard(
 
 def _pictures(page: Page, arms: Page, look: Look, *heading: str) -> Iterator[Pixels]:
     """Yield each tick as an image: what stays is drawn once, the rest over a copy of it."""
-    ticks = list(story_of(page, arms, {}))
+    ticks = list(story_of(page, arms))
     size = size_of(arms)
     letters = int(11 * (size_of(page).real + 2.0 * BESIDE))
     captions = [fill(tick.caption, letters) for tick in ticks]

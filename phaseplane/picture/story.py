@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import repeat
 from math import ceil
@@ -24,7 +24,9 @@ from .layers import Part
 from .letters import text_box
 from .page import PLATE, TYPE, Arrow, Page
 from .paper import Box, around
-from .quantities import Quantity, rate_unit
+from .protocol import protocol
+from .quantities import rate_unit
+from .readings import Readings
 from .step import draw_step, mark_events, write_letters
 from .styles import MOVING_POINT, style_of
 from .subject import Subject
@@ -98,10 +100,7 @@ def arms_page(drawing: Drawing, frames: StoredFrames | None = None, height: floa
     return page
 
 
-def story_of(
-    stays: Page, arms: Page, quantities: Mapping[str, Quantity | None], steps: Sequence[int] = (),
-    title: str = "",
-) -> Iterator[Tick]:  # fmt: skip
+def story_of(stays: Page, arms: Page, steps: Sequence[int] = (), title: str = "") -> Iterator[Tick]:
     """Yield the ticks of a story of these steps; by default representative ones and those of events.
 
     What stays on the sheet and on the arm of the turn angles is on pages of its own. The title of the
@@ -127,8 +126,9 @@ def story_of(
     for role in MOVING_POINT:
         page.dots(role, [motion[-1] for motion in stays.subject.motions], 1.2)
     # what checks a motion would not have room here
-    read = (drawing.end or last).readings
-    told_here = {name: value for name, value in read.items() if not name.startswith("control_")}
+    at_end = (drawing.end or last).readings
+    told_here = {name: value for name, value in at_end.items() if not name.startswith("control_")}
+    readings = Readings(drawing)
     caption = f"The whole motion: {counted(count, 'step')}"
     marks = text.marks_text(drawing)
     told = [
@@ -136,8 +136,8 @@ def story_of(
         "them.",
         *_drift(stays),
         f"Red points: {marks}." if marks else "",
-        text.control_text(drawing, quantities),
-        text.readings_table(drawing, told_here, quantities),
+        readings.control,
+        readings.table(told_here),
     ]
     said = "\n\n".join(filter(None, told))
     yield Tick(page, arms.following(), said, caption, count, last.time + last.duration)
@@ -148,7 +148,6 @@ def staged(stays: Page, arms: Page, index: int) -> Iterator[Tick]:
     drawing = stays.drawing
     frame = drawing.frames[index]
     scheme = drawing.schemes[frame.scheme]
-    least = text.ROUNDING * stays.subject.size
     lettered = _page(stays, index)  # with P and D, which keep their places through its stages
     draw_step(lettered, frame, _WHOLE)
     ring = 0.5 * _RING * style_of(MOVING_POINT[0]).size / TYPE * stays.em * (1 + 1j)
@@ -158,8 +157,7 @@ def staged(stays: Page, arms: Page, index: int) -> Iterator[Tick]:
         beside = arms.following()
         draw_step(beside, frame, ["turn"], stage=stage)
         beside.items = [item for item in beside.items if item.role == "arc"]
-        done = text.protocol(drawing, frame, stage, stays.units, least)
-        said = f"{text.step_head(drawing, frame)}\n\n{done}"
+        said = f"{text.step_head(drawing, frame)}\n\n{protocol(stays, frame, stage)}"
         caption = f"Step {frame.step}, {stage + 1} of {len(scheme.stages)}: {typeset(words)}"
         page = _stage(stays, lettered, index, stage)
         yield Tick(page, beside, said, caption, index, frame.time)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -12,10 +12,9 @@ import numpy.typing as npt
 from phaseplane.constructions.primitives import Drawing, Plane, Scheme
 from phaseplane.constructions.storage import Frame, StoredFrames
 
-from .frames import columns, motions_of, unit_of
+from .frames import columns, motions_of
 from .layers import Layer, layers_of
 from .paper import Points, arcs, telling_vertices
-from .quantities import CENTIMETRES, QUANTITIES, Quantity, by_ending, rate_unit
 
 _WOUND = 20.0  # times width and height together: about ten turns, or more smaller ones
 
@@ -118,24 +117,6 @@ def centre_of(scheme: Scheme, plane: Plane) -> str:
     """Return the centre of the arc on which a state point moves; empty if it moves on a line."""
     ends = (plane.state, f"{plane.state}'")
     return next((a.centre for a in scheme.arcs if (a.start, a.end) == ends), "")
-
-
-def read_off(drawing: Drawing) -> dict[str, Quantity | None]:
-    """Return the quantities of the readings of a construction.
-
-    Lengths are in the unit of the axes; those of a plain equation may be angles or have no unit.
-    """
-    axis = drawing.planes[0].displacement
-    unit, factor = unit_of(axis, motions_of(drawing)[0])
-    found = {name: by_ending(name) for name in drawing.frames[0].readings}
-    if axis.unit == "m":
-        length = replace(CENTIMETRES, unit=unit, factor=factor)
-        return {name: length if q is CENTIMETRES else q for name, q in found.items()}
-    plain = {q.si: rate_unit(axis.unit, order) for order, q in enumerate(QUANTITIES[:3])}
-    return {
-        name: q and replace(q, unit=plain.get(q.si, q.unit), factor=1.0)
-        for name, q in found.items()
-    }
 
 
 def joined(way: Points) -> Points:

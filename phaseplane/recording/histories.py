@@ -18,8 +18,8 @@ from phaseplane.picture.quantities import (
     quantity_of,
     unit_of_columns,
 )
+from phaseplane.picture.readings import Readings
 from phaseplane.picture.styles import hue_of, strength_of, weight_of
-from phaseplane.picture.subject import read_off
 from phaseplane.picture.text import in_words
 
 from .canvas import colours, legible, rgba
@@ -75,7 +75,7 @@ def panels_of(content: Content) -> list[Panel]:
     construction, those of more than `MOST_NAMED` columns are split by the part of the car.
     """
     drawing = content.drawing
-    known = read_off(drawing) if drawing is not None else {}
+    known = Readings(drawing).quantities if drawing is not None else {}
     read = {quantity.name: quantity for quantity in known.values() if quantity is not None}
     axes = (
         [plane.displacement.unit for plane in drawing.planes]

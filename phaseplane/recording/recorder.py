@@ -14,18 +14,11 @@ from phaseplane.picture.chart import Chart
 from phaseplane.picture.curves import draw_trails
 from phaseplane.picture.letters import Room
 from phaseplane.picture.page import Page
-from phaseplane.picture.quantities import Quantity
+from phaseplane.picture.readings import Readings
 from phaseplane.picture.step import event_pages, mark_events
 from phaseplane.picture.story import VERTICES, Tick, arms_page, story_of
-from phaseplane.picture.subject import joined, read_off
-from phaseplane.picture.text import (
-    Largest,
-    control_text,
-    end_text,
-    largest_readings,
-    motion_text,
-    step_texts,
-)
+from phaseplane.picture.subject import joined
+from phaseplane.picture.text import motion_text
 
 from .canvas import Viewer, legible, send
 from .clock import Clock, seconds
@@ -62,7 +55,7 @@ class Recorder:
         self.pages = pages_of(content)  # those that stay: the whole sheet, and one for each plane
         self.ticks: list[Tick] = []
         if content.detail == "stages" and self.arms_page is not None:
-            told = self.quantities, content.staged, content.heading
+            told = content.staged, content.heading
             self.ticks = list(story_of(self.pages[0], self.arms_page, *told))
         self.clock = Clock.of(content.drawing, [tick.time for tick in self.ticks])
         self._rows = 0
@@ -93,22 +86,10 @@ class Recorder:
         return arms_page(drawing, height=high)
 
     @cached_property
-    def quantities(self) -> dict[str, Quantity | None]:
-        """The quantities of the readings of the construction."""
+    def readings(self) -> Readings:
+        """The readings of the construction."""
         assert self.content.drawing is not None
-        return read_off(self.content.drawing)
-
-    @cached_property
-    def largest(self) -> Largest:
-        """The largest readings of the construction."""
-        assert self.content.drawing is not None
-        return largest_readings(self.content.drawing)
-
-    @cached_property
-    def control(self) -> str:
-        """What is told in all steps of the body's motion from its forces."""
-        assert self.content.drawing is not None
-        return control_text(self.content.drawing, self.quantities)
+        return Readings(self.content.drawing)
 
     @cached_property
     def chart(self) -> Chart | None:
@@ -220,12 +201,10 @@ class Recorder:
         drawing = self.content.drawing
         if not self.words or drawing is None:
             return
-        texts = step_texts(
-            drawing, drawing.frames[start:end], self.quantities, self.largest, self.control
-        )
+        texts = self.readings.step_texts(drawing.frames[start:end])
         if end == len(drawing.frames):
             run = float(np.max(self.content.times, initial=0.0))
-            texts.append(end_text(drawing, self.quantities, run))
+            texts.append(self.readings.end_text(run))
         self._say(texts, self.clock.columns(start + np.arange(len(texts))))
 
     def run(self, histories: dict[str, np.ndarray]) -> None:

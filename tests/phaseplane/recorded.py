@@ -192,7 +192,7 @@ def paper(vertices: Any) -> Any:
 def sheet_and_story(made: Drawing, *steps: int) -> tuple[Page, list[Tick]]:
     """What stays on the sheet of a construction, and what is told of it, or of these steps only."""
     stays = pages_of(Content("a car", made))[0]
-    return stays, list(story_of(stays, arms_page(made), {}, steps))
+    return stays, list(story_of(stays, arms_page(made), steps))
 
 
 def content(steps: int = 60) -> Content:

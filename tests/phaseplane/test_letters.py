@@ -53,7 +53,7 @@ def test_letters_of_a_stage_are_nearer_to_their_points_than_to_others() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, duration=0.1)
     stays = pages_of(Content("quarter car", made))[0]
     stays.unled = NEAR
-    ticks = [tick.page for tick in story_of(stays, arms_page(made), {})]
+    ticks = [tick.page for tick in story_of(stays, arms_page(made))]
     letters = [[t for t in page.of(Text) if t.kind == "letter" and not t.led] for page in ticks]
     nearer = [
         abs(one.centre - other.point) > abs(one.centre - one.point) - 1e-9

@@ -230,7 +230,7 @@ def test_only_turn_angles_are_on_their_arm_which_fills_its_view() -> None:
     on_arm = [z for c in made.curves if c.role in ("axis", "construction") for z in c.vertices]
     around_arm = around(on_arm, 0.01)
     assert around_arm.half.real > 0.6 * arms.view.half.real
-    drawn = [t.arms for t in story_of(pages_of(Content("c", made))[0], arms, {})]
+    drawn = [t.arms for t in story_of(pages_of(Content("c", made))[0], arms)]
     ends = [z for page in drawn for lines in page.of(Lines) for s in lines.strips for z in s]
     assert len(ends) > 20
     assert all(around_arm.holds(complex(z)) for z in ends)

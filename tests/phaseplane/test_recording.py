@@ -147,7 +147,7 @@ def test_contact_has_a_lane_on_every_timeline(tmp_path: Path, every: int) -> Non
     assert off["t"] == pytest.approx([times[flies][0]])
     assert off["step"] == [25]
     told = pages_of(shown)[0]
-    ticks = list(story_of(told, arms_page(drawing()), {}))
+    ticks = list(story_of(told, arms_page(drawing())))
     flight = [k for k, tick in enumerate(ticks) if 0.0624 < tick.time < 0.0999]
     assert flight
     assert off["stage"] == flight

@@ -15,7 +15,7 @@ import rerun as rr
 from recorded import HISTORIES, Recorded, content, drawing, frame, read_back
 
 from phaseplane.constructions.storage import StoredFrames
-from phaseplane.picture import text
+from phaseplane.picture import readings
 from phaseplane.picture.frames import by_readings as frames_by_readings
 from phaseplane.picture.styles import hue_of
 from phaseplane.recording import Content, new_recording, record, recorder, server
@@ -153,7 +153,7 @@ def test_the_whole_motion_is_not_read_for_each_slice(
         return frames_by_readings(frames)
 
     monkeypatch.setattr(recorder, "SLICE", 5)
-    monkeypatch.setattr(text, "by_readings", by_readings)
+    monkeypatch.setattr(readings, "by_readings", by_readings)
     record(many, tmp_path / "f.rrd")
     assert sizes.count(5) == len(many.frames) / 5 == 12
     assert sizes.count(len(many.frames)) <= 3  # for all steps, for their end, and for the story

@@ -22,10 +22,10 @@ from phaseplane.constructions.letters import typeset
 from phaseplane.picture import subject
 from phaseplane.picture.frames import columns
 from phaseplane.picture.page import Arrow, Dots, Lines
+from phaseplane.picture.readings import Readings
 from phaseplane.picture.story import arms_page, story_of, told_steps
 from phaseplane.picture.styles import MOVING_POINT
-from phaseplane.picture.subject import read_off
-from phaseplane.picture.text import largest_readings, markdown, step_texts
+from phaseplane.picture.text import markdown
 from phaseplane.recording import Content
 from phaseplane.recording.motion import pages_of
 
@@ -92,7 +92,7 @@ def test_a_story_laid_over_a_motion_tells_by_how_much_a_step_misses_it() -> None
     )
     _, (*_, last) = sheet_and_story(laid, 12)
     assert "A step misses the motion by at most y₁ 0 cm, y₂ 0 cm." in last.text
-    (beside,) = step_texts(laid, laid.frames[5:6], read_off(laid), largest_readings(laid))
+    (beside,) = Readings(laid).step_texts(laid.frames[5:6])
     for text in (last.text, beside):
         assert "drift" not in text
         assert "missed by" in text
@@ -124,7 +124,7 @@ def test_arrows_at_the_rim_come_with_their_letters() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=20)
     stays = pages_of(Content("quarter car", made))[0]
     step = next(f.step for f in made.frames if not stays.view.holds(f.points["D1"]))
-    ticks = [t for t in story_of(stays, arms_page(made), {}, (step,)) if t.step == step]
+    ticks = [t for t in story_of(stays, arms_page(made), (step,)) if t.step == step]
     for tick in ticks:
         named = {text.point for text in tick.page.texts if text.text.startswith("D")}
         arrows = {a.start for a in tick.page.of(Arrow) if a.role == "normal"}
@@ -141,7 +141,7 @@ def test_a_story_computes_the_ways_of_its_motion_once(monkeypatch: pytest.Monkey
     ways = subject.paths_of
     monkeypatch.setattr(subject, "paths_of", lambda *of: (computed.append(1), ways(*of))[1])
     stays = pages_of(content())[0]
-    ticks = list(story_of(stays, stays.following(), {}))
+    ticks = list(story_of(stays, stays.following()))
     assert len(ticks) > 20
     assert len(computed) == 1
 

@@ -18,38 +18,42 @@ from phaseplane.constructions.sheet import Event
 from phaseplane.constructions.storage import StoredFrames
 from phaseplane.equations import Formula
 from phaseplane.equations.typeset import number
-from phaseplane.picture.quantities import QUANTITIES, quantity_of, unit_text
+from phaseplane.picture.page import Page
+from phaseplane.picture.paper import Box
+from phaseplane.picture.protocol import measured, protocol
+from phaseplane.picture.quantities import unit_text
+from phaseplane.picture.readings import Readings
+from phaseplane.picture.subject import Subject
 from phaseplane.picture.text import (
     LETTER_OF_EVENT,
-    end_text,
     event_text,
-    largest_readings,
     level_text,
     marks_text,
-    measured,
-    protocol,
-    readings_table,
     step_head,
-    step_texts,
 )
 from phaseplane.recording import Content
 from phaseplane.recording.canvas import legible
 from phaseplane.recording.recorder import Recorder
 
 
-def read_once(readings: dict[str, float]) -> Drawing:
-    """A motion of one step with these readings."""
+def read_once(readings: dict[str, float]) -> Readings:
+    """The readings of a motion of one step."""
     only = replace(frame(0), readings=readings, mode="contact")
-    return replace(drawing(1), frames=(only,))
+    return Readings(replace(drawing(1), frames=(only,)))
+
+
+def page_of(made: Drawing) -> Page:
+    """An empty page of a construction, on which its lengths are measured."""
+    return Page(Subject(made), Box(0j, 1 + 1j), 0.01)
 
 
 def test_what_is_laid_off_says_which_way_and_mean_excitations_are_told() -> None:
     """On the road by its mean height; in flight by the weight, against the axis of the wheel."""
     made = construct_motion(ap57(), delta, step=0.0025, steps=30)
-    units = {plane.name: ("cm", 100.0) for plane in made.planes}
+    page = page_of(made)
     for frame_ in made.frames:
         scheme = made.schemes[frame_.scheme]
-        told = [measured(made, frame_, stage, units, 1e-13) for stage in range(len(scheme.stages))]
+        told = [measured(page, frame_, stage) for stage in range(len(scheme.stages))]
         lengths = [
             word for words in told for word in words if " along y" in word or " against y" in word
         ]
@@ -86,13 +90,13 @@ def test_a_time_has_the_decimals_that_its_step_needs(step: float, time: str) -> 
     made, one = drawing(), replace(frame(0), time=0.1, duration=step)
     assert f": t = {time} s, lasts " in step_head(made, one)
     ends = replace(made, frames=StoredFrames([replace(one, time=0.1 - step)]))
-    assert f" at t = {time} s" in end_text(ends, {})
+    assert f" at t = {time} s" in Readings(ends).end_text()
 
 
 @pytest.mark.parametrize("run", [0.1, 0.5])
 def test_the_end_of_a_construction_says_whether_its_run_goes_on(run: float) -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=40)
-    told = end_text(made, {}, run)
+    told = Readings(made).end_text(run)
     assert told.startswith("**The construction ends** at t = 0.10000 s")
     assert ("; the run goes on to 0.5 s, in violet." in told) is (run > 0.1)
 
@@ -102,7 +106,7 @@ def test_rounding_is_measured_as_zero() -> None:
         EquationPlane(lambda v, x, t: x, True, initial_displacement=1.0, initial_velocity=1e-16),
         delta, step=0.1, steps=1,
     )  # fmt: skip
-    told = protocol(made, made.frames[0], 0, {"displacement": ("", 1.0)}, 1e-12)
+    told = protocol(page_of(made), made.frames[0], 0)
     assert "QP = 0 cm: ẋ = 0 1/s" in told
 
 
@@ -135,9 +139,8 @@ def test_there_is_no_negative_zero() -> None:
 )  # fmt: skip
 def test_numbers_are_printed_in_full_or_with_a_power_of_ten(value: float, text: str) -> None:
     assert number(value, 4) == text
-    (force,) = (q for q in QUANTITIES if q.name == "force")
     read = {"contact_force": value}
-    assert f"| {text} " in readings_table(read_once(read), read, {"contact_force": force})
+    assert f"| {text} |" in read_once(read).table(read)
 
 
 @pytest.mark.parametrize("pace", [1e-5, 1e6])
@@ -149,14 +152,14 @@ def test_no_number_of_a_slow_or_a_quick_motion_has_an_exponent(pace: float) -> N
     )  # fmt: skip
     made = construct_motion(law, delta, step=0.1 / pace, steps=20)
     told = [told for tick in sheet_and_story(made)[1] for told in (tick.text, tick.caption)]
-    told += [made.title, *step_texts(made, made.frames, {}, largest_readings(made))]
+    told += [made.title, *Readings(made).step_texts(made.frames)]
     assert re.findall(r"\S*\de[+-]?\d\S*", " ".join(told)) == []
 
 
 def test_rounding_is_read_off_as_zero() -> None:
     read = {"wheel_displacement": -0.0, "wheel_velocity": 4.2e-21, "wheel_acceleration": -1.5e-16}
     moved = read_once(dict.fromkeys(read, 1e-3))
-    table = readings_table(moved, read, dict.fromkeys(read))
+    table = moved.table(read)
     assert table.splitlines()[-1] == "| wheel | 0 | 0 | 0 |"
 
 
@@ -168,7 +171,7 @@ def test_a_motion_of_any_size_is_read_as_what_it_is_on_any_paper(size: float, pa
         lambda v, x, t: x, True, scale=paper / size, initial_displacement=2.0 * size
     )
     made = construct_motion(law, delta, step=0.1, steps=20)
-    first = " ".join(step_texts(made, made.frames[:1], {}, largest_readings(made)))
+    first = " ".join(Readings(made).step_texts(made.frames[:1]))
     assert f"| {number(2.0 * size)} | 0 | {number(-2.0 * size)} |" in first
     recorder = Recorder(rr.RecordingStream("size"), Content("of any size", made, staged=(0,)))
     told = [tick.text for tick in recorder.ticks]
@@ -179,8 +182,7 @@ def test_a_motion_of_any_size_is_read_as_what_it_is_on_any_paper(size: float, pa
 def test_a_drift_is_read_off_in_its_unit() -> None:
     names = [f"wheel_{part}" for part in ("displacement", "velocity", "acceleration")]
     read = dict.fromkeys((*names, "wheel_displacement_drift"), 0.01)
-    quantities = {name: quantity_of(name) for name in read}
-    head, _, row = readings_table(read_once(read), read, quantities).splitlines()
+    head, _, row = read_once(read).table(read).splitlines()
     assert head == "| read off the sheet | cm | m/s | m/s² | drift, cm |"
     assert row == "| wheel | 1 | 0.01 | 0.01 | 1 |"
 

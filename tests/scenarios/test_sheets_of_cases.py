@@ -67,7 +67,7 @@ def test_letters_are_legible_and_the_sheet_fills_its_pane(name: str) -> None:
     check_letters(page)
 
     stays, *_ = pages_of(Content(name, drawing))
-    ticks = list(story_of(stays, arms_page(drawing), {}))
+    ticks = list(story_of(stays, arms_page(drawing)))
     assert len(ticks) <= MOST + 2
     if len(drawing.frames) > 40:
         assert len(ticks) >= 36

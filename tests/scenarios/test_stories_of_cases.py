@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from itertools import product, zip_longest
 from textwrap import wrap
 
@@ -14,16 +15,10 @@ from phaseplane.scenarios.draw.recording_content import of_scene, readings
 from phaseplane.scenarios.scene.loading import load_scene
 
 from phaseplane.constructions import RULES
+from phaseplane.constructions.storage import StoredFrames
+from phaseplane.picture.readings import Readings
 from phaseplane.picture.story import arms_page, story_of, told_steps
-from phaseplane.picture.subject import read_off
-from phaseplane.picture.text import (
-    control_text,
-    end_text,
-    largest_readings,
-    readings_table,
-    step_head,
-    step_texts,
-)
+from phaseplane.picture.text import step_head
 from phaseplane.recording import Content
 from phaseplane.recording.layout import blueprint
 from phaseplane.recording.motion import pages_of
@@ -70,9 +65,11 @@ def test_a_table_of_readings_is_at_most_as_wide_as_its_pane(name: str) -> None:
     recorder = Recorder(rr.RecordingStream("layout"), shown)
     width = blueprint(recorder).root_container.column_shares[1]
     drifts = {f"{plane.name}_drift": 1.386e-6 for plane in drawing.planes}
-    quantities = recorder.quantities | {name: recorder.quantities[name[:-6]] for name in drifts}
-    for frame in drawing.frames[::20]:
-        text = readings_table(drawing, {**frame.readings, **drifts}, quantities)
+    frames = [replace(f, readings={**f.readings, **drifts}) for f in drawing.frames[::20]]
+    drifting = Readings(replace(drawing, frames=StoredFrames(frames)))
+    for frame in frames:
+        text = drifting.table(frame.readings)
+        assert "drift, cm" in text
         assert table_width(text) <= width, text
 
 
@@ -89,9 +86,7 @@ def test_the_text_fits_its_pane(name: str, rule: str | None) -> None:
     column = blueprint(recorder).root_container.contents[1]
     shares = getattr(column, "row_shares", None) or [1.0]
     room = (768.0 - 65.0) * shares[0] / sum(shares) - 53.0
-    note = control_text(drawing, recorder.quantities)
-    largest = largest_readings(drawing)
-    steps = step_texts(drawing, drawing.frames[:200], recorder.quantities, largest, note)
+    steps = recorder.readings.step_texts(drawing.frames[:200])
     for text in [tick.text for tick in recorder.ticks] + steps:
         assert text_height(text) <= room, text
     for tick in recorder.ticks:
@@ -121,7 +116,7 @@ def test_the_starts_on_the_sheet_are_explained_in_words() -> None:
     drawing = drawing_of("h83_example23", 6.0)
     stays, *_ = pages_of(Content("example 23", drawing))
     assert "(−3, 6)" in [text.text for text in stays.texts]
-    first = next(story_of(stays, arms_page(drawing), {})).text
+    first = next(story_of(stays, arms_page(drawing))).text
     assert "the velocity, not divided by Ω, at which it begins, in rad and rad/s." in first
 
 
@@ -150,12 +145,10 @@ def test_steps_are_told_of_the_whole_motion() -> None:
 @pytest.mark.parametrize(("name", "told"), [("stiff_stop", True), ("ap57", False)])
 def test_it_is_said_if_a_body_from_its_forces_differs(name: str, told: bool) -> None:
     drawing = drawing_of(name, 10.0)
-    quantities = read_off(drawing)
-    *_, last = story_of(pages_of(Content(name, drawing))[0], arms_page(drawing), quantities)
-    note = control_text(drawing, quantities)
-    largest = largest_readings(drawing)
-    (beside,) = step_texts(drawing, drawing.frames[5:6], quantities, largest, note)
-    for text in (last.text, beside, end_text(drawing, quantities)):
+    read = Readings(drawing)
+    *_, last = story_of(pages_of(Content(name, drawing))[0], arms_page(drawing))
+    (beside,) = read.step_texts(drawing.frames[5:6])
+    for text in (last.text, beside, read.end_text()):
         assert ("The body from its forces differs by up to " in text) is told
 
 
@@ -171,7 +164,7 @@ def test_the_title_of_a_sheet_says_in_its_pane_what_is_left_out(name: str) -> No
 @pytest.mark.parametrize(("name", "planes"), [("ap57", "planes"), ("van_der_pol", "plane")])
 def test_an_introduction_counts_the_planes(name: str, planes: str) -> None:
     drawing = drawing_of(name)
-    first = next(story_of(pages_of(Content(name, drawing))[0], arms_page(drawing), {}))
+    first = next(story_of(pages_of(Content(name, drawing))[0], arms_page(drawing)))
     assert f"the axes of the phase {planes} and" in first.text
 
 
