@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import chain, product
 from math import ceil, copysign, floor
 from operator import itemgetter
 
@@ -33,10 +33,6 @@ _FARTHEST = 3.5  # em: of a name from its axis, where a shorter one is nearer
 _ROW = 1.5  # em: from the units of a plane to its name above them
 _WIDEST = 0.28  # part of the width that the name of an axis may take up
 
-# of an axis: its ends; its name, or shorter ones, at an edge, with the sense in which it ends there; and
-# its values, each in the places where it may stand
-_Texts = tuple[tuple[tuple[complex, complex], complex, list[str], float], list[list[Text]]]
-
 
 @dataclass(frozen=True, slots=True)
 class Graduation:
@@ -45,6 +41,29 @@ class Graduation:
     values: list[float]
     unit: str
     factor: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Drawn:
+    """A drawn axis, with where its name and its values may stand."""
+
+    start: complex
+    tip: complex
+    edge: complex  # of its name, which ends there, or begins if the sense is negative
+    sense: float
+    names: Sequence[str]  # the whole name, and shorter ones
+    values: Sequence[Sequence[Text]] = ()  # each in several places
+
+    @property
+    def line(self) -> Box:
+        """The axis as a box without width or without height."""
+        half = (self.tip - self.start) / 2.0
+        return Box(self.start + half, complex(abs(half.real), abs(half.imag)))
+
+    @property
+    def upright(self) -> bool:
+        """Whether it is a y-bar axis."""
+        return self.start.real == self.tip.real
 
 
 def graduation_of(
@@ -91,12 +110,10 @@ def draw_axes(page: Page, clear: Points = NOTHING) -> None:
         for axis in (_vertical(page, plane, motion, up), _horizontal(page, plane, along))
     ]  # fmt: skip
     ways = _ways(page, clear)
-    lines = [_line(*ends) for (ends, *_), _ in axes]
-    for line, (name, _) in zip(lines, axes, strict=True) if not beside else ():
-        upright = line.half.real == 0.0  # which keep clear of the axes of all planes
-        _name(page, ways, *name, [of for of in lines if (of.half.real == 0.0) == upright])
-    for _, values in axes:
-        _write_values(page, values, ways)
+    for axis in axes if not beside else ():  # which keeps clear of the axes of all planes
+        _name(page, ways, axis, [other.line for other in axes if other.upright == axis.upright])
+    for axis in axes:
+        _write_values(page, axis.values, ways)
 
 
 def draw_y_axis(page: Page, plane: Plane) -> None:
@@ -106,10 +123,11 @@ def draw_y_axis(page: Page, plane: Plane) -> None:
     middle = complex(page.view.centre.real, axis.origin.imag)
     start, tip = middle - sense * reach_of_view, middle + sense * reach_of_view
     page.arrow("axis", start, tip)
-    _name(page, _ways(page), (start, tip), tip - 1.0j * page.em, [typeset(axis.label)], sense)
+    drawn = _Drawn(start, tip, tip - 1.0j * page.em, sense, [typeset(axis.label)])
+    _name(page, _ways(page), drawn)
 
 
-def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> _Texts:
+def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> _Drawn:
     """Draw the y axis across the whole view, because feet of normals are far out on it."""
     axis, em = plane.displacement, page.em
     sense = axis.direction.real
@@ -122,10 +140,10 @@ def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> _Texts:
     names = ["\n".join(rows) + f" {label}", f"{' '.join(rows[:-1] or rows)}\n{label}", label]
     sides = [complex(along, way * (1.0 + far)) for far, along in _PLACES for way in (-1, 1)]
     values = [[value_text(z + side * em, text) for side in sides] for z, text in places]
-    return ((start, tip), tip + 1.2j * em, _fitting(page, names), sense), values
+    return _Drawn(start, tip, tip + 1.2j * em, sense, _fitting(page, names), values)
 
 
-def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) -> _Texts:
+def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) -> _Drawn:
     """Draw the y-bar axis only over the range of the motion, to keep clear of other planes."""
     axis, em = plane.scaled_velocity, page.em
     start, tip = _upright(page, plane)
@@ -141,7 +159,7 @@ def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) 
         for z, text in places
     ]  # fmt: skip
     edge = tip + side * 0.8 * em - 0.2j * em
-    return ((start, tip), edge, [label + bracketed(graduation.unit)], -side), values
+    return _Drawn(start, tip, edge, -side, [label + bracketed(graduation.unit)], values)
 
 
 def _ticked(
@@ -257,29 +275,15 @@ def _ways(page: Page, clear: Points = NOTHING) -> list[Points]:
     ]
 
 
-def _struck(boxes: Sequence[Box], ways: Sequence[Points]) -> list[int]:
-    """Return what is in each box: 1 for auxiliary curves, 2 for motions, 4 for straight lines, added."""
-    many = Box.of(boxes)
-    many = Box(many.centre[:, None], many.half[:, None])
+def _struck(page: Page, texts: Iterable[Text], ways: Sequence[Points]) -> list[int]:
+    """Return what is under each text: 1 for auxiliary curves, 2 for motions, 4 for lines, added."""
+    plates = Box.of([text.box(page.em).grown(PLATE * page.em) for text in texts])
+    many = Box(plates.centre[:, None], plates.half[:, None])
     found = (2**i * many.inside(*way).any(axis=1) for i, way in enumerate(ways))
-    return sum(found, np.zeros(len(boxes), int)).tolist()
+    return sum(found, np.zeros(len(many.centre), int)).tolist()
 
 
-def _line(start: complex, tip: complex) -> Box:
-    """Return an axis as a box without width or without height."""
-    half = (tip - start) / 2.0
-    return Box(start + half, complex(abs(half.real), abs(half.imag)))
-
-
-def _name(
-    page: Page,
-    ways: Sequence[Points],
-    axis: tuple[complex, complex],
-    edge: complex,
-    names: Sequence[str],
-    sense: float,
-    parallel: Sequence[Box] = (),
-) -> None:
+def _name(page: Page, ways: Sequence[Points], axis: _Drawn, parallel: Sequence[Box] = ()) -> None:
     """Write the name of an axis, ending (sense > 0) or beginning at the edge of the view.
 
     It avoids the axes, and lines I and II, which may be close to them; if it can the motion, too, for
@@ -290,12 +294,12 @@ def _name(
     """
     words = {
         each: shorter
-        for shorter, name in enumerate(names)
+        for shorter, name in enumerate(axis.names)
         for each in (name, name.replace(" [", "\n["))
     }
     low, high = page.view.grown(-0.3 * page.em).corners
-    line = _line(*axis)
-    heights = [edge.imag, (axis[0] + axis[1] - edge).imag] if line.half.real == 0.0 else [edge.imag]
+    line, edge, sense = axis.line, axis.edge, axis.sense
+    heights = [edge.imag, *([(axis.start + axis.tip - edge).imag] if axis.upright else ())]
     found = []
     for (foot, end), (each, shorter), other, back, up in product(
         enumerate(heights), words.items(), (0, 1), _BACK, _BESIDE
@@ -305,29 +309,29 @@ def _name(
         x = min(max(edge.real - sense * half.real, low.real + half.real), high.real - half.real)
         height = end + (up + copysign(0.6 * rows, up)) * page.em
         x -= back * sense * half.real
-        centre = complex(2.0 * axis[1].real - x if other else x, height)
+        centre = complex(2.0 * axis.tip.real - x if other else x, height)
         box = Box(centre, half)
         gap = line.gap(box)
         if page.view.contains(box) and all(gap <= of.gap(box) for of in parallel):
-            broken = each not in names
+            broken = each not in axis.names
             far = gap + (broken + 0.3 * other + 1.5 * back) * page.em
-            found.append((replace(text, centre=centre), gap, foot, shorter, far))
-    struck = _struck([text.box(page.em).grown(PLATE * page.em) for text, *_ in found], ways)
-    ranked = []
-    for (text, gap, foot, shorter, far), inside in zip(found, struck, strict=True):
-        astray = gap > _FARTHEST * page.em
-        ranked.append(((inside >= _MOTION, astray, foot, inside, shorter, far), text))
+            astray = gap > _FARTHEST * page.em
+            found.append((replace(text, centre=centre), astray, foot, shorter, far))
+    struck = _struck(page, [text for text, *_ in found], ways)
+    ranked = [
+        ((inside >= _MOTION, astray, foot, inside, shorter, far), text)
+        for (text, astray, foot, shorter, far), inside in zip(found, struck, strict=True)
+    ]
     page.write_first(text for _, text in sorted(ranked, key=itemgetter(0)))
 
 
-def _write_values(page: Page, values: list[list[Text]], ways: Sequence[Points]) -> None:
+def _write_values(page: Page, values: Sequence[Sequence[Text]], ways: Sequence[Points]) -> None:
     """Write the values of an axis, each in the place with the least in it.
 
     The motion is not covered, so that the state points are always seen; the ticks of values without a
     place remain. If no value had a place, all are written.
     """
-    plates = [text.box(page.em).grown(PLATE * page.em) for places in values for text in places]
-    known = iter(_struck(plates, ways))
+    known = iter(_struck(page, chain.from_iterable(values), ways))
     struck = [list(zip(places, known, strict=False)) for places in values]
     free = [[of for of in places if not of[1] & _MOTION] for places in struck]
     for places in free if any(free) else struck:
