@@ -1,6 +1,5 @@
 from .animation import animation as animation
 from .animation import storyboard as storyboard
-from .exercise import Filled as Filled
 from .exercise import exercise_sheet as exercise_sheet
 from .exercise import sheet_room as sheet_room
 from .exercise import sheet_view as sheet_view

@@ -7,7 +7,8 @@ fill in; its solution has the construction and the filled table as well.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -40,20 +41,10 @@ _SEEN = "PQDACH"  # the points of the planes that must have room, by their first
 _ROOM = 0.008  # m of paper around them, for the names of the axes
 
 
-@dataclass(frozen=True, slots=True)
-class Filled:
-    """The table of a sheet, and what is drawn of the solution."""
-
-    rows: Sequence[Sequence[str]]
-    solved: bool  # whether the construction is drawn, or only its start
-    # the points that a student read, m of paper, one in each plane, with whether they are right
-    read: Sequence[tuple[Sequence[complex], bool]] = ()
-
-
 def sheet_room(paper: str, count: int) -> complex:
     """Return the width and height that a sheet with so many rows leaves for the construction, m."""
     width, height = PAPERS[paper]
-    rows = min(count, _MOST_ROWS) if count <= _MOST_ROWS else (count + 1) // 2
+    rows = ceil(count / _tables(count))
     high = height - _HEAD - _FOOT - _ROW * (rows + 1.5) - 2.0 * _EDGE
     return complex(width - 2.0 * _EDGE, high) * _CM
 
@@ -70,14 +61,23 @@ def sheet_view(drawing: Drawing) -> Box:
 
 
 def exercise_sheet(
-    drawing: Drawing, *, filled: Filled, paper: str = "A4", title: str = "",
-    lines: Sequence[str] = (), head: Sequence[str] = (),
+    drawing: Drawing, head: Sequence[str], rows: Sequence[Sequence[str]],
+    *, solved: bool, read: Sequence[tuple[Sequence[complex], bool]] = (),
+    paper: str = "A4", title: str = "", lines: Sequence[str] = (),
 ) -> Figure:  # fmt: skip
-    """Draw the sheet of an exercise or its solution: heading, correct construction and filled table."""
+    """Draw the sheet of an exercise or its solution: heading, correct construction and filled table.
+
+    Parameters
+    ----------
+    head, rows : of the table
+    solved : whether the whole construction is drawn, or only its start
+    read : the points that a student read, m of paper, one in each plane, with whether they are right
+    lines : below the title
+    """
     width, height = PAPERS[paper]
     canvas = Sheet(Printed(PLAIN, width / _INCH, height / _INCH, layout="none"))
     canvas.figure.set_label(title)
-    view, room = sheet_view(drawing), sheet_room(paper, len(filled.rows))
+    view, room = sheet_view(drawing), sheet_room(paper, len(rows))
     size = 2.0 * view.half / _CM
     bottom = height - _EDGE - _HEAD - 0.5 * (room.imag / _CM + size.imag)
     canvas.place(view, complex(0.5 * (width - size.real), bottom) / _INCH, size / _INCH)
@@ -85,9 +85,9 @@ def exercise_sheet(
     look: dict[str, Any] = {"color": "#dfe5ea", "linewidth": 0.35, "zorder": 0.5}
     canvas.axes.vlines(np.arange(low.real, high.real, _GRID), low.imag, high.imag, **look)
     canvas.axes.hlines(np.arange(low.imag, high.imag, _GRID), low.real, high.real, **look)
-    for item in _page(drawing, view, filled.solved).items:
+    for item in _page(drawing, view, solved).items:
         canvas.draw(item)
-    for points, right in filled.read:
+    for points, right in read:
         colour = PLAIN.palette.chart(GREEN if right else RED)
         canvas.axes.plot(
             np.real(points), np.imag(points), "x", color=colour, markersize=5.0, zorder=6.0
@@ -98,7 +98,7 @@ def exercise_sheet(
     axes.text(_EDGE, top - 0.1, title, fontsize=letters, va="top", weight="bold", gid="heading")
     for i, line in enumerate(lines):
         axes.text(_EDGE, top - 0.75 - 0.48 * i, line, fontsize=8.5, va="top")
-    _table(axes, head, filled.rows)
+    _table(axes, head, rows)
     # a ruler of 10 cm by which the scale of a print can be checked
     ink: dict[str, Any] = {"color": PLAIN.palette.ink, "linewidth": 0.7}
     y = 0.85
@@ -148,11 +148,15 @@ def _in_centimetres(drawing: Drawing) -> Drawing:
     return replace(drawing, planes=planes, curves=curves)
 
 
+def _tables(rows: int) -> int:
+    return 1 if rows <= _MOST_ROWS else 2
+
+
 def _table(axes: Axes, head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """Draw the table at the foot of the sheet, in two columns if it is long."""
     width, height = axes.get_xlim()[1], axes.get_ylim()[1]
-    parts = 1 if len(rows) <= _MOST_ROWS else 2
-    count = -(-len(rows) // parts)
+    parts = _tables(len(rows))
+    count = ceil(len(rows) / parts)
     broad = (width - 2.0 * _EDGE - 0.6 * (parts - 1)) / parts
     narrow = 1.0  # of the number of the point
     widths = [narrow] + [(broad - narrow) / max(1, len(head) - 1)] * (len(head) - 1)

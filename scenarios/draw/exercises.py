@@ -309,6 +309,10 @@ def _sheet(made: Exercise, *, solved: bool, read: Sequence[tuple[list[complex], 
     told = f"{right} of {made.steps} points right (green crosses; those read wrong are red)"
     return figures.exercise_sheet(
         exercises.gathered(drawing),
+        head,
+        rows,
+        solved=solved,
+        read=read,
         paper=made.paper,
         title=("Marking sheet: " if solved else "") + (made.scene.title or made.scene.name),
         lines=[
@@ -319,8 +323,6 @@ def _sheet(made: Exercise, *, solved: bool, read: Sequence[tuple[list[complex], 
             ),
             *([told] if read else []),
         ],
-        head=head,
-        filled=figures.Filled(rows, solved, read),
     )  # fmt: skip
 
 

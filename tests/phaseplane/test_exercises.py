@@ -35,7 +35,7 @@ from phaseplane.exercises import (
     sheet_data,
     write_geogebra,
 )
-from phaseplane.figures.exercise import Filled, exercise_sheet
+from phaseplane.figures.exercise import exercise_sheet
 
 DELTA = rule_named("delta")
 STEP = 0.15
@@ -206,7 +206,7 @@ def test_marking_sheets_and_pages_draw_the_arcs_of_the_steps():
     """x'' + x = 0: the steps are arcs about the origin, not chords."""
     plane = EquationPlane(lambda v, x, t: x, initial_displacement=2.0)
     drawing = construct_motion(plane, DELTA, step=0.5, steps=6)
-    figure = exercise_sheet(drawing, head=["point"], filled=Filled([["0"]] * 6, solved=True))
+    figure = exercise_sheet(drawing, ["point"], [["0"]] * 6, solved=True)
     (trail,) = (lines for lines in figure.axes[0].collections if lines.get_gid() == "trail")
     (drawn,) = (path.vertices for path in trail.get_paths())
     assert len(drawn) > 5 * 4
@@ -220,7 +220,7 @@ def test_marking_sheets_and_pages_draw_the_arcs_of_the_steps():
 
 def test_a_sheet_is_at_true_scale_and_gives_nothing_away():
     drawing = construct_motion(plane_of("(x^2 - 1)*v + x"), DELTA, step=STEP, steps=4)
-    figure = exercise_sheet(drawing, head=["point"], filled=Filled([["0"]] * 4, solved=False))
+    figure = exercise_sheet(drawing, ["point"], [["0"]] * 4, solved=False)
     axes = figure.axes[0]
     width = axes.get_position().width * figure.get_figwidth() * 0.0254
     assert width == pytest.approx(np.ptp(axes.get_xlim()), rel=1e-3)
