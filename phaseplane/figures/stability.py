@@ -16,7 +16,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from phaseplane.picture.styles import GREY
 
-from .style import PLAIN, Palette, styled
+from .style import PLAIN, styled
 
 Values = npt.NDArray[np.float64]
 
@@ -69,22 +69,22 @@ def stability_sheet(
     """
     if not curves:
         raise ValueError("there is nothing to draw: no curves")
-    palette, figure = PLAIN.palette, PLAIN.blank(12.0, 9.6)
+    figure = PLAIN.blank(12.0, 9.6)
     places = figure.subplot_mosaic("RRRFFF;001122")
-    colours = {name: palette.curve(number)["color"] for number, name in enumerate(curves)}
+    colours = {name: PLAIN.palette.curve(number)["color"] for number, name in enumerate(curves)}
     axes = places["R"]
     axes.set_title("Spectral radius of one step, undamped")
-    axes.axhline(1.0, color=palette.faint, linewidth=0.8)
+    axes.axhline(1.0, color=PLAIN.palette.faint, linewidth=0.8)
     for name, (phase, radius) in curves.items():
         axes.plot(phase, radius, color=colours[name], linewidth=1.5, label=name)
     for name, limit in limits.items():
-        axes.axvline(limit, color=palette.ink, linewidth=0.8, linestyle=":")
+        axes.axvline(limit, color=PLAIN.palette.ink, linewidth=0.8, linestyle=":")
         axes.text(limit - 0.06, 2.42, name, rotation=90, ha="right", va="top", fontsize=8)
     axes.set(xlim=(0.0, 8.0), ylim=(0.5, 2.5), xlabel="ωΔt")
     axes.legend(frameon=True, edgecolor="none", framealpha=0.85, loc="upper left")
-    _found(places["F"], found, colours, palette)
+    _found(places["F"], found, colours)
     panels = [places[k] for k in "012"]
-    images = [_map(panel, one, palette) for panel, one in zip(panels, growth, strict=False)]
+    images = [_map(panel, one) for panel, one in zip(panels, growth, strict=False)]
     if images:
         bar = figure.colorbar(images[-1], ax=panels, label="growth")
         bar.set_ticks([-1, 0, 1, 2], labels=["0.1", "1", "10", "≥ 100"])
@@ -92,14 +92,13 @@ def stability_sheet(
 
 
 def _found(
-    axes: Axes, found: Sequence[tuple[str, str, float, float | None]],
-    colours: Mapping[str, str], palette: Palette,
-) -> None:  # fmt: skip
+    axes: Axes, found: Sequence[tuple[str, str, float, float | None]], colours: Mapping[str, str]
+) -> None:
     """Draw the ratios of measured to theoretical limits, by problem and method."""
     axes.set_title("Largest stable step in runs, measured / theory (▸: none found)")
     problems = list(dict.fromkeys(problem for problem, *_ in found))
     methods = list(dict.fromkeys(method for _, method, *_ in found))
-    axes.axvline(1.0, color=palette.ink, linewidth=0.8, linestyle=":")
+    axes.axvline(1.0, color=PLAIN.palette.ink, linewidth=0.8, linestyle=":")
     for k, method in enumerate(methods):
         aside = 0.09 * (k - (len(methods) - 1) / 2)
         for marker in "o>":  # the latter where no step grew
@@ -108,7 +107,7 @@ def _found(
                 for p, one, theory, measured in found
                 if one == method and (marker == ">") == (measured is None)
             ]
-            colour = colours.get(method, palette.chart(GREY))
+            colour = colours.get(method, PLAIN.palette.chart(GREY))
             axes.plot(*np.reshape(points, (-1, 2)).T, marker, color=colour, markersize=4.5)
     axes.set_xscale("log")
     axes.set_xlim(0.22, _END)
@@ -120,7 +119,7 @@ def _found(
     axes.set_xlabel("measured / theory")
 
 
-def _map(axes: Axes, one: GrowthMap, palette: Palette) -> QuadMesh:
+def _map(axes: Axes, one: GrowthMap) -> QuadMesh:
     axes.set_title(one.title)
     axes.grid(visible=False)
     largest = 10.0**_LARGEST
@@ -130,7 +129,7 @@ def _map(axes: Axes, one: GrowthMap, palette: Palette) -> QuadMesh:
         rasterized=True,
     )  # fmt: skip
     level = log10(_GROWN if one.of_runs else _GROWING)
-    axes.contour(one.across, one.up, growth, levels=[level], colors=palette.ink, linewidths=1)
+    axes.contour(one.across, one.up, growth, levels=[level], colors=PLAIN.palette.ink, linewidths=1)
     axes.axvline(one.limit, color="#222222", linewidth=0.9, linestyle=":")
     axes.set_yscale("log")
     axes.set(xlim=one.across[[0, -1]], ylim=one.up[[0, -1]], xlabel="ωΔt", ylabel=one.label)

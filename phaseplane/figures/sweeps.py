@@ -99,16 +99,16 @@ def _lines(abscissa: str, varied: Quantities, measured: Quantities) -> Printed:
                 markersize=5, marker="o" if texts else ".", label=label, clip_on=False, zorder=3,
                 **styles[k] | ({"linestyle": ""} if texts else {}),
             )  # fmt: skip
-        name_up(axes, _words(name, measure_unit))
+        name_up(axes, _words(name, measure_unit, broken=True))
         _count(axes, measure_unit)
     if texts:
         panels[-1].set_xticks(
             range(len(texts)), [fill(_short(str(text)), _LONGEST // 2) for text in texts]
         )
         panels[-1].set_xlim(-0.5, len(texts) - 0.5)
-    panels[-1].set_xlabel(_words(abscissa, unit, broken=False))
+    panels[-1].set_xlabel(_words(abscissa, unit))
     if len(family) > 1:
-        named = ", ".join(_words(k, u, broken=False) for k, (u, _) in others.items())
+        named = ", ".join(_words(k, u) for k, (u, _) in others.items())
         figure.key(panels[0].get_legend_handles_labels()[0], title=named, alignment="left")
     return figure
 
@@ -136,7 +136,7 @@ def _maps(varied: Quantities, measured: Quantities) -> Printed:
     for axes, (name, (unit, z)) in zip(panels, measured.items(), strict=False):
         px, py, pz = (np.asarray(v, float) for v in (x, y, z))
         px, py, pz = (v[np.isfinite(pz)] for v in (px, py, pz))
-        words = _words(name, unit, broken=False)
+        words = _words(name, unit)
         if np.ptp(pz) == 0.0:
             words = f"{words}: {number(pz[0], 5)} everywhere"
         elif _cover(px, py):
@@ -153,8 +153,8 @@ def _maps(varied: Quantities, measured: Quantities) -> Printed:
             figure.colorbar(dots, ax=axes)
         axes.plot(px, py, ".", color=palette.ink, markersize=1.5, clip_on=False, zorder=4)
         axes.set_title(words)
-        axes.set_xlabel(_words(x_key, x_unit, broken=False))
-        axes.set_ylabel(_words(y_key, y_unit, broken=False))
+        axes.set_xlabel(_words(x_key, x_unit))
+        axes.set_ylabel(_words(y_key, y_unit))
     for axes in panels[len(measured) :]:
         axes.set_axis_off()
     return figure
@@ -178,13 +178,13 @@ def _matrix(varied: Quantities, measured: Quantities) -> Printed:
             _count(axes, unit)
             axes.xaxis.set_major_locator(MaxNLocator(4))
             if j == 0:
-                name_up(axes, _words(name, unit))
+                name_up(axes, _words(name, unit, broken=True))
             if i == rows - 1:
-                axes.set_xlabel(_words(key, key_unit))
+                axes.set_xlabel(_words(key, key_unit, broken=True))
     return figure
 
 
-def _words(name: str, unit: str, *, broken: bool = True) -> str:
+def _words(name: str, unit: str, *, broken: bool = False) -> str:
     words = in_words(name).replace(".", " ")
     words = fill(words, _LINE) if broken else words
     return words + bracketed("" if unit == "count" else unit)

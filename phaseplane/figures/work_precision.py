@@ -15,7 +15,7 @@ from matplotlib.ticker import EngFormatter, FixedLocator, NullFormatter
 
 from phaseplane.picture.styles import BLUE, GREEN, GREY, OCHRE, ORANGE, PINK, RED, TEAL, VIOLET
 
-from .style import PLAIN, Palette, styled
+from .style import PLAIN, styled
 
 _LARGEST, _FAILED, _SMALLEST = 1.0, 10.0, 1e-13  # error: axis end, failed runs, axis start
 _COLOURS = (TEAL, ORANGE, RED, GREEN, PINK, OCHRE, VIOLET)
@@ -66,16 +66,15 @@ def work_precision(panels: Sequence[tuple[str, Sequence[Curve]]], *, title: str 
     """
     if not panels:
         raise ValueError("there is nothing to draw: no panels")
-    palette = PLAIN.palette
     columns = min(len(panels), 3)
     rows = ceil(len(panels) / columns)
     names = list(dict.fromkeys((c.name, c.family) for _, curves in panels for c in curves))
     names.sort(key=lambda name: list(_DASHES).index(name[1]))
-    lines = _lines(names, palette)
+    lines = _lines(names)
     figure = PLAIN.blank(max(4.0 * columns, 7.0), 3.3 * rows)
     for k, (heading, curves) in enumerate(panels):
         axes = figure.add_subplot(rows, columns, k + 1)
-        _style(axes, palette)
+        _style(axes)
         axes.set_title(heading)
         for curve in curves:
             _draw(axes, curve, lines[curve.name, curve.family])
@@ -99,7 +98,7 @@ def work_precision(panels: Sequence[tuple[str, Sequence[Curve]]], *, title: str 
     return figure.finished(title)
 
 
-def _lines(names: Sequence[tuple[str, str]], palette: Palette) -> dict[tuple[str, str], Lines]:
+def _lines(names: Sequence[tuple[str, str]]) -> dict[tuple[str, str], Lines]:
     """Return the styles: heavy blue for the incremental solver, else a colour for each package.
 
     The orders of one method, and the solvers of one package, differ in their markers.
@@ -113,7 +112,7 @@ def _lines(names: Sequence[tuple[str, str]], palette: Palette) -> dict[tuple[str
         members = [name for name in names if _package(*name) == package]
         for name, marker in zip(members, cycle(_MARKERS), strict=False):
             lines[name] = {
-                "color": palette.chart(hues[package]), "marker": marker, "markersize": 3.0,
+                "color": PLAIN.palette.chart(hues[package]), "marker": marker, "markersize": 3.0,
                 "linestyle": _DASHES.get(name[1], "-"), "linewidth": 2.2 if name == own else 1.1,
             }  # fmt: skip
     return lines
@@ -129,14 +128,14 @@ def _package(name: str, family: str) -> str:
     return "extrapolated" if first == "extrapolated" else "fixed steps"
 
 
-def _style(axes: Axes, palette: Palette) -> None:
+def _style(axes: Axes) -> None:
     axes.set_axisbelow("line")
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlim(_SMALLEST, _FAILED * 10.0)
-    axes.axvspan(_LARGEST * 2.0, _FAILED * 10.0, color=palette.tint, lw=0)
+    axes.axvspan(_LARGEST * 2.0, _FAILED * 10.0, color=PLAIN.palette.tint, lw=0)
     axes.text(
-        0.985, 0.02, "failed", transform=axes.transAxes, fontsize=7, color=palette.faint,
+        0.985, 0.02, "failed", transform=axes.transAxes, fontsize=7, color=PLAIN.palette.faint,
         ha="right", va="bottom", rotation=90,
     )  # fmt: skip
     axes.xaxis.set_major_locator(FixedLocator([10.0**k for k in range(-12, 1, 2)]))

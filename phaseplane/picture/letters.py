@@ -44,36 +44,32 @@ class Room:
         self.em, self._side = em, _SQUARE * em
         self._low = view.corners[0] - self._side * (1 + 1j)
         size = view.corners[1] - self._low
-        shape = int(size.real / self._side) + 2, int(size.imag / self._side) + 2
-        taken = np.full(shape, _WALL, np.int32)  # nothing is out of view
+        self._shape = int(size.real / self._side) + 2, int(size.imag / self._side) + 2
+        taken = np.full(self._shape, _WALL, np.int32)  # nothing is out of view
         taken[1:-1, 1:-1] = 0
         for curve in curves:
             start, end = segments_of([curve[np.isfinite(curve)]]).T
-            count = (abs(end - start) / self._side).clip(0, sum(shape)).astype(np.int64) + 2
+            count = (abs(end - start) / self._side).clip(0, sum(self._shape)).astype(np.int64) + 2
             part = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
             z = np.repeat(start, count) + part * np.repeat((end - start) / (count - 1), count)
-            x, y = self._square(z, shape)
+            x, y = self._square(z)
             taken[x, y] = np.maximum(taken[x, y], 1)
         for box in texts:
-            (x, u), (y, v) = self._square(np.array(box.corners), shape)
+            (x, u), (y, v) = self._square(np.array(box.corners))
             taken[x : u + 1, y : v + 1] = _WALL
         self._sums = np.pad(taken.cumsum(0).cumsum(1), ((1, 0), (1, 0)))
 
-    def _square(self, z: Points, shape: Sequence[int]) -> list[npt.NDArray[np.int64]]:
+    def _square(self, z: Points) -> list[npt.NDArray[np.int64]]:
         parts = (z - self._low).real, (z - self._low).imag
         return [
             (part / self._side).clip(0, most - 1).astype(np.int64)
-            for part, most in zip(parts, shape, strict=True)
+            for part, most in zip(parts, self._shape, strict=True)
         ]
 
     def covered(self, boxes: Box) -> npt.NDArray[np.int64]:
         """Return how many squares with parts of curves boxes touch; many where there is a text."""
-        sums, shape = self._sums, [n - 1 for n in self._sums.shape]
-        (x, y), (u, v) = (self._square(corners, shape) for corners in boxes.corners)
-        found: npt.NDArray[np.int64] = (
-            sums[u + 1, v + 1] - sums[x, v + 1] - sums[u + 1, y] + sums[x, y]
-        )
-        return found
+        sums, ((x, y), (u, v)) = self._sums, map(self._square, boxes.corners)
+        return sums[u + 1, v + 1] - sums[x, v + 1] - sums[u + 1, y] + sums[x, y]
 
 
 def place(

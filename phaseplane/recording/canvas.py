@@ -85,13 +85,13 @@ class Viewer:
             self.recording.send_columns(f"{self.root}/{name}/{part}", times, columns)
 
     def curve(
-        self, name: str, role: str, ways: Points, first: int,
+        self, name: str, role: str, ways: Points,
         columns: Callable[[Integers], Sequence[rr.TimeColumn]], *, winds: bool = True,
     ) -> None:  # fmt: skip
         """Log more of a growing curve: each step as a row, and blocks of steps as one row each.
 
-        The ways of some steps from number `first` on have the shape (steps, vertices); `columns` returns
-        the time columns of steps by their numbers. Of a curve that winds, the older parts are faint.
+        The ways of its next steps have the shape (steps, vertices); `columns` returns the time columns
+        of rows that end after so many of them. Of a curve that winds, the older parts are faint.
         """
         path = f"{self.root}/{role}/{name}"
         if path not in self._begun:
@@ -110,14 +110,14 @@ class Viewer:
             ("recent", 1 + np.arange(len(ways)), strips(ways)), ("past", ends, ragged(blocks))
         ):  # fmt: skip
             lines = rr.LineStrips2D.columns(strips=of)
-            self.recording.send_columns(f"{path}/{part}", columns(first + rows), lines)
+            self.recording.send_columns(f"{path}/{part}", columns(rows), lines)
 
     def move(self, name: str, z: Points, times: Sequence[rr.TimeColumn]) -> None:
         """Log moving points, shape (times, points)."""
         roles = [role for role in MOVING_POINT for _ in range(z.shape[1])]
         discs = rr.Points2D.columns(positions=xy(np.tile(z, len(MOVING_POINT)).ravel()))
         columns = discs.partition([len(roles)] * len(z))
-        send(self.recording, f"{self.root}/{name}", point_style(roles, 1.2), times, columns)
+        send(self.recording, f"{self.root}/{name}", point_style(roles), times, columns)
 
     def line(self, name: str, role: str, z: Points, times: Sequence[rr.TimeColumn]) -> None:
         """Log a moving line, shape (times, vertices)."""
@@ -206,9 +206,9 @@ def line_style(
     )
 
 
-def point_style(roles: Sequence[str], weight: float = 1.0) -> rr.Points2D:
-    """Return the style of points of these roles."""
-    sizes = radii([weight * style_of(role).size for role in roles])
+def point_style(roles: Sequence[str]) -> rr.Points2D:
+    """Return the style of points of these roles, a little larger than those that stay."""
+    sizes = radii([1.2 * style_of(role).size for role in roles])
     return rr.Points2D.from_fields(colors=shades(roles), radii=sizes, draw_order=_POINTS)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from hashlib import blake2b
 from typing import Literal, get_args
@@ -90,45 +90,47 @@ class Content:
         ValueError : if a detail, a view, a staged step or the scheme of a step is unknown, there are
             neither steps nor columns, a time is not finite, or columns lack `time` or differ in length.
         """
-        for problem in self._problems():
-            raise ValueError(problem)
-
-    def _problems(self) -> Iterator[str]:
         if self.detail not in DETAILS:
-            yield f"detail {self.detail!r} is unknown; details are {', '.join(DETAILS)}"
-        for view in (view for view in self.views if view not in VIEWS):
-            yield f"view {view!r} is unknown; views are {', '.join(VIEWS)}"
+            raise ValueError(f"detail {self.detail!r} is unknown; details are {', '.join(DETAILS)}")
+        for view in self.views:
+            if view not in VIEWS:
+                raise ValueError(f"view {view!r} is unknown; views are {', '.join(VIEWS)}")
         if self.drawing is not None:
-            yield from self._problems_of(self.drawing)
+            self._check_steps(self.drawing)
         elif len(self.histories) < 2:
-            yield f"{self.title!r} has neither steps nor columns: nothing to record"
-        if self.histories and "time" not in self.histories:
-            yield f"histories need a column 'time'; given: {', '.join(self.histories)}"
-        elif not np.isfinite(self.times).all():
-            yield f"the times of {self.title!r} are not all finite numbers"
+            raise ValueError(f"{self.title!r} has neither steps nor columns: nothing to record")
+        if self.histories:
+            self._check_columns()
+
+    def _check_steps(self, drawing: Drawing) -> None:
+        steps = len(drawing.frames)
+        if not steps:
+            raise ValueError(f"the drawing {drawing.title!r} has no steps: nothing to record")
+        for step, scheme in zip(drawing.frames.steps, drawing.frames.schemes, strict=True):
+            if scheme not in drawing.schemes:
+                known = ", ".join(drawing.schemes)
+                raise ValueError(
+                    f"step {step} follows the scheme {scheme!r}; the drawing has {known}"
+                )
+        for step in self.staged:
+            if not 0 <= step < steps:
+                raise ValueError(f"step {step} cannot be staged: there are steps 0 to {steps - 1}")
+
+    def _check_columns(self) -> None:
+        known, shape = ", ".join(self.histories), np.shape(self.times)
+        if "time" not in self.histories:
+            raise ValueError(f"histories need a column 'time'; given: {known}")
+        if not np.isfinite(self.times).all():
+            raise ValueError(f"the times of {self.title!r} are not all finite numbers")
         for name, column in self.histories.items():
-            shape = np.shape(self.histories["time"])
             if np.ndim(column) != 1 or np.shape(column) != shape:
-                yield (
+                raise ValueError(
                     f"history {name!r} has the shape {np.shape(column)}, 'time' {shape}: "
                     "all columns must have the same length"
                 )
         for name in (name for pair in self.pairs for name in pair):
-            if self.histories and name not in self.histories:
-                known = ", ".join(self.histories)
-                yield f"no column {name!r} for a phase plane; columns are {known}"
-
-    def _problems_of(self, drawing: Drawing) -> Iterator[str]:
-        steps = len(drawing.frames)
-        if not steps:
-            yield f"the drawing {drawing.title!r} has no steps: nothing to record"
-        for step, scheme in zip(drawing.frames.steps, drawing.frames.schemes, strict=True):
-            if scheme not in drawing.schemes:
-                known = ", ".join(drawing.schemes)
-                yield f"step {step} follows the scheme {scheme!r}; the drawing has {known}"
-        for step in self.staged:
-            if not 0 <= step < steps:
-                yield f"step {step} cannot be staged: there are steps 0 to {steps - 1}"
+            if name not in self.histories:
+                raise ValueError(f"no column {name!r} for a phase plane; columns are {known}")
 
     def digest(self) -> str:
         """Return a hash of the content, by which equal recordings replace each other in a viewer."""

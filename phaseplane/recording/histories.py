@@ -97,8 +97,7 @@ def panels_of(content: Content) -> list[Panel]:
             "energies" if quantity.name == "energy" else "histories"
         ):
             found.setdefault(quantity, []).append(name)
-    shown = {quantity: names for quantity, names in found.items() if names}
-    parts = list(shown.items())
+    parts = [(quantity, names) for quantity, names in found.items() if names]
     if drawing is None:
         parts = [part for of, names in parts for part in _by_part(content, of, names)]
     return [

@@ -75,7 +75,9 @@ def blueprint(recorder: Recorder) -> rrb.Blueprint:
     height = lanes_height(content)
     if height:
         *_, above = columns.values() or [columns.setdefault(width, [])]
-        above.append((_share(height, above), _lanes(content)))
+        time = None if content.live else _whole_time()
+        lanes = rrb.StateTimelineView(origin=LANES, name="lanes", time_view=time)
+        above.append((_share(height, above), lanes))
     if not columns and not content.live:
         views = ", ".join(content.views) or "none"
         raise ValueError(f"nothing of {content.title!r} is to be seen in its views: {views}")
@@ -95,11 +97,6 @@ def _column(parts: Sequence[Part]) -> rrb.View | rrb.Container:
 def _share(height: float, above: Sequence[Part]) -> float:
     """Return the share of a height in pixels below parts that fill the rest of a column."""
     return height * (sum(share for share, _ in above) or 1.0) / (SHEET_HEIGHT - height)
-
-
-def _lanes(content: Content) -> rrb.View:
-    time = None if content.live else _whole_time()
-    return rrb.StateTimelineView(origin=LANES, name="lanes", time_view=time)
 
 
 def _views(recorder: Recorder) -> list[Part]:

@@ -58,7 +58,6 @@ class Recorder:
             told = content.staged, content.heading
             self.ticks = list(story_of(self.pages[0], self.arms_page, *told))
         self.clock = Clock.of(content.drawing, [tick.time for tick in self.ticks])
-        self._rows = 0
 
     @cached_property
     def lettered(self) -> Page:
@@ -177,8 +176,8 @@ class Recorder:
             subject = self.pages[0].subject
             for plane, way in zip(drawing.planes, subject.ways, strict=True):
                 self.sheet.curve(
-                    plane.name, "trail", way[start:end], start, self.clock.columns,
-                    winds=subject.winds,
+                    plane.name, "trail", way[start:end],
+                    lambda rows: self.clock.columns(start + rows), winds=subject.winds,
                 )  # fmt: skip
             here = np.stack(subject.motions, 1)[start : None if ends else end]
             now = self.clock.columns(start + np.arange(len(here)))
@@ -222,17 +221,15 @@ class Recorder:
 
         Without a construction it is in the units of its columns, and the planes place it on the sheet.
         """
-        times = histories["time"]
-        first, drawn = self._rows, self.content.constructed is not None
+        times, drawn = histories["time"], self.content.constructed is not None
         for plane in state_planes(self.content):
             z = plane.motion(histories) if drawn else plane.states(histories)
             self.sheet.curve(
-                plane.path, "run" if drawn else "trail", np.stack([z[:-1], z[1:]], 1), first,
-                lambda rows: [seconds(times[rows - first])],
+                plane.path, "run" if drawn else "trail", np.stack([z[:-1], z[1:]], 1),
+                lambda rows: [seconds(times[rows])],
             )  # fmt: skip
             if not drawn:
                 self.sheet.move(f"trail/{plane.path}/here", z[:, None], [seconds(times)])
-        self._rows += len(times) - 1
 
     def redraw(self, histories: Mapping[str, npt.ArrayLike]) -> None:
         """Log the axes and the places of planes anew, for columns that reach beyond them."""

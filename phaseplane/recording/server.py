@@ -50,7 +50,8 @@ def serving(
     ------
     OSError : if the server cannot listen at the address, or a file is not a recording.
     """
-    host = f"[{_host(address)}]" if ":" in _host(address) else _host(address)
+    host = socket.gethostname() if address in ("0.0.0.0", "::") else address
+    host = f"[{host}]" if ":" in host else host
     address = _numeric(address)
     with TemporaryDirectory() as folder:
         for _ in range(_TRIES):
@@ -185,10 +186,6 @@ def listens(url: str) -> bool:
     except (OSError, UnicodeError):  # the latter of a host that cannot be a name
         return False
     return True
-
-
-def _host(address: str) -> str:
-    return socket.gethostname() if address in ("0.0.0.0", "::") else address
 
 
 def _numeric(address: str) -> str:

@@ -15,7 +15,7 @@ from phaseplane.picture.styles import RED, Hue, hue_of
 from .canvas import UPRIGHT, colours, radii, rgba, strips, xy
 from .clock import Clock, seconds
 from .content import Content
-from .motion import thinned
+from .motion import sampled
 from .vehicle import (
     FLOOR,
     HULL,
@@ -83,7 +83,7 @@ def send_vehicle(recording: rr.RecordingStream, content: Content, clock: Clock) 
     vehicle = vehicle_of(content)
     if vehicle is None or not len(content.times):
         return
-    for times, columns in clock.over(thinned(content.histories, _MOST_ROWS)["time"]):
+    for times, columns in clock.over(content.times[sampled(len(content.times), _MOST_ROWS)]):
         at = {n: np.interp(times, content.times, content.column(n)) for n in content.histories}
         _send(recording, vehicle, at, columns)
 
@@ -110,5 +110,4 @@ def _send(
 
 def _vectors(x: npt.ArrayLike, y: npt.ArrayLike, z: float = 0.0) -> npt.NDArray[np.float32]:
     """Return vectors in the plane of the sheet, shape (n, 3)."""
-    parts = (np.asarray(part, np.float32) for part in (x, y, z))
-    return np.stack(np.broadcast_arrays(*parts), -1)
+    return np.stack(np.broadcast_arrays(x, y, z), -1).astype(np.float32)

@@ -80,7 +80,7 @@ def _parts(layers: Sequence[Layer]) -> Iterator[Part]:
         roles = [role for layer in points for role in layer.roles]
         z = np.concatenate([layer.vertices[..., 0] for layer in points], 1)
         column = rr.Points2D.columns(positions=canvas.xy(z.ravel()))
-        yield SHEET, "points", canvas.point_style(roles, 1.2), column, len(roles)
+        yield SHEET, "points", canvas.point_style(roles), column, len(roles)
 
 
 def _letters(layers: Sequence[Layer], room: Room) -> Iterator[Part]:
