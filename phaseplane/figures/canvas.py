@@ -24,19 +24,6 @@ from .style import PLAIN, Look, Printed, styled
 _LARGEST = (11.0, 10.0)  # inches that the sheet may take up
 BESIDE = 0.1  # inches
 _ABOVE = {"trail": 3.0, "normal": 3.0, "arc": 3.5, "successor": 3.5}  # order of drawing; others 2
-_DASH_DOT_DOT = (0, (4, 2.5, 0.1, 2.5, 0.1, 2.5))
-_MONO: dict[str, Any] = {  # of lines with round ends; only the integral curve is solid
-    "run": (0, (1, 2)),
-    "auxiliary": (0, (12, 3)),
-    "line": (0, (5, 3)),
-    "shortcut": (0, (8, 3, 0.1, 3)),
-    "excitation": (0, (0.1, 2)),
-    "projection": (0, (2, 3)),
-    "normal": (0, (5, 2.5, 0.1, 2.5)),
-    "arc": _DASH_DOT_DOT,
-    "successor": _DASH_DOT_DOT,
-    "turn": (0, (0.1, 4)),
-}
 
 
 def new_page(drawing: Drawing, view: Box, look: Look, scale: float = 0.0) -> Page:
@@ -91,8 +78,8 @@ class Sheet:
 
     def dashes(self, role: str) -> Any:
         """Return the dashes of a role, which distinguish lines of one colour."""
-        dash = style_of(role).dash
-        return _MONO.get(role, dash) if self.palette.mono else dash
+        style = style_of(role)
+        return (0, style.mono) if self.palette.mono and style.mono else style.dash
 
     def draw(self, item: Item) -> Artist:
         """Draw one item."""

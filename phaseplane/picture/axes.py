@@ -17,8 +17,8 @@ from phaseplane.constructions.sheet import round_step
 from phaseplane.equations.typeset import number
 
 from .frames import reach_of
-from .letters import text_box
-from .page import PLATE, STRAIGHT, TYPE, Lines, Page, Text, value_text
+from .letters import PLATE, text_box
+from .page import STRAIGHT, TYPE, Lines, Page, Text, value_text
 from .paper import NOTHING, Box, Points, segments_of, telling_vertices
 from .quantities import display_unit
 from .text import bracketed
@@ -89,31 +89,31 @@ def graduation_of(
 
 def draw_axes(page: Page, clear: Points = NOTHING) -> None:
     """Draw the axes with arrows, ticks, values and names, which keep clear of some segments, too."""
-    known = [  # a y axis has values on both sides of a motion, which may cover all others
-        (plane, motion, graduation_of(plane.displacement, motion, 2.2 * page.em, beyond=1.4),
-         _graduation_up(page, plane))
-        for plane in page.drawing.planes for motion in (page.motion(plane),)
-    ]  # fmt: skip
-    beside, shared = _in_columns(page), Counter(plane.name for plane in page.drawing.planes)
-    for plane, _, along, up in known if beside else ():
-        words = plane.name.split("_")
-        above = " ".join(words[:-1] or words)
-        if shared[plane.name] > 1:  # they differ in what is upwards
-            above = plane.scaled_velocity.label
-        units = ", ".join(filter(None, (bracketed(of.unit).strip() for of in (along, up))))
-        tip = _upright(page, plane)[1]
-        # two texts: of many with two rows, the viewer shows only the first
-        for row, text in enumerate(filter(None, (units, above))):
-            page.write(Text("axis", text, tip + (1.0 + _ROW * row) * 1j * page.em, kind="name"))
-    axes = [
-        axis for plane, motion, along, up in known
-        for axis in (_vertical(page, plane, motion, up), _horizontal(page, plane, along))
-    ]  # fmt: skip
+    beside, planes = _in_columns(page), page.drawing.planes
+    if beside:
+        _write_heads(page)
+    axes = [axis for plane in planes for axis in (_vertical(page, plane), _horizontal(page, plane))]
     ways = _ways(page, clear)
     for axis in axes if not beside else ():  # which keeps clear of the axes of all planes
         _name(page, ways, axis, [other.line for other in axes if other.upright == axis.upright])
     for axis in axes:
         _write_values(page, axis.values, ways)
+
+
+def _write_heads(page: Page) -> None:
+    """Write the names of planes beside each other above them, with the units of their axes."""
+    shared = Counter(plane.name for plane in page.drawing.planes)
+    for plane in page.drawing.planes:
+        words = plane.name.split("_")
+        above = " ".join(words[:-1] or words)
+        if shared[plane.name] > 1:  # they differ in what is upwards
+            above = plane.scaled_velocity.label
+        both = page.units[plane.name][0], _graduation_up(page, plane).unit
+        units = ", ".join(filter(None, (bracketed(unit).strip() for unit in both)))
+        tip = _upright(page, plane)[1]
+        # two texts: of many with two rows, the viewer shows only the first
+        for row, text in enumerate(filter(None, (units, above))):
+            page.write(Text("axis", text, tip + (1.0 + _ROW * row) * 1j * page.em, kind="name"))
 
 
 def draw_y_axis(page: Page, plane: Plane) -> None:
@@ -127,9 +127,11 @@ def draw_y_axis(page: Page, plane: Plane) -> None:
     _name(page, _ways(page), drawn)
 
 
-def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> _Drawn:
+def _horizontal(page: Page, plane: Plane) -> _Drawn:
     """Draw the y axis across the whole view, because feet of normals are far out on it."""
     axis, em = plane.displacement, page.em
+    # values on both sides of a motion, which may cover all others
+    graduation = graduation_of(axis, page.motion(plane), 2.2 * em, beyond=1.4)
     sense = axis.direction.real
     ends = _room(page, plane)[:: 1 if sense > 0.0 else -1]
     start, tip = (complex(x, axis.origin.imag) for x in ends)
@@ -143,14 +145,16 @@ def _horizontal(page: Page, plane: Plane, graduation: Graduation) -> _Drawn:
     return _Drawn(start, tip, tip + 1.2j * em, sense, _fitting(page, names), values)
 
 
-def _vertical(page: Page, plane: Plane, motion: Points, graduation: Graduation) -> _Drawn:
+def _vertical(page: Page, plane: Plane) -> _Drawn:
     """Draw the y-bar axis only over the range of the motion, to keep clear of other planes."""
     axis, em = plane.scaled_velocity, page.em
     start, tip = _upright(page, plane)
-    graduation = _between(graduation, axis, start, tip - 0.7j * em)  # clear of the arrow
+    graduation = _between(
+        _graduation_up(page, plane), axis, start, tip - 0.7j * em
+    )  # clear of the arrow
     places = _ticked(page, axis, graduation, start, tip, 0.35 * em)
     # on the side of the axis away from the motion
-    side = -1.0 if (motion - axis.origin).real.sum() > 0.0 else 1.0
+    side = -1.0 if (page.motion(plane) - axis.origin).real.sum() > 0.0 else 1.0
     label = typeset(axis.label)
     label, *_ = _fitting(page, [label, label.partition(" =")[0]])
     values = [

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from math import ceil, floor
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +17,7 @@ from phaseplane.equations.typeset import number
 
 from .frames import read_over
 from .page import Page, Text
-from .paper import Box, Points, Reals, telling_vertices
+from .paper import Box, Points, telling_vertices
 from .quantities import Quantity
 from .styles import PARTS, part_of, strength_of, weight_of
 from .subject import Subject
@@ -61,16 +62,11 @@ class Chart:
         self.low, self.high = float(every_value.min()), float(every_value.max())
         self.stays = self._stays()
 
-    def at(self, time: float, value: float) -> complex:
-        """Return the point of a value at a time."""
-        return complex(self._points(np.array(time), np.array(value)))
-
-    def _points(self, times: Reals, values: Reals) -> Points:
-        """Return the points of values at times, shape (n,)."""
+    def at(self, times: Any, values: Any) -> Any:
+        """Return the point of a value at a time, or of many."""
         span = (self.high - self.low) or 1.0
         x = _WIDTH * (times - self.start) / ((self.end - self.start) or 1.0)
-        points: Points = x + 1j * (_HEIGHT * (values - self.low) / span)
-        return points
+        return x + 1j * (_HEIGHT * (values - self.low) / span)
 
     def _stays(self) -> Page:
         named = [
@@ -93,7 +89,7 @@ class Chart:
         page.write(replace(words, centre=complex(aside, _HEIGHT + 0.72 * _EM)))
         self._values(page)
         for role, name in zip(self.roles, self.names, strict=True):
-            curve = self._points(self.times, self.values[name])
+            curve = self.at(self.times, self.values[name])
             if len(curve) > 1:
                 page.lines(role, [_thinned(curve)], 0.9 * weight_of(name), 0.6 * strength_of(name))
         for row, text in enumerate(named):  # beside it, centred: in larger windows type is smaller
@@ -127,7 +123,7 @@ class Chart:
         times, read = (of[: step + 1] for of in self.read)
         for name, role, values in zip(self.names, self.roles, read.T, strict=True):
             shown = np.isfinite(values)
-            points = self._points(times[shown], values[shown])
+            points = self.at(times[shown], values[shown])
             if len(points) > 1 and len(self.read[0]) > _POINTS:
                 page.lines(role, [_thinned(points)], 1.2 * weight_of(name), strength_of(name))
             else:

@@ -13,8 +13,8 @@ from phaseplane.constructions.primitives import Curve, Drawing, Plane
 from phaseplane.constructions.storage import Frame
 
 from .frames import columns
-from .letters import away
-from .page import PLATE, STRAIGHT, VALUE, Arrow, Page, Text, value_text
+from .letters import PLATE, away
+from .page import STRAIGHT, VALUE, Arrow, Page, Text, value_text
 from .paper import NOTHING, SEEN, Box, Points, Strip, arcs, telling_vertices
 from .subject import centre_of, joined
 from .text import level_text

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from itertools import product
 from math import pi
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy.typing as npt
 from .paper import Box, Points, Reals, corners, segments_of
 
 NEAR = 2.0  # farthest distance of a letter from its point without a leader, in em
+PLATE = 0.25  # width of the viewer's plate around a text, em
 
 _WIDTH, _HEIGHT = 0.58, 1.15  # of one character, in em
 _RINGS = np.array([0.8, 1.1, 1.5, NEAR - 0.1, 2.8, 3.8, 5.0, 7.0, 10.0])  # gaps to the point, in em
@@ -20,6 +22,11 @@ _SQUARE, _WALL = 0.25, 1000  # em; what a text takes up counts as so many square
 _MOST_CLOSE = 300  # lines about a letter that are looked at
 _GAPS = np.repeat(_RINGS, _ANGLES)
 _DIRECTIONS = np.tile(np.exp(1j * (np.arange(_ANGLES) + 0.5) * 2 * pi / _ANGLES), len(_RINGS))
+
+# directions from a point, the best ones first: between values of the axes of small planes there is often
+# but one place
+_WAYS = np.exp(0.125j * pi * np.array([2, 6, -2, -6, 4, -4, 0, 8, 1, 3, 5, 7, -1, -3, -5, -7]))
+_LEAST_COVERED = 2  # squares of a motion behind a plate that are not missed
 
 
 def text_box(centre: complex, text: str, em: float) -> Box:
@@ -130,3 +137,28 @@ def _may_meet(box: Box, segments: Points) -> npt.NDArray[np.bool_]:
     (low, high), reach = corners(segments - box.centre).T, box.half
     begins = (low.real <= reach.real) & (low.imag <= reach.imag)
     return np.asarray(begins & (high.real >= -reach.real) & (high.imag >= -reach.imag), bool)
+
+
+def free_letters(
+    points: Points, texts: Sequence[str], room: Room
+) -> tuple[Points, npt.NDArray[np.bool_]]:
+    """Return the places of letters, each as near to its point as it is legible, and which are legible.
+
+    That is in view, not covered by another letter or a text on the page, and where the viewer's plate
+    behind it covers nothing of the motion to speak of. All have the shape (steps, letters).
+    """
+    halves = np.array([text_box(0j, text, room.em).half for text in texts])
+    plates = halves + PLATE * room.em * (1 + 1j)
+    known = np.isfinite(points)
+    centres, free = np.where(known, points, 0.0), np.zeros(points.shape, bool)
+    for (i, half), gap in product(enumerate(halves), _RINGS[_RINGS < NEAR]):
+        left = np.flatnonzero(known[:, i] & ~free[:, i])
+        places = points[left, i, None] + (away(half, _WAYS) + gap * room.em) * _WAYS
+        mine, others = Box(places[..., None], half), free[left, None, :]
+        over = (mine.overlap(Box(centres[left, None, :], halves)) > 0.0) & others
+        clear = ~over.any(axis=-1) & (room.covered(Box(places, plates[i])) <= _LEAST_COVERED)
+        best = clear.argmax(axis=1)
+        found = np.flatnonzero(clear.any(axis=1))
+        centres[left[found], i] = places[found, best[found]]
+        free[left[found], i] = True
+    return centres, free

@@ -17,7 +17,7 @@ from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing, Plane
 
 from .frames import unit_of
-from .letters import NEAR, place, text_box
+from .letters import NEAR, PLATE, place, text_box
 from .paper import NOTHING, Box, Points, Strip, segments_of
 from .styles import style_of
 from .subject import Subject
@@ -26,7 +26,6 @@ from .text import marks_text
 TYPE = 9.0  # size of the type, points: 1 em of a page
 LETTER, VALUE = 10.0 / TYPE, 7.0 / TYPE
 """Sizes of letters, and of the values along axes and curves, em."""
-PLATE = 0.25  # width of the viewer's plate around a text, em
 STRAIGHT = 0.01  # em: how far a thinned curve may be from the whole one
 
 Kind = Literal["letter", "value", "name", "label", "dimension"]

@@ -37,9 +37,9 @@ def draw_step(
             if layer.stage > stage:
                 continue
             weight, strength = (2.0, 1.0) if layer.stage == stage else (0.8, _RECEDING)
-        wanted = [i for i, name in enumerate(layer.names) if part_of(name) in parts]
-        if layer.kind == "points":  # those on the arm are the ends of lines
-            wanted = [i for i in wanted if part_of(layer.names[i]) != "turn"]
+        # points on the arm are the ends of lines
+        drawn = {*parts} - {"turn"} if layer.kind == "points" else parts
+        wanted = [i for i, name in enumerate(layer.names) if part_of(name) in drawn]
         for role in dict.fromkeys(layer.roles[i] for i in wanted):
             chosen = [layer.vertices[0, i] for i in wanted if layer.roles[i] == role]
             if layer.kind == "points":

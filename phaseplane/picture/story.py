@@ -21,8 +21,8 @@ from . import dimensions, text
 from .curves import CURVES, draw_curves, draw_own_curves, draw_trails, words_at_end
 from .frames import columns, table
 from .layers import Part
-from .letters import text_box
-from .page import PLATE, TYPE, Arrow, Page
+from .letters import PLATE, text_box
+from .page import TYPE, Arrow, Page
 from .paper import Box, around
 from .protocol import protocol
 from .quantities import rate_unit

@@ -50,27 +50,30 @@ class Style:
     dash: Literal["-", "--", ":"] = "-"
     size: float = 3.0  # diameter of points, in points
     words: str = ""  # in a legend; roles without words have no entry
+    mono: tuple[float, ...] = ()  # dashes and gaps of black lines; only the integral curve is solid
 
+
+_STEP = (4, 2.5, 0.1, 2.5, 0.1, 2.5)
 
 ROLES = {
     "trail": Style(BLUE, 1.8, words="integral curve"),
-    "run": Style(VIOLET, 1.5, words="motion of the run"),
+    "run": Style(VIOLET, 1.5, words="motion of the run", mono=(1, 2)),
     "state": Style(BLUE, 1.5, size=5.0),
     "halo": Style(Hue("#ffffff", "#ffffff", "#ffffff"), size=13.0),
     "here": Style(Hue("#15181c", "#15181c", "#15181c"), size=10.0),
     "axis": Style(INK, 0.9),
     "value": Style(),
-    "auxiliary": Style(OCHRE, 1.0, words="auxiliary curve"),
-    "line": Style(TEAL, 1.0, "--", words="lines I, II"),
-    "shortcut": Style(RED, 1.0, "--", words="flight to x2 = x2st"),
+    "auxiliary": Style(OCHRE, 1.0, words="auxiliary curve", mono=(12, 3)),
+    "line": Style(TEAL, 1.0, "--", words="lines I, II", mono=(5, 3)),
+    "shortcut": Style(RED, 1.0, "--", words="flight to x2 = x2st", mono=(8, 3, 0.1, 3)),
     "foot": Style(width=0.7, dash=":"),
     "construction": Style(width=0.7),
-    "excitation": Style(PINK, 2.0, words="road and weight"),
-    "projection": Style(VIOLET, 0.8, words="projection"),
-    "normal": Style(ORANGE, 1.4, size=4.0, words="normal"),
-    "arc": Style(GREEN, 1.6, words="step P to P'"),
-    "turn": Style(RED, 1.0, words="turn angle"),
-    "successor": Style(GREEN, 1.6, size=4.5, words="step P to P'"),
+    "excitation": Style(PINK, 2.0, words="road and weight", mono=(0.1, 2)),
+    "projection": Style(VIOLET, 0.8, words="projection", mono=(2, 3)),
+    "normal": Style(ORANGE, 1.4, size=4.0, words="normal", mono=(5, 2.5, 0.1, 2.5)),
+    "arc": Style(GREEN, 1.6, words="step P to P'", mono=_STEP),
+    "turn": Style(RED, 1.0, words="turn angle", mono=(0.1, 4)),
+    "successor": Style(GREEN, 1.6, size=4.5, words="step P to P'", mono=_STEP),
     "event": Style(RED, 1.6, size=7.0),
 }
 MOVING_POINT = ("halo", "here", "state")

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import chain, product
+from itertools import chain
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture.layers import Layer, is_main, layers_of
-from phaseplane.picture.letters import NEAR, Room, away, text_box
-from phaseplane.picture.page import PLATE
-from phaseplane.picture.paper import Box, Integers, Points
+from phaseplane.picture.letters import Room, free_letters
+from phaseplane.picture.paper import Integers
 
 from . import canvas
 from .clock import Clock
@@ -23,11 +21,6 @@ from .clock import Clock
 SHEET, ARMS, CHART, WORDS = "/sheet", "/arms", "/chart", "/words"
 SLICE = 4096  # steps that are encoded at once
 _REPEATED = 0.4  # opacity of what a rule repeats
-# gaps between a letter and its point, em, and directions from it, the best ones first: between values
-# of the axes of small planes there is often but one place
-_GAPS = (0.8, 1.1, 1.5, NEAR - 0.1)
-_WAYS = np.exp(0.125j * np.pi * np.array([2, 6, -2, -6, 4, -4, 0, 8, 1, 3, 5, 7, -1, -3, -5, -7]))
-_LEAST_COVERED = 2  # squares of a motion behind a plate that are not missed
 
 # path of an entity up to the scheme, and beyond it; its style, its columns, how many items each step has
 Part = tuple[str, str, rr.AsComponents, Any, int | Integers]
@@ -109,28 +102,3 @@ def _letters(layers: Sequence[Layer], room: Room) -> Iterator[Part]:
             draw_order=canvas.LETTERS_FIRST,
         )  # fmt: skip
         yield SHEET, f"letters/{role}", style, letters, seen.sum(axis=1)
-
-
-def free_letters(
-    points: Points, texts: Sequence[str], room: Room
-) -> tuple[Points, npt.NDArray[np.bool_]]:
-    """Return the places of letters, each as near to its point as it is legible, and which are legible.
-
-    That is in view, not covered by another letter or a text on the page, and where the viewer's plate
-    behind it covers nothing of the motion to speak of. All have the shape (steps, letters).
-    """
-    halves = np.array([text_box(0j, text, room.em).half for text in texts])
-    plates = halves + PLATE * room.em * (1 + 1j)
-    known = np.isfinite(points)
-    centres, free = np.where(known, points, 0.0), np.zeros(points.shape, bool)
-    for (i, half), gap in product(enumerate(halves), _GAPS):
-        left = np.flatnonzero(known[:, i] & ~free[:, i])
-        places = points[left, i, None] + (away(half, _WAYS) + gap * room.em) * _WAYS
-        mine, others = Box(places[..., None], half), free[left, None, :]
-        over = (mine.overlap(Box(centres[left, None, :], halves)) > 0.0) & others
-        clear = ~over.any(axis=-1) & (room.covered(Box(places, plates[i])) <= _LEAST_COVERED)
-        best = clear.argmax(axis=1)
-        found = np.flatnonzero(clear.any(axis=1))
-        centres[left[found], i] = places[found, best[found]]
-        free[left[found], i] = True
-    return centres, free

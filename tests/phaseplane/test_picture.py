@@ -22,7 +22,8 @@ from phaseplane.figures.planes import step_lines, step_page
 from phaseplane.figures.style import PLAIN, Look
 from phaseplane.picture.axes import graduation_of
 from phaseplane.picture.frames import table
-from phaseplane.picture.page import PLATE, Arrow, Lines
+from phaseplane.picture.letters import PLATE
+from phaseplane.picture.page import Arrow, Lines
 from phaseplane.picture.paper import Box, arcs, around, segments_of, telling_vertices
 from phaseplane.picture.quantities import display_unit
 from phaseplane.picture.step import write_letters

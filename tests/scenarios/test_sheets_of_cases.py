@@ -24,8 +24,8 @@ from phaseplane.figures.single_steps import figure2
 from phaseplane.figures.style import PLAIN
 from phaseplane.picture.curves import curve_through
 from phaseplane.picture.frames import table
-from phaseplane.picture.letters import NEAR, Room, text_box
-from phaseplane.picture.page import PLATE, Arrow, Lines, Page
+from phaseplane.picture.letters import NEAR, PLATE, Room, free_letters, text_box
+from phaseplane.picture.page import Arrow, Lines, Page
 from phaseplane.picture.paper import SEEN, Box, around, segments_of
 from phaseplane.picture.step import mark_events, write_letters
 from phaseplane.picture.story import MOST, arms_page, story_of
@@ -34,7 +34,6 @@ from phaseplane.recording import Content
 from phaseplane.recording.canvas import legible
 from phaseplane.recording.motion import pages_of
 from phaseplane.recording.recorder import Recorder
-from phaseplane.recording.steps import free_letters
 
 
 def test_what_cannot_be_drawn_is_refused_in_words() -> None:
