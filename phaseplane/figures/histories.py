@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import ceil
 from textwrap import fill
 from typing import Any
@@ -12,7 +13,7 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from phaseplane.picture.quantities import QUANTITIES, unit_of_columns
+from phaseplane.picture.quantities import QUANTITIES, Quantity, in_range, unit_of_columns
 from phaseplane.picture.styles import hue_of
 from phaseplane.picture.text import bracketed, in_words
 
@@ -59,8 +60,8 @@ _ACROSS = 3  # panels side by side
 _LINE = 18  # letters of a label
 
 Table = dict[str, npt.NDArray[np.float64]]
-Row = tuple[str, tuple[str, float], dict[str, str]]
-"""The name of a panel, its unit with the number of it in one of the SI, and its columns with labels."""
+Row = tuple[Quantity, dict[str, str]]
+"""What a panel shows, and its columns with labels."""
 Curve = tuple[npt.ArrayLike, npt.ArrayLike]
 
 
@@ -119,7 +120,7 @@ def axle_histories(
             if k + 1 == across and not narrow:
                 axes.legend(reverse=True, loc="center left", bbox_to_anchor=(1.01, 0.5))
             if not k:
-                name_up(axes, f"{row[0]}{between}[{row[1][0]}]")
+                name_up(axes, f"{row[0].name}{between}[{row[0].unit}]")
         for start, end in spans[:1]:
             panels[0].annotate(
                 "airborne", (0.5 * (start + end), 1.0), (0.0, -2.0 if narrow else 2.0),
@@ -188,13 +189,13 @@ def _rows(tables: list[Table], *, split: bool) -> list[Row]:
         known = [table[name] for table in tables for name in columns if name in table]
         if not known:
             continue
-        unit = unit_of_columns(quantity.si, known)
+        shown = in_range(quantity, known)
         if split and _BODY in columns and any(_is_flat(table, columns) for table in tables):
             own = {name: columns[name] for name in columns if name in _OF_BODY}
             rest = {name: columns[name] for name in columns if name not in own}
-            rows += [(quantity.name, unit, rest), ("body acceleration", unit, own)]
+            rows += [(shown, rest), (replace(shown, name="body acceleration"), own)]
         else:
-            rows.append((quantity.name, unit, columns))
+            rows.append((shown, columns))
     return rows
 
 
@@ -207,7 +208,7 @@ def _panel(
     axes: Axes, row: Row, table: Table, times: npt.NDArray[np.float64], palette: Palette, *,
     points: bool,
 ) -> None:  # fmt: skip
-    _, (_, factor), columns = row
+    quantity, columns = row
     dashes: dict[str, Any] = {**_DASHES, **(_MONO if palette.mono else {})}
     every = max(1, len(times) // _MONO_MARKED) if palette.mono else 1
     marked = points and len(times) <= _MOST_MARKED
@@ -215,7 +216,7 @@ def _panel(
         words = name.split("_")
         marker, filled = _MARKERS.get(words[0], (".", True)) if palette.mono else (".", True)
         axes.plot(
-            times, factor * table[name], color=palette.of(hue_of(name)),
+            times, quantity.factor * table[name], color=palette.of(hue_of(name)),
             linewidth=1.6 if words[0] in ("body", "wheel") else 1.1,
             linestyle=next((dashes[word] for word in words if word in dashes), "-"),
             marker=marker if marked and words[0] != "road" else "", markersize=4.0, markevery=every,

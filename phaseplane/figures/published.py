@@ -129,11 +129,10 @@ def figure9(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
         )
     shown = [frames[event] for event in (LIFT_OFF, TOUCHDOWN) if event in frames]
     wheel, axis = drawing.planes[1], drawing.planes[1].displacement
+    level = axis.origin.imag
     curves = tuple(
         c for c in drawing.curves
-        if c.role == "auxiliary"
-        and min(c.vertices[0].imag, c.vertices[-1].imag) < axis.origin.imag
-        and max(c.vertices[0].imag, c.vertices[-1].imag) > axis.origin.imag
+        if c.role == "auxiliary" and (c.vertices[0].imag - level) * (c.vertices[-1].imag - level) < 0.0
     )  # fmt: skip
     only = Drawing(drawing.title, (wheel,), curves, drawing.schemes, drawing.frames)
     names = ("P2", "Q2", "A2", "A2*", "B0")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -55,6 +55,14 @@ def unit_of_columns(unit: str, columns: Iterable[npt.ArrayLike]) -> tuple[str, f
     values = np.concatenate([np.zeros(0), *(np.asarray(column, float) for column in columns)])
     values = values[np.isfinite(values)]
     return display_unit(unit, float(np.ptp(values)) if values.size else 0.0)
+
+
+def in_range(quantity: Quantity, columns: Iterable[npt.ArrayLike]) -> Quantity:
+    """Return a quantity in the unit in which columns are shown together, if it is a length."""
+    if quantity.si != "m":
+        return quantity
+    unit, factor = unit_of_columns("m", columns)
+    return replace(quantity, unit=unit, factor=factor)
 
 
 @cache

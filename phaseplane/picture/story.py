@@ -248,23 +248,19 @@ def _away(drawing: Drawing, steps: list[int]) -> list[int]:
 
 
 def _introduction(drawing: Drawing, title: str) -> str:
-    lines = [c for c in drawing.curves if c.role == "line"]
-    top = drawing.planes[0].displacement.origin.imag
-    words = [
-        f"# {text.markdown(typeset(title or drawing.title))}",
-        f"The empty sheet: the axes of the phase plane{'s' * (len(drawing.planes) > 1)}",
-    ]
+    axis = drawing.planes[0].displacement
     curves = [curve.label for curve in drawing.curves if curve.role == "auxiliary"]
-    words[1] += " and the auxiliary curves" * bool(curves)
-    words[1] += ", each with its value of the displacement." if any(curves) else "."
-    if lines:
-        distances = ", ".join(
-            f"{typeset(c.label)} {number(100 * abs(top - c.vertices[0].imag), 4)} cm" for c in lines
-        )
-        above = typeset(drawing.planes[0].displacement.label)
-        words.append(f"The projection lines, from the {above} axis: {distances}.")
+    sheet = f"the axes of the phase plane{'s' * (len(drawing.planes) > 1)}"
+    sheet += " and the auxiliary curves" * bool(curves)
+    sheet += ", each with its value of the displacement" * any(curves)
+    words = [f"# {text.markdown(typeset(title or drawing.title))}", f"The empty sheet: {sheet}."]
+    distances = ", ".join(
+        f"{typeset(c.label)} {number(100 * abs(axis.origin.imag - c.vertices[0].imag), 4)} cm"
+        for c in drawing.curves if c.role == "line"
+    )  # fmt: skip
+    if distances:
+        words.append(f"The projection lines, from the {typeset(axis.label)} axis: {distances}.")
     if any(c.role == "trail" for c in drawing.curves):
-        axis = drawing.planes[0].displacement
         units = f", in {axis.unit} and {rate_unit(axis.unit, 1)}" if axis.unit else ""
         words.append(
             "Motions from other starts are there, too, each with the displacement and the velocity, not "

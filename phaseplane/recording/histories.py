@@ -15,8 +15,8 @@ from phaseplane.picture.quantities import (
     QUANTITIES,
     RADIANS,
     Quantity,
+    in_range,
     quantity_of,
-    unit_of_columns,
 )
 from phaseplane.picture.readings import Readings
 from phaseplane.picture.styles import hue_of, strength_of, weight_of
@@ -113,9 +113,8 @@ def _by_part(
 
     Lengths are in a unit for their range, once it is known.
     """
-    if quantity.si == "m" and len(content.times):
-        unit, factor = unit_of_columns("m", map(content.column, names))
-        quantity = replace(quantity, unit=unit, factor=factor)
+    if len(content.times):
+        quantity = in_range(quantity, map(content.column, names))
     parts: dict[str, list[str]] = {}
     for name in names:
         part = "_".join(word for word in name.split("_") if word not in _PLACES)
