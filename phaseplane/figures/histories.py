@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import chain
 from math import ceil
 from textwrap import fill
 from typing import Any
@@ -117,8 +118,6 @@ def axle_histories(
             _panel(axes, row, table, times, palette, points=points)
             for start, end in spans:
                 axes.axvspan(start, end, color=palette.tint, zorder=0.0, gid="airborne")
-            if k + 1 == across and not narrow:
-                axes.legend(reverse=True, loc="center left", bbox_to_anchor=(1.01, 0.5))
             if not k:
                 name_up(axes, f"{row[0].name}{between}[{row[0].unit}]")
         for start, end in spans[:1]:
@@ -131,14 +130,20 @@ def axle_histories(
         panels[-1].set_xlabel(f"time [{unit}]")
         if axle:
             panels[0].set_title(axle, loc="right")
+    drawn = [[line for axes in panels for line in axes.lines if line.get_gid()] for panels in grid]
     if narrow:
-        lines = [line for axes in grid[:, 0] for line in axes.lines if line.get_gid()]
         # by a label that goes with a part in all panels: body for body x₁
         named = {
             " ".join(word for word in str(line.get_label()).split() if len(word) > 2): line
-            for line in reversed(lines)
+            for line in reversed([*chain.from_iterable(drawn)])
         }
         figure.key(list(named.values()), labels=list(named))
+    else:
+        for axes, lines in zip(grid[:, -1], drawn, strict=True):
+            handles = {line.get_label(): line for line in lines}.values()  # one for all axles
+            axes.legend(
+                handles=[*handles], reverse=True, loc="center left", bbox_to_anchor=(1.01, 0.5)
+            )
     return figure.finished(*title.split("\n"))
 
 

@@ -55,8 +55,8 @@ class Recorder:
         self.pages = pages_of(content)  # those that stay: the whole sheet, and one for each plane
         self.ticks: list[Tick] = []
         if content.detail == "stages" and self.arms_page is not None:
-            told = content.staged, content.heading
-            self.ticks = list(story_of(self.pages[0], self.arms_page, *told))
+            story = story_of(self.pages[0], self.arms_page, content.staged, content.heading)
+            self.ticks = list(story)
         self.clock = Clock.of(content.drawing, [tick.time for tick in self.ticks])
 
     @cached_property

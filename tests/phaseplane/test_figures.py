@@ -13,7 +13,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont
 from matplotlib.text import Annotation, Text
-from on_figures import dots, strips, texts
+from on_figures import dots, legend, strips, texts
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import cubic, damper, linear
 from worked_example import STEP, ap57, hidden
@@ -269,6 +269,19 @@ def test_axles_stand_beside_each_other_with_equal_scales():
     assert (left.get_ylabel(), right.get_ylabel()) == ("displacement [cm]", "")
     assert left.get_legend() is None
     assert len(right.get_legend().get_texts()) == 2
+
+
+@pytest.mark.parametrize("width", [None, 0.1])
+@pytest.mark.parametrize("axles", [("front", "rear"), ("rear", "front")])
+def test_legends_name_the_curves_of_all_axles(axles, width):
+    """Only one of them has most of these columns: it may be the first or the last."""
+    given = {"front": histories(), "rear": {"time": TIMES, "body_displacement": 0.01 * TIMES}}
+    figure = axle_histories({axle: given[axle] for axle in axles}, look=Look(width=width))
+    beside = [axes.get_legend() for axes in figure.axes if axes.get_legend() is not None]
+    named = " ".join(text.get_text() for key in beside for text in key.get_texts())
+    named += " ".join(legend(figure))
+    assert all(part in named for part in ("body", "wheel", "deflection", "road"))
+    assert not beside or len(beside) == 3  # one for each quantity
 
 
 def test_spans_at_both_ends():
