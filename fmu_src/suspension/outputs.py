@@ -91,6 +91,11 @@ def is_of_switches(reading: Reading) -> bool:
     return isinstance(reading, OfContact) and reading.what != "airborne_time"
 
 
+def needs_ledger(output: str) -> bool:
+    """Return whether an output is an entry of the energy ledger, which `solver.energy` keeps."""
+    return output.endswith(("dissipated_energy", "supplied_energy", "energy_residual"))
+
+
 def reading_of(output: Variable, system: System) -> Reading:
     """Return how an output of a model is computed from its system."""
     assert output.reading is not None, output.name

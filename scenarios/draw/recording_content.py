@@ -71,7 +71,8 @@ def content(
     """
     _load_rerun()
     wanted = shown.get("views") or recording.VIEWS
-    views = tuple(view for view in wanted if alone or view != "energies")
+    kept = alone and parameters.get("solver.energy", True)
+    views = tuple(view for view in wanted if kept or view != "energies")
     rows = recording.thinned(columns, _MOST_ROWS)
     if "energies" in views and model in MODELS and not live:
         rows = {**rows, **draw.energies.energies(model, parameters, rows["time"])}

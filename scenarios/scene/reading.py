@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from phaseplane.suspension.models import build
+from phaseplane.suspension.outputs import needs_ledger
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import ParameterError, Value
 
@@ -64,13 +65,16 @@ def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path
     duration = _required("duration", said.duration)
     if construction.starts:
         fmu = _with_starts(fmu, construction.starts)
+    checked = _parameters(fmu, duration, parameters, folders)
+    if fmu.is_ours and not checked.get("solver.energy", True):
+        fmu = _without_ledger(fmu, said.show or Show(), expect)
     scene = Scene(
         name=name,
         fmu=fmu,
         duration=duration,
         title=said.title,
         source=said.source,
-        parameters=_parameters(fmu, duration, parameters, folders),
+        parameters=checked,
         controller=read_controller(said.controller or {}, fmu),
         show=said.show or Show(),
         construction=construction,
@@ -98,6 +102,21 @@ def _with_starts(fmu: Fmu, starts: Collection[object]) -> Fmu:
             "equation has several",
         )
     return replace(fmu, variables=(*fmu.variables, *outputs_of_starts(fmu.variables, len(starts))))
+
+
+def _without_ledger(fmu: Fmu, show: Show, expect: Mapping[str, Any]) -> Fmu:
+    """Return a model without the outputs of the energy ledger, which it does not keep; nor asks any."""
+    during = (one.get("output") for one in expect.get("during", ()) if isinstance(one, Mapping))
+    planes = (name for names in show.planes for name in names)
+    listed = show.outputs if isinstance(show.outputs, tuple) else ()
+    for name in (*listed, *(show.measures or ()), *planes, *expect, *during):
+        if needs_ledger(str(name)):
+            raise RefusedError(
+                "parameters.solver.energy",
+                f"solver.energy = false: {name} needs the energy ledger; set solver.energy to true, or "
+                f"leave out {name}",
+            )
+    return replace(fmu, variables=tuple(v for v in fmu.variables if not needs_ledger(v.name)))
 
 
 def _parameters(

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from array import array
+from math import isfinite, isnan
 
 import numpy as np
 import pytest
+from phaseplane.suspension.batch import run_many
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import build
+from phaseplane.suspension.outputs import needs_ledger
+from phaseplane.suspension.session import Session
 from phaseplane.suspension.systems import System
+from phaseplane.suspension.variables import outputs
 from stepped import STOPS, displaced, filled, read_at
 
 SYSTEMS = {
@@ -75,3 +80,35 @@ def test_a_motion_without_bound_ends_the_run() -> None:
     integrator = Integrator(system, "equilibrium", 10.0, energy=False, beyond_stable="allow")
     integrator.set_state([0.01], [0.0])
     assert integrator.advance(1e6) == 2
+
+
+@pytest.mark.parametrize("road", ["bump", "input"])
+def test_a_session_without_it_moves_alike_and_has_no_entries_of_it(road: str) -> None:
+    """On a sampled road, too, whose jumps are booked otherwise; and after a parameter has changed."""
+    kept, without = (
+        Session("QuarterCar", {"road.shape": road, "solver.energy": energy})
+        for energy in (True, False)
+    )
+    for k in range(1, 201):
+        for session in (kept, without):
+            if road == "input":
+                session.set_input("road_elevation", 0.01 * (k > 50))
+            if k == 100:
+                session.set_parameter("damper.rebound_rate", 1500.0)
+            session.advance(0.005 * k)
+    for name in outputs("QuarterCar"):
+        found = without.value(name)
+        if needs_ledger(name):
+            assert isnan(found), name
+            assert isfinite(kept.value(name)), name
+        else:
+            assert found == kept.value(name), name
+
+
+def test_a_batch_without_it_has_no_residual() -> None:
+    wanted = ["body_displacement", "energy_residual"]
+    sets = [{}, {"solver.energy": False}]
+    kept, without = (one.columns for one in run_many("QuarterCar", sets, [0.0, 0.5, 1.0], wanted))
+    assert np.isfinite(kept["energy_residual"]).all()
+    assert np.isnan(without["energy_residual"]).all()
+    assert (kept["body_displacement"] == without["body_displacement"]).all()

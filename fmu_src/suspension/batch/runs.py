@@ -337,12 +337,9 @@ class _Bench:
                     self._kinds.insert(0, self._kinds.pop(k))
                 return kind
         task = self._task
-        integrator = Integrator(
-            system,
-            start=task.times[0],
-            energy=any(reading_of(v, system) == RESIDUAL for v in task.outputs.values()),
-            **solver,
-        )
+        asked = any(reading_of(v, system) == RESIDUAL for v in task.outputs.values())
+        energy = solver["energy"] and asked
+        integrator = Integrator(system, start=task.times[0], **{**solver, "energy": energy})
         integrator.going_on = task.going_on
         series = Series(
             integrator, system, task.times, task.outputs, task.at_end, task.corners,

@@ -8,6 +8,7 @@ from math import fabs, sqrt
 import cython
 
 from .arrays import Memory
+from .energy.ledger import unknown_energy
 from .language import (
     Doubles,
     Integers,
@@ -350,10 +351,10 @@ class Integrator(TimeLoop):
     def energy_residual(self, t: float = UNBOUNDED) -> float:
         """Return the residual of the energy balance at t in the last step, or at its end, J.
 
-        It is 0 without the ledger.
+        It is NaN without the ledger.
         """
         if not self.energy:
-            return 0.0
+            return unknown_energy()
         self.find_energies(t)
         return self.ledger.residual()
 

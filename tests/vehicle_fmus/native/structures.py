@@ -82,6 +82,7 @@ sine = { amplitude = "mass / 10", frequency = "1.5" }
 STRUCTURES: dict[str, Structure] = {
     "OneDof": Structure("OneDof", {"road.shape": "input"}),
     "QuarterCar": Structure("QuarterCar"),
+    "without the energy ledger": Structure("QuarterCar", {"solver.energy": False}),
     "with stops, friction and a sampled road": Structure(
         "QuarterCar",
         {"road.shape": "input", "bump_stop.stiffness": 2e5, "bump_stop.gap": 0.03, "friction": 40.0},

@@ -12,7 +12,7 @@ from __future__ import annotations
 from math import fabs
 
 from ..language import Doubles
-from ..layout import BRANCHES, CONTACT, FRICTION, SPRING
+from ..layout import BRANCHES, CONTACT, FRICTION, SPRING, UNBOUNDED
 from ..motion.balance import Balance
 from ..motion.dense import Dense
 from ..motion.rows import Rows
@@ -319,3 +319,10 @@ class Ledger:
         """Continue the balance for which the entries were last found from an earlier residual, J."""
         change = self.residual() - residual
         self.state.initial_energy += change
+
+
+def unknown_energy() -> float:
+    """Return NaN, for which the small language has no name."""
+    beyond = UNBOUNDED
+    beyond *= beyond
+    return beyond - beyond

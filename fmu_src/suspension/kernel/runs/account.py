@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import fabs
 
 from ..arrays import Memory
+from ..energy.ledger import unknown_energy
 from ..integrator import Integrator
 from ..language import Long, of_python, open_to_python
 
@@ -56,11 +57,16 @@ class Account:
 
     @open_to_python
     def find(self, integrator: Integrator, time: float) -> None:
-        """Find the energies at a time.
+        """Find the energies at a time; without the ledger those dissipated and supplied are NaN.
 
         If the last step extends beyond it, they are read from the interpolant of the step.
         """
         self._look(integrator, time)
+        if not integrator.energy:
+            self.dissipated = unknown_energy()
+            for s in range(self.signals):
+                self.supplied[s] = self.dissipated
+            return
         self.dissipated = self.opening + integrator.ledger.lost()
         for s in range(self.signals):
             since = integrator.ledger.until[integrator.net.elements.count + s]
@@ -86,7 +92,7 @@ class Account:
 
         They accumulate in a long run without damping, because no error decays. This is reported once.
         """
-        if self.drifts or integrator.state.step_count < self.look_at:
+        if not integrator.energy or self.drifts or integrator.state.step_count < self.look_at:
             return 0.0
         self.look_at = 2 * integrator.state.step_count
         integrator.find_energies(integrator.dense.end)
