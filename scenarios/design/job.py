@@ -24,7 +24,7 @@ from ..errors import InputError, NoResultError
 from ..measures import catalogue, has_sign
 from ..progress import Progress, silent
 from ..results.folder import Place, replace_folder, write_summary
-from ..results.quantities import quantity, shown_in, with_unit
+from ..results.quantities import quantity, shown_in, sizes, with_unit
 from ..results.report import UNCOMPILED, aligned
 from ..results.tables import write_table
 from ..scene.expectations import Bounds
@@ -227,18 +227,17 @@ def _format_optimum(found: Optimum) -> list[str]:
         points = (space.values(found.before)[k], space.values(found.best)[k], *ends)
         rows.append((key, *(_value(space, k, float(x)) for x in points)))
     measured: list[tuple[str, ...]] = [("measure", "before", "found", "bound")]
-    for k, name in enumerate(problem.measures):
-        unit = known[name].unit_of_one
+    units = {name: known[name].unit_of_one for name in problem.measures}
+    both = (found.numbers_before, found.numbers)
+    size = sizes((n, units[n], x[k].item()) for x in both for k, n in enumerate(problem.measures))
+    for k, (name, unit) in enumerate(units.items()):
         bound = problem.bounds.get(name)
         limits = [] if bound is None else [
             f"{word} {quantity(limit, unit)}"
             for word, limit in (("at least", bound.min), ("at most", bound.max)) if limit is not None
         ]  # fmt: skip
         role = ("least" if problem.sign > 0 else "largest") if name == problem.objective else ""
-        values = (
-            quantity(x[k].item() if isfinite(x[k]) else None, unit)
-            for x in (found.numbers_before, found.numbers)
-        )
+        values = (quantity(x[k].item() if isfinite(x[k]) else None, unit, size[name]) for x in both)
         measured.append((name, *values, ", ".join([*([role] if role else []), *limits])))
     lacking = int(np.isnan(found.measured).any(axis=1).sum())
     made = counted(len(found.points), "run")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
-from math import sqrt
+from math import inf, sqrt
 from operator import neg
 from typing import TYPE_CHECKING
 
@@ -53,9 +53,9 @@ def peak(name: str, run: Run) -> Reading:
 
 
 def amplitude(name: str, run: Run) -> Reading:
-    """Return half the range over the second half of the run."""
+    """Return half the range over the second half of the run; 0 of one that is constant but for rounding."""
     _, values = run.closely(name, late(run.time))
-    return Reading(0.5 * float(values.max() - values.min()))
+    return Reading(0.5 * _rounded(float(values.max() - values.min()), values))
 
 
 def smallest(name: str, run: Run) -> Reading:
@@ -95,4 +95,9 @@ def _reading(found: tuple[Column, Column], height: Callable[[Column], Column]) -
     time, values = found
     heights = height(values)
     row = int((heights >= heights.max() - _ROUNDING * abs(values).max()).argmax())
-    return Reading(float(values[row]), float(time[row]))
+    return Reading(_rounded(float(values[row]), values), float(time[row]))
+
+
+def _rounded(value: float, column: Column) -> float:
+    """Return a value taken from a column, or 0 if it is zero but for rounding."""
+    return 0.0 if abs(value) <= _ROUNDING * abs(column).max() < inf else value

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from math import inf
 from pathlib import Path
@@ -17,7 +17,7 @@ from ..look import FigureFile
 from ..toml_files import read_content
 from .comparison import check_ascending, compared, format_extent
 from .folder import DAMAGED, Results, read_results
-from .quantities import quantity
+from .quantities import quantity, rounded, sizes
 from .report import aligned, report
 from .signals import signals_in
 
@@ -144,12 +144,16 @@ def format_contents(data: Mapping[str, Any], what: Path) -> str:
             raise InputError(f"{what}: {DAMAGED}") from None
     lines += [f"warning: {warning}" for warning in data["summary"].get("warnings", ())]
     heading = ("column", "unit", "first", "last", "smallest", "largest")
-    rows = [
-        (name, c["unit"], *(f"{c[key]:.6g}" for key in ("first", "last", "min", "max")))
-        for name, c in data["columns"].items()
-    ]
+    rows = [(name, c["unit"], *_read_off(c)) for name, c in data["columns"].items()]
     lines += [f"{data['rows']} rows", *aligned([heading, *rows])]
     return "\n".join([*lines, *data.get("files", ())])
+
+
+def _read_off(column: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the first, last, smallest and largest value of a column."""
+    size = max(abs(column["min"]), abs(column["max"]))
+    for key in ("first", "last", "min", "max"):
+        yield f"{rounded(column[key], size):.6g}"
 
 
 def difference(
@@ -208,9 +212,11 @@ def format_difference(data: Mapping[str, Any]) -> str:
         (d["name"], f"{d['largest']:.3g}", f"{d['relative']:.3g}", f"{d['time']:.6g} s")
         for d in data["differences"]
     ]
+    both = ("ours", "other")
+    size = sizes((name, m["unit"], m[one]) for name, m in data["measures"].items() for one in both)
     measured = [
-        (name, quantity(one["ours"], one["unit"]), quantity(one["other"], one["unit"]))
-        for name, one in data["measures"].items()
+        (name, *(quantity(m[one], m["unit"], size[name]) for one in both))
+        for name, m in data["measures"].items()
     ]
     beside = (
         [*aligned([("measure", data["ours"], data["other"]), *measured]), ""] if measured else []

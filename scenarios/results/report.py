@@ -11,7 +11,7 @@ from phaseplane.suspension.roads.profiles import fade_length
 from phaseplane.suspension.units import counted
 
 from .. import results
-from .quantities import reading, shown_in
+from .quantities import number, quantity, reading, shown_in, sizes
 
 # least widths: of the names before words, of the names, numbers and units of measures
 _WORDS, _NAME, _NUMBER, _UNIT = 16, 26, 10, 5
@@ -79,7 +79,7 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[Line]:
     )
     yield ""
     yield from _measured(measures)
-    yield "run", f"{_steps(measures)}{summary['run_time']:.3f} s {_by(summary)}"
+    yield "run", f"{_steps(measures)}{_seconds(summary['run_time'])} {_by(summary)}"
     yield from _drawn(summary["drawn"])
     yield from _expected(summary)
     yield from _under("FAILED", failures(summary))
@@ -99,8 +99,9 @@ def _under(name: str, texts: Iterable[str]) -> Iterator[Line]:
 def _measured(measures: Mapping[str, Any]) -> Iterator[Line]:
     """Yield the peaks, then contact axle by axle, then all other measures."""
     shown = {"step_count"}
+    size = sizes((name, m["unit"], m["value"]) for name, m in measures.items())
     peaks = [name for name in measures if name.startswith("peak.")]
-    yield from _table({name.removeprefix("peak."): measures[name] for name in peaks})
+    yield from _table({name: measures[name] for name in peaks}, size)
     for name in measures:
         prefix, found, rest = name.rpartition("lift_off_count")
         if found and not rest and measures[name]["value"] is not None:
@@ -115,15 +116,17 @@ def _measured(measures: Mapping[str, Any]) -> Iterator[Line]:
         shown.add("magnification")
         by = measures["magnification"]["value"]
         yield "sensitivity", f"this motion magnifies small differences by {by:.2g}"
-    yield from _table({n: m for n, m in measures.items() if n not in shown and n not in peaks})
+    others = {n: m for n, m in measures.items() if n not in shown and n not in peaks}
+    yield from _table(others, size)
 
 
-def _table(measures: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
+def _table(measures: Mapping[str, Mapping[str, Any]], size: Mapping[str, float]) -> Iterator[str]:
     """Yield one line for each measure, and an empty line after them."""
-    width = max((_NAME, *(len(name) + 1 for name in measures)))
+    words = {name: name.removeprefix("peak.").replace("_", " ") for name in measures}
+    width = max((_NAME, *(len(word) + 1 for word in words.values())))
     units = max((_UNIT, *(len(shown_in(m["unit"])[0]) for m in measures.values())))
     for name, measured in measures.items():
-        yield f"{name.replace('_', ' '):<{width}}{reading(measured, _NUMBER, units)}"
+        yield f"{words[name]:<{width}}{reading(measured, size[name], _NUMBER, units)}"
     if measures:
         yield ""
 
@@ -131,6 +134,10 @@ def _table(measures: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
 def _steps(measures: Mapping[str, Any]) -> str:
     steps = measures.get("step_count", {}).get("value")
     return f"{counted(steps, 'step')}, " if steps is not None else ""
+
+
+def _seconds(time: float) -> str:
+    return f"{time:.3f} s" if time >= 5e-4 else f"{time:.1g} s"
 
 
 def _by(summary: Mapping[str, Any]) -> str:
@@ -160,12 +167,12 @@ def _contact(prefix: str, measures: Mapping[str, Any]) -> Iterator[Line]:
         instants = values[f"{what.replace('-', '_')}s"]
         if instants:
             more = f" and {len(instants) - 8} more" if len(instants) > 8 else ""
-            listed = ", ".join(f"{1e3 * t:.3f}" for t in instants[:8])
+            listed = ", ".join(number(1e3 * t) for t in instants[:8])
             yield f"{axle}{what}", f"{listed} ms{more}"
     if values["lift_offs"] is not None and count > len(values["lift_offs"]):
         yield "", f"{count} lift-offs in all; the others are between two rows"
     if values["airborne_time"]:  # also of a wheel that starts in flight and never lifts off
-        yield f"{axle}airborne", f"{1e3 * values['airborne_time']:.3f} ms"
+        yield f"{axle}airborne", quantity(values["airborne_time"], "s")
     if values["smallest_contact_force"] is not None:
         smallest = reading(measures[f"{prefix}smallest_contact_force"])
         yield f"{axle}contact", f"smallest force {' '.join(smallest.split())}"
@@ -175,7 +182,7 @@ def _drawn(drawn: Mapping[str, Any] | None) -> Iterator[Line]:
     """Yield the graphical construction, and its check by a second path (AP57 section 4)."""
     if drawn is None:
         return
-    yield "construction", f"{counted(drawn['steps'], 'step')} in {drawn['seconds']:.3f} s"
+    yield "construction", f"{counted(drawn['steps'], 'step')} in {_seconds(drawn['seconds'])}"
     check = (f"differs by at most {x} (AP57 eqs. 24, 25)" for x in _lengths(drawn, "control"))
     yield from _under("check", check)
     yield from _under("drift", (f"from the run by at most {x}" for x in _lengths(drawn, "drift")))

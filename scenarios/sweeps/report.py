@@ -11,7 +11,7 @@ from phaseplane.suspension.variables import Value
 
 from ..errors import InputError, blaming, shown
 from ..measures import catalogue, has_sign
-from ..results.quantities import quantity, with_unit
+from ..results.quantities import quantity, sizes, with_unit
 from ..results.report import UNCOMPILED, aligned
 from .plan import Plan
 from .running import Row
@@ -120,12 +120,20 @@ def _magnitude(found: tuple[float, int]) -> float:
 def format_sweep(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
     """Return the report of a sweep, in aligned lines."""
     rows = [("measure", "smallest", "at", "largest", "at")]
-    for name, extent in summary["measures"].items():
+    extents = summary["measures"]
+    ends = (
+        (name, one["unit"], one[end]) for name, one in extents.items() for end in ("min", "max")
+    )
+    size = sizes(ends)
+    for name, extent in extents.items():
+        smallest, largest = (
+            quantity(extent[end], extent["unit"], size[name]) for end in ("min", "max")
+        )
         rows.append(
             (
                 name,
-                quantity(extent["min"], extent["unit"]), _where(plan, extent["run_of_min"]),
-                quantity(extent["max"], extent["unit"]), _where(plan, extent["run_of_max"]),
+                smallest, _where(plan, extent["run_of_min"]),
+                largest, _where(plan, extent["run_of_max"]),
             )
         )  # fmt: skip
     made, seconds = summary["made"], summary["seconds"]

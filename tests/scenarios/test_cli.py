@@ -106,7 +106,7 @@ def test_run_tells_the_figures_that_matter(ap57: tuple[Path, str]) -> None:
     wanted = [
         "Apetaur", "QuarterCar", "bump 50 mm high, 1 m long, at 20 m/s", "extrapolated",
         f"{1e3 * peak['value']:.3f} mm", "30.662 ms", "71.953 ms", "41.290 ms",
-        "smallest force 0.000 N at 30.66 ms",
+        "smallest force 0 N at 30.66 ms",
         f"{summary['measures']['step_count']['value']} steps", "4 of 4 hold", "QuarterCar, packed",
         *(f"out/ap57/{name}" for name in summary["files"]),
     ]  # fmt: skip

@@ -48,6 +48,17 @@ def test_a_peak_is_where_it_is_reached_first_but_for_rounding() -> None:
     assert found.time == columns["time"][1]
 
 
+def test_what_cancels_in_a_column_is_zero() -> None:
+    """The force of a tyre at its lift-off, and the range of a constant; no motion is too small."""
+    off = COLUMNS | {"contact_force": np.array([4e3, 5e3, 1.4e-12, 2e3, 5e3])}
+    assert read("smallest_contact_force", columns=off) == [0.0]
+    steady = COLUMNS | {"contact_force": 4e3 + np.array([0.0, 1.0, -1.0, 0.0, 1.0]) * 4.5e-13}
+    assert read("amplitude.contact_force", columns=steady) == [0.0]
+    small = COLUMNS | {"body_displacement": 1e-15 * COLUMNS["body_displacement"]}
+    found = read("peak.body_displacement", "amplitude.body_displacement", columns=small)
+    assert found == pytest.approx([-3e-15, 3e-15], rel=1e-12)
+
+
 def test_peaks_contact_and_counts() -> None:
     # the first of two of the same magnitude, signed
     assert take(KNOWN, ["peak.body_displacement"], Run(COLUMNS)) == {

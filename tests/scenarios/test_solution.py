@@ -226,7 +226,7 @@ def test_what_comes_by_default_does_not_contradict_itself(tmp_path: Path) -> Non
                 found = coarse["measures"][name][what]
                 assert found == (told[what] and pytest.approx(told[what], rel=1e-9)), (name, what)
     words = report({**coarse, "drawn": None, "problems": [], "files": []}, tmp_path)
-    assert "smallest force 0.000 N at 30.66 ms" in words
+    assert "smallest force 0 N at 30.66 ms" in words
     assert coarse["measures"]["peak.body_acceleration"]["value"] == pytest.approx(-9.196, abs=0.001)
     assert coarse["measured"]["interval"] == 1e-3
 
