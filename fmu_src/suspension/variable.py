@@ -88,7 +88,7 @@ class Variable:
             except UnitError as error:
                 raise ParameterError(f"{self.name} = {value!r}: {error}") from None
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise ParameterError(f"{self.name} = {value!r}: must be a number{self._in_unit()}")
+            raise ParameterError(f"{self.name} = {value!r}: must be a number{self._in_unit}")
         try:
             number = float(value) + 0.0  # never -0.0
         except OverflowError:
@@ -121,6 +121,7 @@ class Variable:
             raise ParameterError(f"{self.name} = {value:g}: must be {allowed}")
         return value
 
+    @property
     def _in_unit(self) -> str:
         return f" in {self.unit}" if self.unit not in ("", "1") else ""
 
@@ -133,9 +134,10 @@ class Variable:
             bounds.append(f"at least {self.minimum:g}")
         if self.maximum is not None:
             bounds.append(f"at most {self.maximum:g}")
-        if finite or not bounds:
-            bounds.insert(0, "finite")
-        return " and ".join(bounds) + self._in_unit()
+        if not bounds:
+            return "finite"
+        unit = f" {self.unit}" if self.unit not in ("", "1") else ""
+        return " and ".join([*["finite"] * finite, *bounds]) + unit
 
 
 class Checked(dict[str, Value]):

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple, TypeVar
 from phaseplane.suspension.units import nearest
 
 from ..errors import shown
+from ..results.quantities import with_unit
 from ..toml_files import in_si, real
 
 Reader = Callable[[Any], Any]
@@ -229,8 +230,9 @@ def quantity(unit: str, *, zero: bool = False) -> Kind:
                 f"must be a number{format_unit(unit)} or a string such as '1.5 {unit}'"
             )
         if not (isfinite(number) and (number > 0.0 or (zero and number == 0.0))):
-            least = "at least" if zero else "greater than"
-            raise ValueError(f"must be {least} 0{format_unit(unit)} and finite")
+            finite = "" if isfinite(number) else "finite and "
+            least = "at least 0" if zero else "greater than 0"
+            raise ValueError(f"must be {finite}{with_unit(least, unit)}")
         return number
 
     plain = {"type": "number"}

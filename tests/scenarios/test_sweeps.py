@@ -99,7 +99,7 @@ def test_a_sample_of_whole_numbers_takes_each_as_often(method: str) -> None:
         ('"road.height"', '"construction.step"', "construction.step: no measure depends on it"),
         ('"road.height"', '"show.dark"', "show.dark: no measure depends on it"),
         ('"36 km/h"', "1" + "0" * 400, "must be a finite number in SI or a string with a unit"),
-        ('"road.height" = ["2 cm", 0.05]', "duration = [1, 0]", "must be greater than 0 in s"),
+        ('"road.height" = ["2 cm", 0.05]', "duration = [1, 0]", "must be greater than 0 s"),
         ('"road.height" = ["2 cm", 0.05]', 'fmu = ["QuarterCr"]', "did you mean 'QuarterCar'?"),
         ('"road.height"', '"duraton"', "did you mean 'duration'?"),
         ("count = 3", "count = 1", "greater than or equal to 2"),

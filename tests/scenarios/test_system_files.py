@@ -11,6 +11,7 @@ from phaseplane.scenarios.errors import InputError, RunError
 from phaseplane.scenarios.scene.fmus import find_fmu
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.sweeps.plan import load_plan
+from phaseplane.scenarios.sweeps.running import run_chunk
 
 import phaseplane
 
@@ -129,6 +130,13 @@ def test_a_kerb_without_limit_is_refused_with_the_scene_if_it_is_after_the_start
     words = "^--set: system: shaker: its road 'left_road' jumps by 0.05 m at 2 s, which pushes"
     with pytest.raises(InputError, match=words):
         phaseplane.run("mass.toml", [*kerb, "road.start=2"])
+    # in a sweep it is found as the run is made
+    written("extends = 'mass.toml'\nparameters.road = { shape = 'step', height = 0.05 }\n", "on.toml")
+    head = "scene = 'on.toml'\nmeasures = ['peak.x_displacement']\n"
+    plan = load_plan(written(f"{head}[vary]\n'road.start' = [0, 2]\n", "kerbs.toml"))
+    first, second = run_chunk(plan, [0, 1], "process")
+    assert first.reason == ""
+    assert second.reason.startswith("system: shaker: its road 'left_road' jumps by 0.05 m at 2 s")
 
 
 @pytest.mark.slow

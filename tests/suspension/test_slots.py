@@ -99,7 +99,7 @@ def test_a_run_that_is_built_otherwise_is_built_by_itself() -> None:
     sets[8]["damper.rebound_rate"] = "soft"  # type: ignore[assignment]
     sets[9]["damper.rebound_rate"] = 490.3325  # that in bump: no corner
     found = run_many("QuarterCar", sets, TIMES, ["body_displacement"], workers=1)
-    assert found[7].failure == "damper.rebound_rate = -1: must be at least 0 in N.s/m"
+    assert found[7].failure == "damper.rebound_rate = -1: must be at least 0 N.s/m"
     assert "soft" in found[8].failure
     for k in (0, 9, RUNS - 1):
         (alone,) = run_many("QuarterCar", [sets[k]], TIMES, ["body_displacement"], workers=1)

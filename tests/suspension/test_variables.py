@@ -88,7 +88,7 @@ def test_every_unit_is_what_its_name_says(x: float, unit: str) -> None:
     ("given_", "complaint"),
     [
         ({"sprung_mas": 1.0}, r"'sprung_mas'; did you mean 'sprung_mass'\?"),
-        ({"sprung_mass": -3.0}, r"sprung_mass = -3: must be greater than 0 in kg"),
+        ({"sprung_mass": -3.0}, r"sprung_mass = -3: must be greater than 0 kg"),
         ({"sprung_mass": 0}, r"greater than 0"),
         ({"sprung_mass": float("nan")}, r"sprung_mass = nan"),
         ({"sprung_mass": float("inf")}, r"sprung_mass = inf"),

@@ -292,5 +292,5 @@ def test_a_road_without_a_finite_energy_ends_the_run_in_words() -> None:
 def test_starts_and_roads_as_far_away_as_numbers_reach_are_refused(
     model: str, name: str, value: float
 ) -> None:
-    with pytest.raises(ParameterError, match=rf"{name} = .*at most 1e\+09 in m"):
+    with pytest.raises(ParameterError, match=rf"{name} = .*at most 1e\+09 m"):
         Session(model, {name: value})

@@ -168,7 +168,7 @@ def test_a_bad_start_value_is_told_to_a_host_without_logging(
             car.exitInitializationMode()
     else:
         car.exitInitializationMode()
-    assert "sprung_mass = -1: must be greater than 0 in kg" in capfd.readouterr().err
+    assert "sprung_mass = -1: must be greater than 0 kg" in capfd.readouterr().err
 
 
 def test_percent_signs_are_told_as_they_are(car: Any) -> None:

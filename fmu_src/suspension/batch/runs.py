@@ -116,7 +116,7 @@ def run_many(
     >>> len(soft.columns["body_displacement"])
     3
     >>> wrong.failure
-    'damper.rebound_rate = -1: must be at least 0 in N.s/m'
+    'damper.rebound_rate = -1: must be at least 0 N.s/m'
     """
     instants = array("d", times)
     if not instants or not np.all(np.isfinite(instants)):

@@ -24,8 +24,8 @@ REFERENCE = {v.name: k for k, v in enumerate(variables("QuarterCar"))}
 @pytest.mark.parametrize(
     ("name", "value", "at_once", "why"),
     [
-        ("sprung_mass", -5.0, False, "sprung_mass = -5: must be greater than 0 in kg"),
-        ("payload", float("nan"), False, "payload = nan: must be finite and at least 0 in kg"),
+        ("sprung_mass", -5.0, False, "sprung_mass = -5: must be greater than 0 kg"),
+        ("payload", float("nan"), False, "payload = nan: must be finite and at least 0 kg"),
         ("friction", 50.0, False, "friction: this FMU was packed for another structure"),
         ("lift_off", False, False, "lift_off = false: this FMU was packed for true"),
         ("lift_off", False, False, "pack another with --set lift_off=false"),

@@ -166,7 +166,7 @@ class TimeLoop:
         if why:
             raise ValueError(f"method {self.method_name!r} cannot integrate this system: {why}")
         for kerb in system.kerbs_without_limit(start):
-            raise ValueError(kerb)
+            raise ValueError(f"system: {kerb}")
 
     @of_python
     def row(
