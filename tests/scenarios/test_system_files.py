@@ -131,7 +131,9 @@ def test_a_kerb_without_limit_is_refused_with_the_scene_if_it_is_after_the_start
     with pytest.raises(InputError, match=words):
         phaseplane.run("mass.toml", [*kerb, "road.start=2"])
     # in a sweep it is found as the run is made
-    written("extends = 'mass.toml'\nparameters.road = { shape = 'step', height = 0.05 }\n", "on.toml")
+    written(
+        "extends = 'mass.toml'\nparameters.road = { shape = 'step', height = 0.05 }\n", "on.toml"
+    )
     head = "scene = 'on.toml'\nmeasures = ['peak.x_displacement']\n"
     plan = load_plan(written(f"{head}[vary]\n'road.start' = [0, 2]\n", "kerbs.toml"))
     first, second = run_chunk(plan, [0, 1], "process")
