@@ -24,14 +24,20 @@ _NO_SLOPE = 1e-6  # of the mean slope of f over the window: smaller slopes count
 _TOUCH = 1e-10  # of the largest f: a minimum of |f| below it is a root
 _ROUNDING = 1e-13  # of the largest f, and of the window's width
 _RINGS = 0.7 ** np.arange(13.0, -1.0, -1.0)  # about an equilibrium, of the room that it has
-_TURNS = 8  # trials of a turn about a centre, each from a quarter of the distance before
-_SPIRALS = 1e-6  # change of distance in a turn below which a motion returns to its start
-_MIRRORED = 1e-9  # of the largest f on a ring: a smaller difference between its halves is rounding
+_SIZES = 0.5 ** np.arange(20.0, -11.0, -1.0)  # of a turn, in windows
+_CLOSE = 1e-2  # of a turn in which damping counts: motions that are small, if the window is smaller
+_DAMPED = 0.2  # of the force: the part of damping in a turn from which smaller ones follow
+_TURNS = 12  # trials of a turn about a centre, each from half the distance before
+_SPIRALS = 1e-8  # of the distance: a smaller change in a turn is one of rounding
+_ALIKE = 0.25  # by which the ratios of successive changes may differ that go with a power of the distance
+_MIRRORED = 1e-9  # of the damping on a ring: a smaller difference between its halves counts as none
+_ROUNDED = 1e-15  # of the largest f on a ring, and of the forces of a displacement as large as x
 _GRADUAL = 1e-6  # of the force: damping that begins with more than this begins at some distance
 _STRETCH = 3  # least number of grid points at rest that make a stretch
 
 STRETCH = "interval of rest"
 CUSP, SADDLE_NODE = "cusp", "saddle-node"
+UNDECIDED = "centre or focus"
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,13 +233,15 @@ def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float, om
     """Return the kind of a centre of the linear part.
 
     It follows from the dissipation around it; if that is positive and negative, from the first focal
-    value that is not zero; if there is none, from a turn. It stays a centre if small motions meet no
+    value that is not zero; if there is none, from turns. It stays a centre if small motions meet no
     damping: if that begins at some distance, all at once.
 
     Parameters
     ----------
     omega : angular frequency of small motions, rad/s; 0 without a linear part
     """
+    considerable = _size_of_damping(system, x, window.width)
+    room = max(room, _CLOSE * considerable)
     angle = np.linspace(0.0, 2.0 * np.pi, 65)[:-1]
     size = _RINGS[:, None] * room
     force = _largest(system.forces(x + np.array([room, -room]), np.zeros(2)))
@@ -253,27 +261,76 @@ def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float, om
         return "centre"
     if omega > 0.0 and (value := first_focal_value(system, x, omega, window.width)):
         return "stable focus" if value < 0.0 else "unstable focus"
-    kind = "centre"
-    for distance in room * 0.25 ** np.arange(_TURNS):
-        start = np.array([x + distance])
+    return _kind_by_turns(system, x, considerable)
+
+
+def _kind_by_turns(system: PhaseSystem, x: float, widest: float) -> str:
+    """Return the kind of a centre of the linear part by smaller and smaller turns about it.
+
+    Three successive turns decide if the parts by which they change their distances go with a power of
+    it, or one that is closed. A wider turn may be beyond a limit cycle, may not return, or may come too
+    near to where motions part to be followed.
+
+    Parameters
+    ----------
+    widest : distance at which the first begins
+    """
+    changes: list[float] = []
+    for distance in widest * 0.5 ** np.arange(_TURNS):
+        start, side = np.array([x + distance]), 3.0 * distance
+        top = side * float(_steepness(system, x, distance))
+        around = Window(x - side, x + side, -top, top)
         change, roughly = (
-            float((turns(system, window, start, tolerance=tolerance).back - start)[0]) / distance
+            float((turns(system, around, start, tolerance=tolerance).back - start)[0]) / distance
             for tolerance in (1e-11, 1e-9)
         )
         if abs(change) < _SPIRALS:
-            break
-        # a turn may come too near to where motions part to be followed, or may not return; a wide one
-        # may be beyond a limit cycle
-        if abs(change - roughly) < 0.1 * abs(change):
-            kind = "stable focus" if change < 0.0 else "unstable focus"
-    return kind
+            return UNDECIDED if changes else "centre"
+        if not abs(change - roughly) < 0.1 * abs(change):
+            changes.clear()
+            continue
+        changes.append(change)
+        if len(changes) > 2:
+            first, second = changes[-3] / changes[-2], changes[-2] / changes[-1]
+            if first > 1.0 and second > 1.0 and abs(first - second) < _ALIKE * second:
+                return "stable focus" if change < 0.0 else "unstable focus"
+    return UNDECIDED
+
+
+def _size_of_damping(system: PhaseSystem, x: float, scale: float) -> float:
+    """Return the smallest distance at which the part of damping in the forces of a turn is considerable.
+
+    Parameters
+    ----------
+    scale : any length, of x
+    """
+    angle = np.linspace(0.0, 2.0 * np.pi, 65)[:-1]
+    sizes = scale * _SIZES
+    steep = _steepness(system, x, sizes)
+    away = x + sizes[:, None] * np.cos(angle)
+    v = (steep * sizes)[:, None] * np.sin(angle)
+    damped = np.abs(system.forces(away, v) - system.forces(away, 0.0 * v)).max(axis=1)
+    with np.errstate(all="ignore"):
+        share = damped / (steep**2 * sizes)
+    share = share[: np.argmin(np.isfinite(share))] if not np.isfinite(share).all() else share
+    return float(sizes[np.argmax(share >= min(_DAMPED, 0.5 * share.max(initial=0.0)))])
+
+
+def _steepness(system: PhaseSystem, x: float, away: Grid | float) -> Grid:
+    """Return the rate of motions about an equilibrium over their displacement, 1/s."""
+    away = np.asarray(away)
+    forces = np.maximum(system.forces(x + away, 0.0 * away), -system.forces(x - away, 0.0 * away))
+    with np.errstate(all="ignore"):
+        return np.sqrt(forces / away)
 
 
 def _is_mirrored(system: PhaseSystem, x: float, away: Grid, v: Grid) -> bool:
     """Return whether f is even in v, or odd about x: then so are motions, and turns are closed."""
-    f = system.forces(x + away, v)
+    f, still = system.forces(x + away, v), system.forces(x + away, 0.0 * v)
     with np.errstate(invalid="ignore"):  # outside the domain of f
-        allowed = _MIRRORED * np.abs(f).max(axis=1, keepdims=True)
+        damping = np.abs(f - still).max(axis=1)
+        rounding = _ROUNDED * (1.0 + abs(x) / np.abs(away).max(axis=1)) * np.abs(f).max(axis=1)
+        allowed = (_MIRRORED * damping + rounding)[:, None]
         mirrored = (system.forces(x + away, -v), -system.forces(x - away, v))
         return any(bool((np.abs(f - other) <= allowed).all()) for other in mirrored)
 

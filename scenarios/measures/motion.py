@@ -53,7 +53,7 @@ def peak(name: str, run: Run) -> Reading:
 
 
 def amplitude(name: str, run: Run) -> Reading:
-    """Return half the range over the second half of the run; 0 of one that is constant but for rounding."""
+    """Return half the range over the second half of the run; rounding errors of a constant are 0."""
     _, values = run.closely(name, late(run.time))
     return Reading(0.5 * _rounded(float(values.max() - values.min()), values))
 

@@ -538,6 +538,28 @@ def test_a_window_ends_at_a_pole_across_the_plane() -> None:
     assert attractor == pytest.approx([-0.11405, 0.155082], abs=1e-4)
 
 
+@pytest.mark.sampled
+@pytest.mark.parametrize("half", [3e-4, 3e-2, 30.0])
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        # the mean of v^4 is above zero, that of x^3 v^2 is zero; small windows said a centre
+        ("x - v^3 + 3*x*abs(x)*v", "unstable focus"),
+        ("x^3 - v^3 + 3*x*abs(x)*v", "unstable focus"),
+        ("x + x*v - v*abs(x)^1.5 + v^3", "unstable focus"),  # the term of the least power decides
+        # x'' + g dG/dx x' + dG/dx = 0 with g of G alone, over which as many turns lose as gain
+        ("x + x^2 + (x + x^2)*sqrt(x^2/2 + x^3/3)*v", "centre"),
+        # turns are closed at ever smaller distances, and not between them
+        ("x + v*x^2*sin(2*log(x^2 + 1e-300))", "centre or focus"),
+    ],
+)
+def test_the_kind_where_f_has_no_taylor_series(text: str, kind: str, half: float) -> None:
+    made = Formula(text)
+    system = PhaseSystem(made.function, on_arrays=made.on_arrays, switching=made.switching)
+    found = equilibria(system, Window(-half, half, -half, half))
+    assert [at.kind for at in found if at.x == 0.0] == [kind]
+
+
 @pytest.mark.parametrize(("length", "time"), [(1e-9, 1.0), (1e6, 1.0), (1.0, 1e-4), (1.0, 1e4)])
 @pytest.mark.parametrize(
     ("text", "kind"),
