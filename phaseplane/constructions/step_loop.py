@@ -74,7 +74,7 @@ def frames(
     if start is None:
         states = construction.remembered(construction.initial, None)
         start = Start(0.0, construction.mode_at(states, 0.0), states)
-    stepper = Stepper(construction, rule, start=start.states)
+    stepper = Stepper(construction, rule, start=start.states, begin=start.time, length=step)
     return _frames(stepper, step, start, start.time + length, ending)
 
 

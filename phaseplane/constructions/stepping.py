@@ -15,9 +15,6 @@ from phaseplane.constructions.steps import Construct, Points, States, along_tang
 # of a state point from an origin along the y axis, in sizes of the motion: what goes farther diverges
 _FARTHEST = 1000.0
 _LEAST_SIZE = 0.1  # m of paper, that of a small sheet
-# parts of the time since 0 at which the excitation is looked at: now, as it may have begun in this step,
-# and before, where none is a multiple of another
-_LOOKED_AT = (1.0, *(k * 0.6180339887498949 % 1.0 for k in range(16)))
 # times y-bar: damping that changes it by more in a step leads beyond the mirror image of P
 _FOLLOWED = 2.0
 _SEEN = 1e-3  # m of paper: how far beyond
@@ -53,6 +50,8 @@ class Stepper:
     factors : of the turn angles, by plane; empty if they are right
     start : the state points from which each step continues the last one; None if every step starts
         from known ones
+    begin, length : of the steps that continue each other: the time of the start, and the duration of
+        a step, s
     """
 
     construction: Construction
@@ -60,6 +59,8 @@ class Stepper:
     make_points: MakePoints | None = None
     factors: tuple[float, ...] = ()
     start: States | None = None
+    begin: float = 0.0
+    length: float = 0.0
 
     @cached_property
     def planes(self) -> tuple[Plane, ...]:
@@ -133,25 +134,37 @@ class Stepper:
         return points, move.successors + memory
 
     def _size(self, mode: str, states: States, window: Window) -> float:
-        """Return the size of the motion by what causes it, m of paper: its start and its excitation.
+        """Return the size of the motion by what causes it, m of paper: its start and its excitation."""
+        if self.start is None:
+            return max(self._extent(states), self._excitation(mode, states, window))
+        made = max(round((window.start - self.begin) / self.length), 0)
+        while len(self._excited) <= made:
+            before = self.begin + (len(self._excited) - 1) * self.length
+            step = Window.between(before, before + self.length)
+            self._excited.append(max(self._excited[-1], self._excitation(mode, states, step)))
+        now = self._excitation(mode, states, window)
+        return max(self._extent(self.start), self._excited[made], now)
 
-        The excitation is seen in the feet of the normals at rest in the origins.
-        """
-        count = len(self.planes)
+    @cached_property
+    def _excited(self) -> list[float]:
+        """The excitation up to the start, the end of the first step, ..., as far as it was needed."""
+        return [0.0]
+
+    def _excitation(self, mode: str, states: States, window: Window) -> float:
+        """Return the excitation as it is seen in the feet of the normals at rest in the origins."""
         origins = [plane.displacement.origin for plane in self.planes]
-        causes = [self.start or states]
-        for part in _LOOKED_AT:
-            points = self.points(mode, (*origins, *states[count:]), Window(part * window.end))
-            causes.append(tuple(points[foot] for foot in self.feet))
+        at_rest = (*origins, *states[len(origins) :])
+        instants = (window, Window(window.end))  # a short step may see a part of what begins
         return max(
-            (
-                size
-                for cause in causes
-                for point, origin in zip(cause, origins, strict=False)
-                if isfinite(size := abs(point - origin))
-            ),
-            default=0.0,
+            self._extent(tuple([points[foot] for foot in self.feet]))
+            for points in (self.points(mode, at_rest, instant) for instant in instants)
         )
+
+    def _extent(self, found: States) -> float:
+        """Return the largest distance of points from the origins of their planes."""
+        origins = (plane.displacement.origin for plane in self.planes)
+        away = (abs(point - origin) for point, origin in zip(found, origins, strict=False))
+        return max(filter(isfinite, away), default=0.0)
 
     def _check_damping(
         self,

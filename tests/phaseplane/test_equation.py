@@ -161,8 +161,9 @@ def test_an_equation_that_runs_away_says_when():
     [
         ((1.0, 0.0), lambda t: 0.0), ((0.0, 1.0), lambda t: 0.0), ((0.0, 0.0), lambda t: 1.0),
         ((0.0, 0.0), sin), ((0.0, 0.0), lambda t: t), ((0.0, 0.0), lambda t: float(t > 3.0)),
+        ((0.0, 0.0), lambda t: float(5.0 < t < 5.1)),
     ],
-    ids=["displacement", "velocity", "force", "alternating", "growing", "late"],
+    ids=["displacement", "velocity", "force", "alternating", "growing", "late", "pulse"],
 )  # fmt: skip
 def test_a_motion_of_any_size_is_constructed_alike(size, start, push):
     one, many = (
