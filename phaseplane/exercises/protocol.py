@@ -12,11 +12,12 @@ from phaseplane.constructions.letters import axis_letter, typeset
 from phaseplane.constructions.primitives import Axis, Drawing, Mark, Plane
 from phaseplane.constructions.sheet import plane_of
 from phaseplane.constructions.storage import Frame
-from phaseplane.equations.typeset import printed
+from phaseplane.equations.typeset import number, printed
 
 _COLUMNS = ("step", "time", "stage", "point", "found", "length_cm", "value")
 _ROUNDING = 1e-12  # m of paper
 _SEEN = 1e-4  # m of paper: what a ruler shows
+_MOST_DECIMALS, _LARGEST, _DIGITS = 6, 1e6, 9  # of a number that is written without a power of ten
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,9 +101,12 @@ def written(plane: Plane, value: float) -> str:
 
 
 def decimal(value: float, resolution: float) -> str:
-    """Return a number with the decimals that a resolution needs."""
-    digits = max(0, ceil(-log10(resolution)))
-    return f"{round(value, digits) + 0.0:.{digits}f}"
+    """Return a number with the decimals that a resolution needs; with a power of ten if they are many."""
+    digits = ceil(-log10(resolution))
+    rounded = round(value, digits) + 0.0
+    if digits > _MOST_DECIMALS:
+        return number(rounded, _DIGITS)
+    return f"{rounded:.{max(digits, 0)}f}" if abs(rounded) < _LARGEST else number(rounded, _DIGITS)
 
 
 def excitations(drawing: Drawing) -> dict[str, list[str]]:

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from ..scene.schema import Scene
 
 READINGS = "readings.csv"
-_FACTORS = tuple(m * 10.0**k for k in range(3, -13, -1) for m in (5.0, 4.0, 2.5, 2.0, 1.0))
+_FACTORS = tuple(m * 10.0**k for k in range(300, -301, -1) for m in (5.0, 4.0, 2.5, 2.0, 1.0))
 _APART = (1.0, 0.8, 0.6, 0.5, 0.4, 0.3, 0.2)  # distances of two planes, in parts of their own
 _MOST = 20.0  # times a plane's own scale
 _CLEAR = 1.0  # cm between two planes
@@ -46,6 +46,7 @@ _MOST_STEPS = 40
 _VISIBLE = 0.02  # m of paper: a state point that goes so far is worth constructing
 _NEGLIGIBLE = 0.05  # of that way: not worth it
 _MOST_SEARCHED = 4000  # steps in which such a motion is looked for
+_PAPER = 0.1  # m: about half its width
 _LEAST = 1e-3  # of a plane's own scale
 _TIMED = 0.01  # of a step: how exactly times are given
 _NOTHING = "\N{EN DASH}"  # no step begins at the last point
@@ -87,8 +88,11 @@ def exercise(scene: Scene, steps: int, paper: str) -> Exercise:
     settings = asdict(scene.construction)
     duration = min(steps * scene.construction.step, scene.construction_time)
     planes = planes_of(scene.fmu.model, scene.all_parameters, settings)
+    several = len(planes.planes) > 1
+    if not several:
+        settings["plane_scales"] = _scales(scene, planes, steps)
+        planes = planes_of(scene.fmu.model, scene.all_parameters, settings)
     own = [plane.displacement.scale for plane in planes.planes]
-    several = len(own) > 1
     most = _MOST if several else 1.0 / _LEAST
     begin = _begin(scene, planes, steps, _VISIBLE / most)
     if begin is not None:
@@ -97,7 +101,7 @@ def exercise(scene: Scene, steps: int, paper: str) -> Exercise:
     for factor in _FACTORS:
         if not _LEAST <= factor / (1.0 if several else own[0]) <= most:
             continue
-        scales = tuple(factor * (scale if several else 1.0) for scale in (own * 2)[:2])
+        scales = tuple(factor * scale for scale in (own if several else (1.0, 1.0)))
         changed = {**settings, "plane_scales": scales}
         for apart in _APART if several else (1.0,):
             if several:
@@ -107,8 +111,30 @@ def exercise(scene: Scene, steps: int, paper: str) -> Exercise:
                 return Exercise(scene, changed, drawing, paper)
     raise InputError(
         f"the construction does not fit on {paper} at any scale; take fewer --steps"
+        + (", smaller construction.plane_scales" if several else "")
         + (" or --paper A3" if paper == "A4" else "")
     )
+
+
+def _scales(scene: Scene, planes: Construction, steps: int) -> tuple[float, float]:
+    """Return the scale on which the first steps of a single plane are about as large as the paper.
+
+    It is the plane's own if nothing moves at all.
+    """
+    (plane,) = planes.planes
+    duration = min(_MOST_SEARCHED * scene.construction.step, scene.construction_time)
+    rule = constructions.rule_named(scene.construction.rule)
+    farthest = 0.0
+    with blaming("construction", (ValueError, ArithmeticError)):
+        for frame in constructions.frames(
+            planes, rule, step=scene.construction.step, duration=duration
+        ):
+            if frame.step >= steps and farthest > 0.0:
+                break
+            ends = (frame.points[plane.state], frame.points[plane.state + "'"])
+            farthest = max(farthest, *(abs(p - plane.displacement.origin) for p in ends))
+    scale = plane.displacement.scale * (_PAPER / farthest if farthest > 0.0 else 1.0)
+    return scale, scale
 
 
 def _begin(scene: Scene, planes: Construction, steps: int, seen: float) -> Begin | None:
@@ -132,9 +158,12 @@ def _begin(scene: Scene, planes: Construction, steps: int, seen: float) -> Begin
             if len(shown) == steps and most >= seen:
                 break
     if most < _NEGLIGIBLE * seen:
+        larger = (
+            "larger construction.plane_scales, " if len(planes.planes) > 1 and most > 0.0 else ""
+        )
         raise InputError(
             f"nothing to construct: within {duration:.4g} s no {steps} steps move every state point by "
-            "1 mm of paper; take a longer construction.step, more --steps or another start"
+            f"1 mm of paper; take {larger}a longer construction.step, more --steps or another start"
         )
     if best[0].step == 0 or len(planes.initial) > len(planes.planes):
         return None

@@ -17,6 +17,7 @@ from phaseplane.scenarios.draw import exercises
 from phaseplane.scenarios.scene.loading import load_scene
 
 from phaseplane.exercises.protocol import displayed
+from phaseplane.exercises.protocol import written as exercise_number
 
 SETTINGS = ["--steps", "8", "--set", "construction.step=0.3 s"]
 FILES = {
@@ -154,6 +155,36 @@ def test_two_planes_are_drawn_to_scale_on_a3() -> None:
     assert rows[0] == "point,y1 [cm],y1_bar [cm],y2 [cm],y2_bar [cm],D1 [cm],D2 [cm]"
 
 
+@pytest.mark.parametrize(("size", "first"), [("1e-9", "9.61·10⁻¹⁰"), ("1e9", "961000000")])
+def test_a_motion_of_any_size_is_as_large_on_the_sheet(size: str, first: str) -> None:
+    """The scale of a single plane is that of its motion; very small and large ones were refused."""
+
+    def lengths() -> list[str]:
+        rows = csv.DictReader(Path("out/protocol.csv").read_text(encoding="utf-8").splitlines())
+        return [row["length_cm"] for row in rows]
+
+    scene = written(
+        """
+        fmu = "Equation"
+        duration = "16 s"
+        parameters = { equation = "0.1*v + x + x^3/L^2", L = 1, displacement_start = 1 }
+        construction.step = "200 ms"
+        """,
+        "duffing.toml",
+    )
+    asked = f"exercise {scene} --steps 6 -o out"
+    printed(asked)
+    wanted = lengths()
+    printed(f"{asked} --set L={size} --set displacement_start={size}")
+    assert lengths() == wanted
+    made = exercises.exercise(
+        load_scene(scene, [f"L={size}", f"displacement_start={size}"]), 6, "A4"
+    )
+    (plane,) = made.drawing.planes
+    (x, _) = displayed([plane], [made.drawing.frames[1].points[plane.state]])
+    assert exercise_number(plane, x) == first
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [
@@ -163,6 +194,11 @@ def test_two_planes_are_drawn_to_scale_on_a3() -> None:
         (f"van_der_pol --mark {devnull}", f"--mark {devnull}: no readings"),
         ("van_der_pol --paper A5", "'A5' is not one of"),
         ("half_car_pitch --set front.friction=50", "with one axle only"),
+        ("ap57 --set road.height=1e-6", "; take larger construction.plane_scales, a longer"),
+        (
+            "ap57 --set road.height=1e3",
+            "; take fewer --steps, smaller construction.plane_scales or",
+        ),
         (
             "van_der_pol --set displacement_start=0",
             "nothing to construct: within 20 s no 10 steps move",
