@@ -101,11 +101,13 @@ def test_what_was_drawn_stays_readable_and_the_old_file_stays(tmp_path: Path) ->
 
         def some_are_handed_over() -> None:
             nonlocal half
-            wait_until(lambda: live.rows_drawn > 100)
+            wait_until("some rows are drawn", lambda: live.rows_drawn > 100)
             half = live.rows_drawn
 
         drive(live, at_half=some_are_handed_over)
-        wait_until(lambda: live.rows_drawn > half)  # not before all up to there are in the file
+        wait_until(
+            "more rows are drawn", lambda: live.rows_drawn > half
+        )  # not before all up to there are in the file
         assert live._child is not None
         live._child.send_signal(signal.SIGKILL)
         live.complete(WHOLE)
@@ -129,7 +131,7 @@ def test_a_fast_run_is_thinned(tmp_path: Path) -> None:
         rows: list[tuple[float, ...]] = []
         live.watch(list(COLUMNS), rows)
         rows.extend([(float(k), 0.0, 0.0) for k in range(100_000)])
-        wait_until(lambda: live.rows_drawn)
+        wait_until("a row is drawn", lambda: live.rows_drawn)
     assert live._taken == len(rows)
     assert live.rows_drawn <= 250
 

@@ -115,12 +115,14 @@ def difference(found: np.ndarray, wanted: np.ndarray) -> np.ndarray:
     return apart
 
 
-def wait_until(holds: Callable[[], object], process: subprocess.Popen[str] | None = None) -> None:
-    """Wait for what others do; a process that is to do it must not end before."""
+def wait_until(
+    what: str, holds: Callable[[], object], process: subprocess.Popen[Any] | None = None
+) -> None:
+    """Wait for what others do, named in words; a process that is to do it must not end before."""
     end = monotonic() + HANGS
     while not holds():
-        assert process is None or process.poll() is None, "it has ended too early"
-        assert monotonic() < end, "it hangs"
+        assert process is None or process.poll() is None, f"its process has ended before {what}"
+        assert monotonic() < end, f"it hangs before {what}"
         sleep(0.02)
 
 

@@ -460,7 +460,7 @@ def test_what_is_terminated_leaves_nothing_behind(tmp_path: Path) -> None:
     scratch.mkdir()
     arguments = ["run", "ap57", *BARE, *settings("duration=4000 s"), "--realtime"]
     with started([*PROGRAM, *arguments], {"TMPDIR": str(scratch)}) as running:
-        wait_until(lambda: list(scratch.glob("phaseplane-*")), running)
+        wait_until("it has made its folder", lambda: list(scratch.glob("phaseplane-*")), running)
         running.terminate()
         assert running.wait(HANGS) == 143
     assert not list(scratch.iterdir())

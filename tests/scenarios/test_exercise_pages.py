@@ -91,7 +91,8 @@ def test_points_that_are_clicked_are_saved_as_readings_and_marked(
     )
     page.find_element(By.XPATH, "//button[text()='Save readings']").click()
     saved = tmp_path / "saved" / "readings.csv"
-    wait_until(lambda: saved.exists() and saved.stat().st_size)  # it is first an empty file
+    # it is first an empty file
+    wait_until("readings are saved", lambda: saved.exists() and saved.stat().st_size)
     marks = marked(made, saved.read_text(), 1.5e-3)
     assert marks["right"] == made.steps, [one["said"] for one in marks["marks"]]
     assert not marks["missing"]

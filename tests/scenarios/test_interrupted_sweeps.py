@@ -140,7 +140,7 @@ def some_are_made() -> bool:
 def test_an_interrupted_sweep_goes_on_where_it_stopped() -> None:
     command = long_sweep()
     with started([*PROGRAM, *command], {}, stderr=subprocess.PIPE) as process:
-        wait_until(some_are_made, process)
+        wait_until("some runs are made", some_are_made, process)
         process.send_signal(signal.SIGINT)
         _, said = process.communicate(timeout=HANGS)
     assert process.returncode == 130
@@ -253,11 +253,11 @@ def test_a_worker_that_is_lost_is_told_in_one_line(
 def test_processes_of_a_sweep_that_is_killed_end_with_it() -> None:
     command = [*PROGRAM, *long_sweep()]
     with started(command, {}, stderr=subprocess.DEVNULL) as process:
-        wait_until(some_are_made, process)
+        wait_until("some runs are made", some_are_made, process)
         workers = children(process)
         process.kill()
     assert len(workers) >= 2
-    wait_until(lambda: not any(map(is_running, workers)))
+    wait_until("its workers have ended", lambda: not any(map(is_running, workers)))
 
 
 @pytest.mark.slow

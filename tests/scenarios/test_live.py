@@ -131,7 +131,9 @@ def test_an_interrupted_run_leaves_what_it_has_drawn() -> None:
     arguments = ["run", "ap57", *BARE, "--save", "live.rrd", "--realtime", "--set", "duration=4000"]
     part = Path("live.part.rrd")
     with started([*PROGRAM, *arguments], {}, stderr=subprocess.PIPE) as running:
-        wait_until(lambda: part.exists() and part.stat().st_size > 200_000, running)
+        wait_until(
+            "much is drawn", lambda: part.exists() and part.stat().st_size > 200_000, running
+        )
         running.send_signal(signal.SIGINT)
         _, said = running.communicate(timeout=HANGS)
     assert running.returncode == 130
