@@ -141,8 +141,10 @@ class Commands(click.Group):
         except click.ClickException as error:
             if isinstance(error, click.NoSuchOption):
                 alike = _alike(error.option_name, error.possibilities or ())
-                error = click.NoSuchOption(error.option_name, possibilities=list(alike))
-            complain(error.format_message())
+                error = click.NoSuchOption(
+                    error.option_name, possibilities=list(alike), ctx=error.ctx
+                )
+            complain(_complaint(error))
             status = BAD_INPUT
         except InputError as error:
             complain(error)
@@ -182,6 +184,16 @@ def _leave_ascii() -> None:
     if sys.getfilesystemencoding() == "ascii":
         os.environ["PYTHONUTF8"] = "1"  # for the processes that it starts
         os.execv(sys.executable, [sys.executable, "-X", "utf8", *sys.orig_argv[1:]])
+
+
+def _complaint(error: click.ClickException) -> str:
+    """Return the message of an error; one about the command line that proposes nothing names the help."""
+    message = error.format_message()
+    proposes = message.endswith("?") or type(error) is click.BadParameter
+    if not isinstance(error, click.UsageError) or error.ctx is None or proposes:
+        return message
+    _, *names = error.ctx.command_path.split()
+    return f"{message.rstrip('.')}; see '{' '.join(['phaseplane', *names])} --help'"
 
 
 def _alike(option: str, options: Iterable[str]) -> Iterator[str]:

@@ -207,7 +207,8 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("run", "Missing argument 'SCENE'"),
+        ("run", "Missing argument 'SCENE'; see 'phaseplane run --help'\n"),
+        ("planes", "No such command 'planes'; see 'phaseplane --help'\n"),
         ("rum ap57", "did you mean 'run'?"),
         ("run ap75", "did you mean 'ap57'?"),
         ("ladder quarter_car", "did you mean 'QuarterCar'?"),
@@ -215,7 +216,7 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         ("run gone.toml", "no scene file gone.toml"),
         ("run bad.toml", "not TOML"),
         ("run ap57 --sett x=1", "No such option '--sett'. Did you mean '--set'?"),
-        ("run ap57 --quiet", "No such option '--quiet'.\n"),
+        ("run ap57 --quiet", "No such option '--quiet'; see 'phaseplane run --help'\n"),
         ("run ap57 --set sprung_mass=-3", "sprung_mass = -3: must be greater than 0"),
         ("run ap57 --set speed=inf", "speed = inf: must be finite and greater than 0"),
         ("run ap57 --set 'speed=3 kg'", "'kg' does not fit"),
@@ -239,7 +240,10 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         ("optimise full", "full is a folder; give a study's file, such as study.toml"),
         ("sweep full", "full is a folder; give the path of a .toml file"),
         ("fit ap57", "no such file: ap57; ap57 is a scene"),
-        ("list QuarterCar extra", "unexpected extra argument"),
+        (
+            "list QuarterCar extra",
+            "unexpected extra argument (extra); see 'phaseplane list --help'",
+        ),
         ("list extra", "model 'extra': must be one of"),
         ("replay ap57", "--save F.rrd, --figure F.png"),
         ("replay ap57 --save x.txt", "must end in .rrd"),
