@@ -87,8 +87,10 @@ def summary_of(plan: Plan, rows: Sequence[Row], more: Mapping[str, Any]) -> dict
     """Return the summary of a sweep, as plain data."""
     known = catalogue(plan.scene.fmu.outputs())
     failures = [row for row in rows if row.reason]
-    extent = {}
+    extent, lacking = {}, {}
     for k, name in enumerate(plan.measures):
+        if lack := sum(row.values[k] is None for row in rows if not row.reason):
+            lacking[name] = lack
         found = [(x, row.run) for row in rows if (x := row.values[k]) is not None]
         if found:
             size = _magnitude if has_sign(name) else None
@@ -105,6 +107,7 @@ def summary_of(plan: Plan, rows: Sequence[Row], more: Mapping[str, Any]) -> dict
         "units": dict(zip(plan.keys, plan.units, strict=True)),
         "runs": len(rows),
         "measures": extent,
+        "lacking": lacking,
         "failures": [{"run": row.run, "reason": row.reason} for row in failures],
         "hash": plan.hash,
         "remarks": plan.road_remarks(),
@@ -129,13 +132,10 @@ def format_sweep(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
         smallest, largest = (
             quantity(extent[end], extent["unit"], size[name]) for end in ("min", "max")
         )
-        rows.append(
-            (
-                name,
-                smallest, _where(plan, extent["run_of_min"]),
-                largest, _where(plan, extent["run_of_max"]),
-            )
-        )  # fmt: skip
+        first, last = (_where(plan, extent[f"run_of_{end}"]) for end in ("min", "max"))
+        if extent["min"] == extent["max"] and summary["runs"] > 1:
+            first = last = "all runs" if name not in summary["lacking"] else "all runs with a value"
+        rows.append((name, smallest, first, largest, last))
     made, seconds = summary["made"], summary["seconds"]
     rate = f", {made / seconds:.4g} per second" if made and seconds > 0.0 else ""
     before = summary["runs"] - made
@@ -150,8 +150,11 @@ def format_sweep(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
     ]
     if "disagreement" in summary:
         lines.append(f"FMU and process agree to {summary['disagreement']:.2g}")
+    failures, runs = summary["failures"], summary["runs"]
+    for name, count in summary["lacking"].items():
+        of = f"any of {runs}" if count == runs else f"{count} of {runs}"
+        lines.append(f"{name} has no value in {of} runs")
     lines += [*summary["remarks"], *summary["problems"]]
-    failures = summary["failures"]
     if failures:
         lines.append(f"{len(failures)} failed; the first: {failures[0]['reason']}")
     return "\n".join([*lines, *(str(folder / name) for name in summary["files"])])

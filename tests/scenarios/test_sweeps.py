@@ -192,6 +192,23 @@ def test_a_sweep_is_told_with_units_and_peaks_by_their_magnitude() -> None:
     assert told["peak.suspension_deflection"]["unit"] == "m"
 
 
+def test_a_sweep_tells_what_all_runs_share_and_what_runs_lack() -> None:
+    """The first of equal runs was named as if it alone had the value; what none has was left out."""
+    measures = '"smallest_contact_force", "lift_off_count", "first_lift_off", "first_touchdown"'
+    text = GRID.replace('"peak.body_displacement", "lift_off_count"', measures)
+    told = printed("sweep", sweep_file(text), "--workers", "1", "--json")
+    counts = [int(row["lift_off_count"]) for row in rows()]
+    assert json.loads(told)["lacking"]["first_lift_off"] == counts.count(0) > 0
+    assert f"first_lift_off has no value in {counts.count(0)} of 6 runs" in printed(
+        "sweep", "sweep.toml", "--workers", "1"
+    )
+    text = text.replace("to = 20.0", "to = 10.0").replace('["2 cm", 0.05]', "[0.001, 0.002]")
+    told = printed("sweep", sweep_file(text), "--workers", "1")
+    (line,) = (one for one in told.splitlines() if one.startswith("lift_off_count"))
+    assert line.split() == ["lift_off_count", "0", *["all", "runs"], "0", *["all", "runs"]]
+    assert "first_lift_off has no value in any of 6 runs" in told
+
+
 # -- runs ------------------------------------------------------------------------------------------
 
 
