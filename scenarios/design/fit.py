@@ -172,11 +172,7 @@ def fit(task: Task, journal: Path, progress: Progress = silent) -> Fit:
                 name: float(np.sqrt(np.mean(np.square(fitted[name] - x)) / np.mean(np.square(x))))
                 for name, x in task.signals.items()
             },
-            tuple(
-                key for key, x in zip(space.plan.keys, found.x, strict=True)
-                if not 1e-4 < x < 1.0 - 1e-4
-            ),
-            runs.made,
+            space.at_bound(found.x), runs.made,
         )  # fmt: skip
 
 

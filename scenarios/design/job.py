@@ -199,6 +199,7 @@ def _optimum_data(found: Optimum) -> dict[str, Any]:
         "sense": "minimise" if found.problem.sign > 0 else "maximise",
         "feasible": found.feasible,
         "without_effect": list(found.without_effect),
+        "at_bound": _at_bound(found),
         "runs": len(found.points),
         "made": found.made,
         "measures": {
@@ -255,9 +256,16 @@ def _format_optimum(found: Optimum) -> list[str]:
         f"{name} has no effect on the measures at both ends and in the middle of its range"
         for name in found.without_effect
     ]
+    lines += [f"{name} ends at a bound of its range" for name in _at_bound(found)]
     if not found.feasible:
         lines.append("no point satisfies all bounds; the one found violates them least")
     return lines
+
+
+def _at_bound(found: Optimum) -> list[str]:
+    """Return the parameters with an effect whose range the optimum might lie beyond."""
+    ends = found.problem.space.at_bound(found.best)
+    return [name for name in ends if name not in found.without_effect]
 
 
 def _optimum_runs(found: Optimum) -> dict[str, Any]:

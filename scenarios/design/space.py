@@ -24,6 +24,7 @@ from ..toml_files import dotted
 
 Points = npt.NDArray[np.float64]
 _STEP = 1e-3  # of the ranges, for differences
+_AT_END = 1e-4  # of a range, from one of its ends: at it
 Make = Callable[[Plan], Iterable[Sequence[float | None]]]
 
 
@@ -106,6 +107,14 @@ class Space:
         """Return the shares of values, moved to the nearest bound where they are beyond one."""
         found: Points = np.clip((np.array(values, float) - self.lows) / self.widths, 0.0, 1.0)
         return found
+
+    def at_bound(self, shares: Points) -> tuple[str, ...]:
+        """Return the names of the parameters that are at an end of their ranges."""
+        return tuple(
+            key
+            for key, share in zip(self.plan.keys, shares, strict=True)
+            if not _AT_END < share < 1.0 - _AT_END
+        )
 
     def given(self) -> Points:
         """Return the shares of the values that the scene has."""

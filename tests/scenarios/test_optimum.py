@@ -271,6 +271,9 @@ def test_a_scene_outside_the_range_is_not_taken_for_what_was_before():
         "[search]\npopulation = 1\ngenerations = 0\n"
     ))  # fmt: skip
     assert "spring.rate of the scene, 14.71 N/mm, is outside its range" in found.report
+    # a stiffer spring moves less: the optimum is beyond the range
+    assert found.summary["at_bound"] == ["spring.rate"]
+    assert "spring.rate ends at a bound of its range" in found.report
 
 
 @pytest.mark.slow
@@ -282,3 +285,4 @@ def test_a_parameter_without_effect_on_the_optimum_is_named():
     ))  # fmt: skip
     assert found.summary["without_effect"] == ["bump_stop.gap"]
     assert "bump_stop.gap has no effect on the measures" in found.report
+    assert "bump_stop.gap" not in found.summary["at_bound"]
