@@ -84,6 +84,9 @@ def _written(node: ast.expr) -> tuple[str, int]:
             return f"{_within(left, _SUM)} {sign} {other}", _SUM
         case ast.BinOp(left, ast.Mult(), right):
             one, other = _within(left, _SIGNED), _within(right, _POWER)
+            if _is_quotient(left):  # what follows is not below the line
+                sign = "−" if one[0] == "−" else ""
+                one = f"{sign}({one.removeprefix('−')})"
             between = (
                 "·" if other[0].isdigit() or (one[-1].isdigit() and other[0] == "(") else "\u2009"
             )
@@ -96,6 +99,12 @@ def _written(node: ast.expr) -> tuple[str, int]:
         case ast.BinOp(left, ast.Pow(), right):
             return f"{_within(left, _ATOM)}^{_within(right, _ATOM)}", _POWER
     return ast.unparse(node), _SUM
+
+
+def _is_quotient(node: ast.expr) -> bool:
+    while isinstance(node, ast.UnaryOp):
+        node = node.operand
+    return isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div)
 
 
 def _within(node: ast.expr, least: int) -> str:
