@@ -189,7 +189,7 @@ def _leave_ascii() -> None:
 def _complaint(error: click.ClickException) -> str:
     """Return the message of an error; one about the command line that proposes nothing names the help."""
     message = error.format_message()
-    proposes = message.endswith("?") or type(error) is click.BadParameter
+    proposes = message.endswith(("?", "?)")) or type(error) is click.BadParameter
     if not isinstance(error, click.UsageError) or error.ctx is None or proposes:
         return message
     _, *names = error.ctx.command_path.split()

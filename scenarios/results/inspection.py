@@ -126,8 +126,12 @@ def _picture(
     values: dict[str, dict[str, Any]] = {}
     for path, results in drawn.items():
         time = _time(results, path, "--plane X,Y draws a column over another")
-        for name, column in _chosen(results, names, path).items():
-            if name != "time" and (path == next(iter(drawn)) or name in values):
+        columns = _chosen(results, names, path)
+        first = next(iter(drawn))
+        if values and path != first and values.keys().isdisjoint(columns):
+            raise InputError(f"--figure: {path} has none of the columns of {first} to draw")
+        for name, column in columns.items():
+            if name != "time" and (path == first or name in values):
                 values.setdefault(name, {})[labels[path]] = (time, column)
     if not values:
         raise InputError(f"--figure: {next(iter(drawn))} has no column but time to draw")

@@ -208,6 +208,7 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
     ("line", "words"),
     [
         ("run", "Missing argument 'SCENE'; see 'phaseplane run --help'\n"),
+        ("compare a b --columns x", "(Did you mean one of: '--column', '--common'?)\n"),
         ("planes", "No such command 'planes'; see 'phaseplane --help'\n"),
         ("rum ap57", "did you mean 'run'?"),
         ("run ap75", "did you mean 'ap57'?"),

@@ -119,6 +119,14 @@ def test_planes_that_cannot_be_drawn_are_refused(folders, arguments, words):
     assert words in complaint("show a", *arguments)
 
 
+def test_results_that_share_no_column_are_not_drawn_over_one_another(folders):
+    """Those of the second were left out without a word."""
+    Path("other.csv").write_text("time,lift\n0,1\n1,2\n")
+    words = "--figure: other.csv has none of the columns of a to draw\n"
+    assert complaint("show a other.csv --figure x.png").endswith(words)
+    assert not Path("x.png").exists()
+
+
 def test_measures_stand_side_by_side(folders):
     told = difference(Path("a"), Path("b"), 1e-6)
     ours, other = desk.run("ap57", duration=0.2), desk.run("ap57", duration=0.2, speed=25)
