@@ -56,6 +56,12 @@ def shown(value: object, limit: int = 80) -> str:
     return text if len(text) <= limit else f"{text[: limit - 3]}..."
 
 
+def as_argument(path: object) -> str:
+    """Return a path as it is written in a command: in quotes if it has spaces."""
+    text = str(path)
+    return f'"{text}"' if any(map(str.isspace, text)) else text
+
+
 @contextmanager
 def blaming(
     place: object, kinds: type[Exception] | tuple[type[Exception], ...] = ValueError

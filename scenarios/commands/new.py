@@ -11,7 +11,7 @@ from phaseplane.suspension.variables import Variable
 
 from phaseplane.picture.files import replace_file
 
-from ..errors import InputError
+from ..errors import InputError, as_argument
 from ..scene.fmus import fmu_named
 from ..scene.sections import FIGURES
 
@@ -36,7 +36,7 @@ def new(path: Path, model: str) -> None:
             draft.write_text(text, encoding="utf-8")
     except OSError as error:
         raise InputError(error) from None
-    click.echo(f"{path}: run it with 'phaseplane run {path}'")
+    click.echo(f"{path}: run it with 'phaseplane run {as_argument(path)}'")
 
 
 def _lines(model: str, folder: Path) -> Iterator[str]:

@@ -17,7 +17,7 @@ from phaseplane.suspension.own_systems.module import scene_in
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import MODELS, ParameterError
 
-from ..errors import InputError, blaming, read_text, shown
+from ..errors import InputError, as_argument, blaming, read_text, shown
 from ..toml_files import read_content
 from .equation import equation_variables, only_in
 from .fmus import default_duration
@@ -201,7 +201,13 @@ def find_scene(reference: str, folder: Path | None = None) -> Path:
     except (OSError, ValueError):
         is_folder = False  # a text that cannot be a path
     if is_folder:
-        raise InputError(f"{reference or '.'} is a folder, not a scene file")
+        from ..results.folder import SUMMARY  # noqa: PLC0415  (for mistakes only)
+
+        results = f"; 'phaseplane show {as_argument(reference)}' summarises the results in it"
+        has_results = (path / SUMMARY).is_file()
+        raise InputError(
+            f"{reference or '.'} is a folder, not a scene file{results if has_results else ''}"
+        )
     if reference.endswith(SCENE_FILES) or "/" in reference:
         raise InputError(f"no scene file {reference}; give the path of a .toml file")
     hint = meant(reference, "scene") or (

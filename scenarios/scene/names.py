@@ -9,6 +9,7 @@ from typing import Literal
 
 from phaseplane.suspension.variables import MODELS
 
+from ..errors import as_argument
 from ..toml_files import read_content
 
 CASES = Path(__file__).parents[1] / "cases"
@@ -62,7 +63,7 @@ def file_meant(keys: Iterable[str], path: str, wanted: str) -> str:
                 return ""
             return (
                 f"{path} is the file of {_KINDS[command]}, not of {_KINDS[wanted]}: "
-                f"'phaseplane {command} {path}' takes it"
+                f"'phaseplane {command} {as_argument(path)}' takes it"
             )
     return ""
 

@@ -325,3 +325,16 @@ def test_the_file_of_another_command_is_given_to_that_one(command: str, file: st
     Path("it.toml").write_text(OF_COMMANDS[file])
     assert f"'phaseplane {file} it.toml' takes it" in complaint(command, "it.toml")
     assert os.listdir() == ["it.toml"]
+
+
+def test_a_path_with_spaces_can_be_copied_from_a_message() -> None:
+    written(OF_COMMANDS["sweep"], "my sweep.toml")
+    assert "'phaseplane sweep \"my sweep.toml\"' takes it" in complaint("run", "my sweep.toml")
+    assert "run it with 'phaseplane run \"my car.toml\"'" in printed("new", "my car.toml")
+    printed("run ap57_obstacle --no-expect --set show.figures=[] -o", "my run")
+    words = (
+        "my run is a folder, not a scene file; 'phaseplane show \"my run\"' summarises the results"
+    )
+    assert words in complaint("run", "my run")
+    Path("empty").mkdir()
+    assert complaint("run", "empty").endswith("empty is a folder, not a scene file\n")
