@@ -279,6 +279,8 @@ def _kind_by_turns(system: PhaseSystem, x: float, widest: float) -> str:
     for distance in widest * 0.5 ** np.arange(_TURNS):
         start, side = np.array([x + distance]), 3.0 * distance
         top = side * float(_steepness(system, x, distance))
+        if not (top > 0.0 and x - side < x < x + side):
+            break  # the distance is lost in the rounding of x
         around = Window(x - side, x + side, -top, top)
         change, roughly = (
             float((turns(system, around, start, tolerance=tolerance).back - start)[0]) / distance
@@ -312,8 +314,12 @@ def _size_of_damping(system: PhaseSystem, x: float, scale: float) -> float:
     damped = np.abs(system.forces(away, v) - system.forces(away, 0.0 * v)).max(axis=1)
     with np.errstate(all="ignore"):
         share = damped / (steep**2 * sizes)
-    share = share[: np.argmin(np.isfinite(share))] if not np.isfinite(share).all() else share
-    return float(sizes[np.argmax(share >= min(_DAMPED, 0.5 * share.max(initial=0.0)))])
+    known = np.isfinite(share)
+    begin = int(known.argmax())  # what is smaller is lost in the rounding of x
+    unknown = np.flatnonzero(~known[begin:])  # what is larger reaches beyond what restores
+    share = share[begin : begin + unknown[0]] if len(unknown) else share[begin:]
+    counts = share >= min(_DAMPED, 0.5 * share.max(initial=0.0))
+    return float(sizes[begin + int(counts.argmax())]) if len(share) else float(sizes[0])
 
 
 def _steepness(system: PhaseSystem, x: float, away: Grid | float) -> Grid:

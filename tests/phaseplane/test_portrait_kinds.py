@@ -560,6 +560,14 @@ def test_the_kind_where_f_has_no_taylor_series(text: str, kind: str, half: float
     assert [at.kind for at in found if at.x == 0.0] == [kind]
 
 
+@pytest.mark.parametrize("half", [1e-2, 1e-6, 1e-8])
+def test_the_kind_in_a_window_near_the_rounding_of_its_place(half: float) -> None:
+    made = Formula("(x - C) - v^3 + 3*(x - C)*abs(x - C)*v", {"C": 1e6})
+    system = PhaseSystem(made.function, on_arrays=made.on_arrays, switching=made.switching)
+    (found,) = equilibria(system, Window(1e6 - half, 1e6 + half, -half, half))
+    assert (found.x, found.kind) == (1e6, "unstable focus")
+
+
 @pytest.mark.parametrize(("length", "time"), [(1e-9, 1.0), (1e6, 1.0), (1.0, 1e-4), (1.0, 1e4)])
 @pytest.mark.parametrize(
     ("text", "kind"),
