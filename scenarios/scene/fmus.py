@@ -222,7 +222,7 @@ def find_fmu(
         )
     path = (folder or Path()) / reference
     if not path.is_file():
-        raise InputError(f"no such file ({path})")
+        raise InputError("no such file" + (f" ({path})" if path != Path(reference) else ""))
     return _described(path.resolve())
 
 

@@ -281,7 +281,7 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         ("serve full", "no recording (.rrd) in full"),
         ("replay ap57 --connect here", "here is not the address of a viewer"),
         ("run ap57 --connect here", "here is not the address of a viewer"),
-        ("run none.fmu", "no such file"),
+        ("run none.fmu", "none.fmu: fmu = 'none.fmu': no such file\n"),
         ("run ap57 --save live.txt", "must end in .rrd"),
         ("run ap57 -o folder.png --save folder.png/x.rrd", "x.rrd: is within folder.png"),
         ("stability lift_of", "did you mean 'lift_off'"),
