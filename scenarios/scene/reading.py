@@ -89,7 +89,8 @@ def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path
 
 def _required(key: str, value: _Value | None) -> _Value:
     if not value:
-        raise RefusedError(key, f"{shown(key)} is missing; a scene needs fmu and duration")
+        needed = "a scene needs fmu and duration, or extends another"
+        raise RefusedError(key, f"{shown(key)} is missing; {needed}")
     return value
 
 

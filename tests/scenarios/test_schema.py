@@ -248,7 +248,7 @@ def test_no_such_scene(reference: str, words: list[str]) -> None:
         (b"\xff\xfe", "not UTF-8 text (byte 0); save it as UTF-8"),
         (b"x = " + b"[" * 5000, "nested too deeply"),
         (b"x = " + b"9" * 5000, "not TOML"),
-        (b"", "'fmu' is missing"),
+        (b"", "'fmu' is missing; a scene needs fmu and duration, or extends another"),
         (b'fmu = "QuarterCar"', "'duration' is missing"),
     ],
 )
