@@ -20,6 +20,8 @@ from phaseplane.suspension.systems import System
 from phaseplane.suspension.variable import Value, number
 from phaseplane.vehicle_fmus import content
 
+from phaseplane import scenarios
+
 ALL_DEFAULTS = checked_parameters("QuarterCar", {})
 FOLDER = Path(models.__file__).parent
 
@@ -201,7 +203,9 @@ def test_a_run_checks_a_value_where_it_enters_and_builds_its_system_once(tmp_pat
 
 def test_the_name_of_a_parameter_stands_whole_where_it_is_used() -> None:
     """So that a search for it finds declaration and use."""
-    sources = "\n".join(path.read_text(encoding="utf-8") for path in FOLDER.parent.rglob("*.py"))
+    folders = (FOLDER.parent, Path(scenarios.__file__).parent)
+    files = (path for folder in folders for path in folder.rglob("*.py"))
+    sources = "\n".join(path.read_text(encoding="utf-8") for path in files)
     names = {
         v.name.removeprefix("front.").removeprefix("rear.")
         for model in ALL.values()
