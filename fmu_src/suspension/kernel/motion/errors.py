@@ -19,7 +19,9 @@ _LEAST_LENGTH = 1e-290  # m; keeps the error allowed greater than zero
 _OF_SPEED = 0.5
 # exponent of the step in the error, up to which the septic is as accurate as the step
 _LOW_ORDER = 5
-_READ_SHARE = 0.3  # share of the error allowed, for reading the state at a switch
+# share of the error allowed, for reading the state at a switch in straight branches, and with curved
+# forces, of which the residual halfway may be small by accident
+_READ_SHARE, _CURVED_READ_SHARE = 0.3, 0.08
 # phase of the fastest motion up to which the septic can be as accurate as the step
 _READ_PHASE = 4.5
 _MISSED = 3.7e-7  # relative error of a sinusoid's rate, in the septic of a step of 1 rad
@@ -270,7 +272,7 @@ class Errors:
         """Return whether accelerations a, read at an end moved by `late`, obey the equation of motion."""
         for i in range(self.n):
             lack = fabs(a[i] - self.motion.ab[i])
-            if not lack * fabs(late) * self.velocity_scale[i] <= _READ_SHARE * self.allowed:
+            if not lack * fabs(late) * self.velocity_scale[i] <= _CURVED_READ_SHARE * self.allowed:
                 return False
         return True
 
@@ -283,9 +285,11 @@ class Errors:
         phase = h * self.modes.quickest
         if self.net.branches.stuck or phase > _READ_PHASE:
             return False
+        share = _CURVED_READ_SHARE
         if self.balance.bends.count == 0:
+            share = _READ_SHARE
             self.find_lack(h, True)
-        allowed = _READ_SHARE * self.allowed * (1.0 - phase * phase / 32.0)
+        allowed = share * self.allowed * (1.0 - phase * phase / 32.0)
         u = fabs(x * (1.0 - x))
         of_q = 8.0 * h * h * u * u * u * u
         of_v = 32.0 * h * u * u * u * max(fabs(1.0 - 2.0 * x), 0.25)
