@@ -6,6 +6,7 @@ from cmath import exp, isfinite
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
+from itertools import product
 
 from phaseplane.constructions.construction import Construction, Window
 from phaseplane.constructions.primitives import Plane
@@ -151,14 +152,16 @@ class Stepper:
         return [0.0]
 
     def _excitation(self, mode: str, states: States, window: Window) -> float:
-        """Return the excitation as it is seen in the feet of the normals at rest in the origins."""
+        """Return the excitation as it is seen in the feet of the normals at rest in the origins.
+
+        It is seen with all wheels on the road, too: one that flies now does not see what threw it up.
+        """
         origins = [plane.displacement.origin for plane in self.planes]
         at_rest = (*origins, *states[len(origins) :])
+        on_the_road = self.construction.mode_at(at_rest, window.end, [False] * len(origins))
         instants = (window, Window(window.end))  # a short step may see a part of what begins
-        return max(
-            self._extent(tuple([points[foot] for foot in self.feet]))
-            for points in (self.points(mode, at_rest, instant) for instant in instants)
-        )
+        seen = (self.points(*of) for of in product({mode, on_the_road}, [at_rest], instants))
+        return max(self._extent(tuple([points[foot] for foot in self.feet])) for points in seen)
 
     def _extent(self, found: States) -> float:
         """Return the largest distance of points from the origins of their planes."""

@@ -280,6 +280,19 @@ def test_the_motion_does_not_depend_on_the_sheet(scales, distance):
         assert two[name] == pytest.approx(value, rel=1e-7, abs=1e-7)
 
 
+@pytest.mark.parametrize("height", [50.0, 120.0, 500.0])
+def test_a_motion_is_as_large_in_flight_as_the_road_that_threw_the_wheel_up(height):
+    """120 m: it is first farther than 100 m of paper from the origin in flight, where no road is seen."""
+    road = roads.bump(height, 1.0, 20.0)
+    one, two = (
+        construct_motion(ap57(road=road, plane_scales=(scale, scale)), step=STEP, duration=0.15)
+        for scale in (1.0, 1e-3)
+    )
+    assert any(frame.mode == "flight" for frame in one.frames)
+    for name, value in one.frames[-1].readings.items():
+        assert two.frames[-1].readings[name] == pytest.approx(value, rel=1e-7, abs=1e-7)
+
+
 def test_a_stop_in_the_spring_is_felt():
     stop = ap57(spring=linear(C1) + bump_stop(0.03, 10.0 * C1))
     bare = column(construct_motion(ap57(), step=STEP / 4, duration=0.15), "suspension_deflection")
