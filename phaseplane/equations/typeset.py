@@ -102,8 +102,12 @@ def _written(node: ast.expr) -> tuple[str, int]:
 
 
 def _is_quotient(node: ast.expr) -> bool:
-    while isinstance(node, ast.UnaryOp):
-        node = node.operand
+    """Return whether a term is written as a quotient, maybe with a sign, that is not in brackets."""
+    match node:
+        case ast.UnaryOp(ast.USub(), inner):
+            return _is_quotient(inner) and _written(inner)[1] >= _PRODUCT
+        case ast.UnaryOp(_, inner):
+            return _is_quotient(inner)
     return isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div)
 
 
