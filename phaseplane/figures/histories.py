@@ -130,20 +130,20 @@ def axle_histories(
         panels[-1].set_xlabel(f"time [{unit}]")
         if axle:
             panels[0].set_title(axle, loc="right")
-    drawn = [[line for axes in panels for line in axes.lines if line.get_gid()] for panels in grid]
+    keys = []  # of each row, with the curves of all axles in one order
+    for (_, columns), panels in zip(rows, grid, strict=True):
+        drawn = {line.get_gid(): line for axes in panels for line in axes.lines}
+        keys.append([drawn[name] for name in reversed(columns) if name in drawn])
     if narrow:
         # by a label that goes with a part in all panels: body for body x₁
         named = {
             " ".join(word for word in str(line.get_label()).split() if len(word) > 2): line
-            for line in reversed([*chain.from_iterable(drawn)])
+            for line in chain.from_iterable(reversed(keys))
         }
         figure.key(list(named.values()), labels=list(named))
     else:
-        for axes, lines in zip(grid[:, -1], drawn, strict=True):
-            handles = {line.get_label(): line for line in lines}.values()  # one for all axles
-            axes.legend(
-                handles=[*handles], reverse=True, loc="center left", bbox_to_anchor=(1.01, 0.5)
-            )
+        for axes, key in zip(grid[:, -1], keys, strict=True):
+            axes.legend(handles=key, loc="center left", bbox_to_anchor=(1.01, 0.5))
     return figure.finished(*title.split("\n"))
 
 
