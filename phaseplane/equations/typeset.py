@@ -9,6 +9,8 @@ from decimal import Decimal
 _EXPONENT = re.compile(r"\d[\d.]*e[+-]\d+")
 _INDICES = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _POWERS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+_PLAIN = {power: plain for plain, power in _POWERS.items()}
+_PRINTED_POWER = re.compile("·10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)$")
 _GREEK = {
     name: chr(0x3B1 + i) for i, name in enumerate(
         ("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa",
@@ -32,6 +34,17 @@ def printed(text: str) -> str:
     if "e-" in text or "e+" in text:  # which is seldom, and soon seen
         text = _EXPONENT.sub(_spelled, text)
     return text.replace("-", "−")
+
+
+def read(text: str) -> float:
+    """Return a number that was written plainly, or as it is printed.
+
+    Raises
+    ------
+    ValueError : if it is neither.
+    """
+    power = _PRINTED_POWER.sub(lambda found: "e" + found[1].translate(_PLAIN), text)
+    return float(power.replace("−", "-"))
 
 
 def _spelled(found: re.Match[str]) -> str:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from io import StringIO
 from math import isfinite
 
-from phaseplane.constructions.letters import MINUS
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.steps import States
+from phaseplane.equations.typeset import read
 from phaseplane.exercises.protocol import display, displayed, point_of
 
 
@@ -71,7 +71,8 @@ def is_filled_in(text: str) -> bool:
 def read_readings(text: str, planes: Sequence[Plane]) -> list[Reading]:
     """Read a CSV of readings: with commas, semicolons or tabs, and decimal points or (in quotes) commas.
 
-    Rows that are not filled in are left out at the end.
+    Powers of ten may be written as on the sheet: 9.61·10⁻¹⁰. Rows that are not filled in are left out
+    at the end.
 
     Raises
     ------
@@ -137,7 +138,7 @@ def _name_and_unit(head: str) -> tuple[str, str]:
 
 def _number(text: str, line: int, name: str) -> float:
     try:
-        value = float(text.replace(",", ".").replace(MINUS, "-"))
+        value = read(text.replace(",", "."))
     except ValueError:
         raise ValueError(f"line {line}: {name} = {text!r} is not a number") from None
     if not isfinite(value):

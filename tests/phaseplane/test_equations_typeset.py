@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from phaseplane.equations import Formula
+from phaseplane.equations.typeset import number, read
 
 
 @pytest.mark.parametrize(
@@ -42,3 +43,14 @@ def test_parameters_are_told_with_their_values() -> None:
 def test_numbers_in_names_are_indices() -> None:
     formula = Formula("x/J0 + omega_2*v + k10*t", {"J0": 0.02, "omega_2": 1.0, "k10": 3.0})
     assert formula.words == "ẍ + x/J₀ + ω₂\u2009ẋ + k₁₀\u2009t = 0   (J₀ = 0.02, k₁₀ = 3, ω₂ = 1)"
+
+
+@pytest.mark.parametrize("value", [0.0, -1.25, 9.61e-10, -3.0e-300, 961e6, -2.5e123])
+def test_a_number_is_read_as_it_is_printed(value: float) -> None:
+    assert read(number(value)) == value
+
+
+@pytest.mark.parametrize("text", ["", "x", "·10⁻³", "2·10", "2·10³ m"])
+def test_what_is_no_number_is_not_read(text: str) -> None:
+    with pytest.raises(ValueError, match="could not convert"):
+        read(text)

@@ -368,6 +368,7 @@ PLAIN_READINGS = "point,x,x_bar,D\n0,2,0.1,\n1,1.98,-0.19,0.2\n2,,,\n"
         'point,x,x_bar,D\n0,"2","0,1",\n1,"1,98","-0,19","0,2"\n',
         PLAIN_READINGS.replace(",", "\t").replace(".", ","),
         PLAIN_READINGS.replace("-", "\N{MINUS SIGN}"),
+        PLAIN_READINGS.replace("-0.19", "−1.9·10⁻¹"),  # as on the sheet of a small motion
         "D,x_bar,x,point,note\n,0.1,2,0,start\n0.2,-0.19,1.98,1,\n",
     ],
 )
