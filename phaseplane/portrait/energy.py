@@ -33,10 +33,10 @@ def power(system: PhaseSystem, x: npt.ArrayLike, v: npt.ArrayLike) -> Grid:
     """Return the power dissipated per unit mass, (f(x', x) - f(0, x)) x'; 0 within rounding."""
     x, v = np.asarray(x, float), np.asarray(v, float)
     moving, still = system.forces(x, v), system.forces(x, 0.0 * v)
-    lost = (moving - still) * v
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore"):  # at a pole of f
+        damping = moving - still
         rounding = _ROUNDING * (np.abs(moving) + np.abs(still))
-        return np.where(np.abs(moving - still) <= rounding, 0.0, lost)
+        return np.where(np.abs(damping) <= rounding, 0.0, damping * v)
 
 
 def conserves(system: PhaseSystem, window: Window) -> bool:

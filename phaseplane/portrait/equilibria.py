@@ -150,7 +150,9 @@ def _stretches(system: PhaseSystem, window: Window, points: Grid) -> list[Equili
     def rests(x: Grid) -> Grid:
         low, high = system.forces(x, 0.0 * x - slow), system.forces(x, 0.0 * x + slow)
         tiny = 4e-16 * window.height  # possible effect of damping at the velocity `slow`
-        jumps = (low < -tiny) & (high > tiny) & (high - low > 1e-9 * (np.abs(low) + np.abs(high)))
+        with np.errstate(invalid="ignore"):  # at a pole of f
+            jump = high - low > 1e-9 * (np.abs(low) + np.abs(high))
+        jumps = (low < -tiny) & (high > tiny) & jump
         return (system.forces(x, 0.0 * x) == 0.0) | jumps
 
     resting = np.concatenate([[False], rests(points), [False]])
@@ -310,9 +312,9 @@ def _size_of_damping(system: PhaseSystem, x: float, scale: float) -> float:
     sizes = scale * _SIZES
     steep = _steepness(system, x, sizes)
     away = x + sizes[:, None] * np.cos(angle)
-    v = (steep * sizes)[:, None] * np.sin(angle)
-    damped = np.abs(system.forces(away, v) - system.forces(away, 0.0 * v)).max(axis=1)
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"):  # at a pole of f, and beyond what restores
+        v = (steep * sizes)[:, None] * np.sin(angle)
+        damped = np.abs(system.forces(away, v) - system.forces(away, 0.0 * away)).max(axis=1)
         share = damped / (steep**2 * sizes)
     known = np.isfinite(share)
     begin = int(known.argmax())  # what is smaller is lost in the rounding of x

@@ -560,6 +560,15 @@ def test_the_kind_where_f_has_no_taylor_series(text: str, kind: str, half: float
     assert [at.kind for at in found if at.x == 0.0] == [kind]
 
 
+@pytest.mark.parametrize("half", [3.0, 8.0, 50.0])
+def test_the_kind_beside_a_pole_that_is_looked_at(half: float) -> None:
+    """At 8 and 50 the poles at -1 and 1 are points of the window, or of the rings about the centre."""
+    made = Formula("x/(1 - x^2) - v^3 + 3*x*abs(x)*v")
+    system = PhaseSystem(made.function, on_arrays=made.on_arrays, switching=made.switching)
+    found = equilibria(system, Window(-half, half, -half, half))
+    assert [at.kind for at in found if at.x == 0.0] == ["unstable focus"]
+
+
 @pytest.mark.parametrize("half", [1e-2, 1e-6, 1e-8])
 def test_the_kind_in_a_window_near_the_rounding_of_its_place(half: float) -> None:
     made = Formula("(x - C) - v^3 + 3*(x - C)*abs(x - C)*v", {"C": 1e6})
