@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension.acting import Idle, idle
 from phaseplane.suspension.models import ALL
+from phaseplane.suspension.outputs import needs_ledger
 from phaseplane.suspension.roads import extent
 from phaseplane.suspension.units import UNITS, nearest
 from phaseplane.suspension.variable import Checked
@@ -42,6 +43,8 @@ _TYPES: dict[str, Callable[[str], Value]] = {
     **{f"{sign}Int{bits}": int for sign in ("", "U") for bits in (8, 16, 32, 64)},
 }
 _DESCRIPTION = "modelDescription.xml"
+LEDGER = "solver.energy"
+"""The parameter by which the energy ledger is left out."""
 _KINDS = {
     "CoSimulation": "co-simulation",
     "Implementation": "co-simulation",  # FMI 1.0
@@ -161,6 +164,21 @@ class Fmu:
         given |= self.road_length(parameters, duration)
         return Checked(self.model, given) if self.is_ours else given
 
+    def keeps_ledger(self, parameters: Mapping[str, Value]) -> bool:
+        """Return whether a run has the entries of the energy ledger; a native FMU may be packed without.
+
+        Parameters
+        ----------
+        parameters : the parameters given, each checked
+        """
+        if not self.is_ours:
+            return True
+        return bool(parameters.get(LEDGER, self.parameters()[LEDGER].start))
+
+    def without_ledger(self) -> Fmu:
+        """Return the model without the outputs of the energy ledger."""
+        return replace(self, variables=tuple(v for v in self.variables if not needs_ledger(v.name)))
+
     def road_length(self, parameters: Mapping[str, Value], duration: float) -> dict[str, Value]:
         """Return the length of a random road, which is as long as the run, if it is not given, else {}.
 
@@ -181,6 +199,11 @@ class Fmu:
         }
         length = extent.length_for(given | dict(parameters), duration)
         return {} if length is None else {extent.LENGTH: length}
+
+
+def lacks_ledger(what: str) -> str:
+    """Return why something that needs the energy ledger is refused without it."""
+    return f"{LEDGER} = false: {what} needs the energy ledger; set {LEDGER} to true, or leave out {what}"
 
 
 def _written(value: Value, unit: str) -> str:

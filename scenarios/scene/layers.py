@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from phaseplane.suspension.outputs import needs_ledger
 from phaseplane.suspension.own_systems.module import scene_in
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import MODELS, ParameterError
@@ -20,7 +21,7 @@ from phaseplane.suspension.variables import MODELS, ParameterError
 from ..errors import InputError, as_argument, blaming, read_text, shown
 from ..toml_files import read_content
 from .equation import equation_variables, only_in
-from .fmus import default_duration
+from .fmus import LEDGER, default_duration
 from .names import CASES, SCENE_FILES, case_names, file_meant, meant
 
 SECTIONS = ("parameters", "controller", "show", "construction", "expect")
@@ -105,12 +106,26 @@ class Layers:
 
     def expect_nothing(self) -> None:
         """Drop all expectations so far, and list them as unchecked."""
-        outdated = [key for key in self.given if key.split(".")[0] == "expect"]
-        measures = (
-            re.sub(r"^expect\.|\.(min|max|file|tolerance|columns|common)$", "", key)
-            for key in outdated
-        )
-        self.unchecked = tuple(dict.fromkeys((*self.unchecked, *measures)))
+        self._drop(dict(self._expected()))
+
+    def expect_no_ledger(self) -> None:
+        """Drop a base's expectations of the energy ledger if the scene leaves it out."""
+        kept = self.given.get(f"parameters.{LEDGER}")
+        if kept is None or kept.value is not False:
+            return
+        self._drop({
+            key: name for key, name in self._expected()
+            if needs_ledger(name) and self.given[key].rank < kept.rank
+        })  # fmt: skip
+
+    def _expected(self) -> Iterator[tuple[str, str]]:
+        """Yield the keys of expectations, and what they are of."""
+        for key in self.given:
+            if key.split(".")[0] == "expect":
+                yield key, re.sub(r"^expect\.|\.(min|max|file|tolerance|columns|common)$", "", key)
+
+    def _drop(self, outdated: Mapping[str, str]) -> None:
+        self.unchecked = tuple(dict.fromkeys((*self.unchecked, *outdated.values())))
         for key in outdated:
             del self.given[key]
 

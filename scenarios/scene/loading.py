@@ -55,6 +55,7 @@ def load_scene(
     if not expect:
         layers.expect_nothing()
     overlay(layers, overrides)
+    layers.expect_no_ledger()
     reference = name if path is None else str(reference)  # in messages
     try:
         scene = read_scene(name, layers.tables(), layers.folders)

@@ -23,7 +23,7 @@ from .equation import EQUATION, check_equation, outputs_of_starts
 from .expectations import Bounds, During, Reference, ReferenceTable, bounds_from, unknown_measure
 from .fields import RefusedError, keys_of, read_table, refusing, refusing_value
 from .file import SceneFile
-from .fmus import Fmu, find_fmu
+from .fmus import LEDGER, Fmu, find_fmu, lacks_ledger
 from .schema import Scene, excess
 from .sections import Construction, Show
 from .table_files import with_files
@@ -66,8 +66,9 @@ def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path
     if construction.starts:
         fmu = _with_starts(fmu, construction.starts)
     checked = _parameters(fmu, duration, parameters, folders)
-    if fmu.is_ours and not checked.get("solver.energy", True):
-        fmu = _without_ledger(fmu, said.show or Show(), expect)
+    if not fmu.keeps_ledger(checked):
+        _refuse_ledger(said.show or Show(), expect)
+        fmu = fmu.without_ledger()
     scene = Scene(
         name=name,
         fmu=fmu,
@@ -105,19 +106,17 @@ def _with_starts(fmu: Fmu, starts: Collection[object]) -> Fmu:
     return replace(fmu, variables=(*fmu.variables, *outputs_of_starts(fmu.variables, len(starts))))
 
 
-def _without_ledger(fmu: Fmu, show: Show, expect: Mapping[str, Any]) -> Fmu:
-    """Return a model without the outputs of the energy ledger, which it does not keep; nor asks any."""
+def _refuse_ledger(show: Show, expect: Mapping[str, Any]) -> None:
+    """Refuse what needs the energy ledger, in a scene without it."""
     during = (one.get("output") for one in expect.get("during", ()) if isinstance(one, Mapping))
     planes = (name for names in show.planes for name in names)
     listed = show.outputs if isinstance(show.outputs, tuple) else ()
-    for name in (*listed, *(show.measures or ()), *planes, *expect, *during):
-        if needs_ledger(str(name)):
-            raise RefusedError(
-                "parameters.solver.energy",
-                f"solver.energy = false: {name} needs the energy ledger; set solver.energy to true, or "
-                f"leave out {name}",
-            )
-    return replace(fmu, variables=tuple(v for v in fmu.variables if not needs_ledger(v.name)))
+    asked = [str(x) for x in (*listed, *(show.measures or ()), *planes, *expect, *during)]
+    wanted = [name for name in asked if needs_ledger(name)]
+    if "energies" in show.views and show.views != Show().views:  # by default it is left out
+        wanted.append("the view 'energies'")
+    if wanted:
+        raise RefusedError(f"parameters.{LEDGER}", lacks_ledger(wanted[0]))
 
 
 def _parameters(

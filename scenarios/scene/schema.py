@@ -9,8 +9,12 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import InputError
+from phaseplane.suspension.outputs import needs_ledger
+from phaseplane.suspension.units import nearest
+
+from ..errors import InputError, shown
 from ..measures import catalogue, default_measures
+from .fmus import lacks_ledger
 from .names import CASES
 from .sections import Construction, Show
 
@@ -178,9 +182,26 @@ class Scene:
         return self.duration if enough and not wants_rows else self.show.output_interval
 
     def only(self, measures: Sequence[str]) -> Scene:
-        """Return the same scene with only these measures as its results."""
+        """Return the same scene with only these measures as its results.
+
+        Raises
+        ------
+        InputError : if its model lacks one of them.
+        """
+        lacking = next(
+            (name for name in measures if name not in catalogue(self.fmu.outputs())), None
+        )
+        if lacking is not None:
+            raise InputError(f"{self.fmu.model}: {self.no_measure(lacking)}")
         show = Show(output_interval=self.show.output_interval, outputs=(), measures=tuple(measures))
         return replace(self, show=show, expect={}, during=(), reference=None, unchecked=())
+
+    def no_measure(self, name: str) -> str:
+        """Return why there is no measure of a name."""
+        if needs_ledger(name) and not self.fmu.keeps_ledger(self.parameters):
+            return lacks_ledger(name)
+        near = nearest(name, catalogue(self.fmu.outputs()))
+        return f"no measure {shown(name)}{near}"
 
     @cached_property
     def outputs(self) -> tuple[str, ...]:

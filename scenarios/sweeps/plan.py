@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from phaseplane.suspension.acting import Idle, decided_by
+from phaseplane.suspension.outputs import needs_ledger
 from phaseplane.suspension.roads import extent
 from phaseplane.suspension.units import nearest, to_si
 from phaseplane.suspension.variable import number
@@ -31,7 +32,7 @@ from ..scene.fields import (
     read_table,
     whole,
 )
-from ..scene.fmus import Fmu
+from ..scene.fmus import LEDGER, Fmu, lacks_ledger
 from ..scene.layers import KEYS, Setting, from_top
 from ..scene.loading import load_scene
 from ..scene.names import SCENE_FILES, SWEEPS, file_meant, meant, sweep_titles
@@ -351,7 +352,7 @@ def plan_of(
     for name in said.measures:
         where = f"{path}: {(keys or {}).get(name, 'measures')}"
         if name not in known:
-            raise InputError(f"{where}: no measure {shown(name)}{nearest(name, known)}")
+            raise InputError(f"{where}: {scene.no_measure(name)}")
         if known[name].single:
             raise InputError(
                 f"{where}: {name} has several values; of each run one is needed: "
@@ -359,6 +360,10 @@ def plan_of(
             )
     declared = scene.fmu.parameters()
     columns = [_values(path, key, values, scene.fmu) for key, values in said.vary.items()]
+    for key, column in zip(said.vary, columns, strict=True):
+        needing = next(filter(needs_ledger, said.measures), None)
+        if key == LEDGER and False in column and needing:
+            raise InputError(f"{path}: vary.{key}: {lacks_ledger(needing)}")
     if said.method == "grid":
         points = list(product(*columns))
     elif said.method == "list":

@@ -4,34 +4,52 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from command_line import complaint, phaseplane, printed, settings, written
 from phaseplane.scenarios.commands.build import build_models
 from phaseplane.scenarios.scene.fmus import find_fmu
+from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.simulate.runner import run
 from phaseplane.scenarios.studies.problems import find_problem
 from phaseplane.scenarios.studies.project_solvers import through_fmu
 from phaseplane.scenarios.studies.reference import truth
 from phaseplane.scenarios.studies.workbench import Workbench
+from phaseplane.suspension.outputs import needs_ledger
 from phaseplane.vehicle_fmus.native import compilers, pack
 from phaseplane.vehicle_fmus.reference import accepted_parameters
 
 import phaseplane as phaseplane_package
 
 
-@pytest.fixture(scope="module")
-def car(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def packed(folder: Path, parameters: dict[str, Any]) -> Path:
+    """A quarter car packed with these parameters, soon compiled."""
     if shutil.which("cc") is None:
         pytest.skip("no C compiler")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(compilers, "FLAGS", ("-std=c99", "-O1", "-ffp-contract=off", "-w"))
         patch.setattr(compilers, "has_zig", lambda: False)
-        (file,) = pack.build(
-            ["QuarterCar"], tmp_path_factory.mktemp("car"),
-            parameters={"QuarterCar": {"friction": 30.0}},
-        )  # fmt: skip
+        (file,) = pack.build(["QuarterCar"], folder, parameters={"QuarterCar": parameters})
     return file
+
+
+@pytest.fixture(scope="module")
+def car(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return packed(tmp_path_factory.mktemp("car"), {"friction": 30.0})
+
+
+def test_a_car_packed_without_the_energy_ledger_runs(tmp_path: Path) -> None:
+    """Its entries, which are not a number, were read, and the run ended at its start."""
+    file = packed(tmp_path, {"solver.energy": False})
+    scene = written(f'fmu = "{file.as_posix()}"\nduration = 0.1\n[show]\noutputs = "all"\n')
+    found = run(load_scene(scene))
+    assert "kinetic_energy" in found.columns
+    assert not [*filter(needs_ledger, found.columns)]
+    assert "energy_residual needs the energy ledger" in complaint(
+        "run", scene, "--set", "show.measures=['energy_residual']"
+    )
 
 
 @pytest.mark.slow
