@@ -45,9 +45,9 @@ def sweep(*, file: str, output: Path | None, as_data: bool, **how: Any) -> int:
     sample of parameters (see `schema --sweep`). Start an interrupted sweep again to continue it.
     """
     with progress_bar(Path(file).stem) as progress:
-        plan, _, summary, folder = run_sweep(file, output, progress=progress, **how)
+        plan, runs, summary, folder = run_sweep(file, output, progress=progress, **how)
     warn(summary["warnings"])
-    click.echo(as_json(summary) if as_data else format_sweep(plan, summary, folder))
+    click.echo(as_json(summary) if as_data else format_sweep(plan, runs, summary, folder))
     failures, reasons = summary["failures"], list(summary["problems"])
     if failures:
         number = f"{len(failures)} of {summary['runs']} runs failed"

@@ -230,7 +230,7 @@ def _format_optimum(found: Optimum) -> list[str]:
     measured: list[tuple[str, ...]] = [("measure", "before", "found", "bound")]
     units = {name: known[name].unit_of_one for name in problem.measures}
     both = (found.numbers_before, found.numbers)
-    size = sizes((n, units[n], x[k].item()) for x in both for k, n in enumerate(problem.measures))
+    size = [sizes((n, units[n], x[k].item()) for k, n in enumerate(problem.measures)) for x in both]
     for k, (name, unit) in enumerate(units.items()):
         bound = problem.bounds.get(name)
         limits = [] if bound is None else [
@@ -238,7 +238,10 @@ def _format_optimum(found: Optimum) -> list[str]:
             for word, limit in (("at least", bound.min), ("at most", bound.max)) if limit is not None
         ]  # fmt: skip
         role = ("least" if problem.sign > 0 else "largest") if name == problem.objective else ""
-        values = (quantity(x[k].item() if isfinite(x[k]) else None, unit, size[name]) for x in both)
+        values = (
+            quantity(x[k].item() if isfinite(x[k]) else None, unit, of[name])
+            for x, of in zip(both, size, strict=True)
+        )
         measured.append((name, *values, ", ".join([*([role] if role else []), *limits])))
     lacking = int(np.isnan(found.measured).any(axis=1).sum())
     made = counted(len(found.points), "run")

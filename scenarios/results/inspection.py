@@ -148,14 +148,15 @@ def format_contents(data: Mapping[str, Any], what: Path) -> str:
             raise InputError(f"{what}: {DAMAGED}") from None
     lines += [f"warning: {warning}" for warning in data["summary"].get("warnings", ())]
     heading = ("column", "unit", "first", "last", "smallest", "largest")
-    rows = [(name, c["unit"], *_read_off(c)) for name, c in data["columns"].items()]
+    of_run = bool(data["summary"])  # of another table nothing is known, and it is told as it is
+    rows = [(name, c["unit"], *_read_off(c, of_run)) for name, c in data["columns"].items()]
     lines += [f"{data['rows']} rows", *aligned([heading, *rows])]
     return "\n".join([*lines, *data.get("files", ())])
 
 
-def _read_off(column: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the first, last, smallest and largest value of a column."""
-    size = max(abs(column["min"]), abs(column["max"]))
+def _read_off(column: Mapping[str, Any], of_run: bool) -> Iterator[str]:
+    """Yield the first, last, smallest and largest value of a column; rounding errors of a run as 0."""
+    size = max(abs(column["min"]), abs(column["max"])) if of_run else 0.0
     for key in ("first", "last", "min", "max"):
         yield f"{rounded(column[key], size):.6g}"
 
@@ -217,9 +218,12 @@ def format_difference(data: Mapping[str, Any]) -> str:
         for d in data["differences"]
     ]
     both = ("ours", "other")
-    size = sizes((name, m["unit"], m[one]) for name, m in data["measures"].items() for one in both)
+    size = {
+        one: sizes((name, m["unit"], m[one]) for name, m in data["measures"].items())
+        for one in both
+    }
     measured = [
-        (name, *(quantity(m[one], m["unit"], size[name]) for one in both))
+        (name, *(quantity(m[one], m["unit"], size[one][name]) for one in both))
         for name, m in data["measures"].items()
     ]
     beside = (

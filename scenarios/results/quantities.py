@@ -69,16 +69,18 @@ def sizes(values: Iterable[tuple[str, str, object]]) -> dict[str, float]:
     """Return the size of the quantity of each measure, in its SI unit: the largest magnitude of its kind.
 
     Measures of one unit are of one kind; those without a unit are if the last words of their names
-    agree. Values that are not a real number have no size.
+    agree. The motions from several starts are each by themselves. Values that are not a real number have
+    no size.
 
     Parameters
     ----------
-    values : names, SI units and values of measures; a name may be repeated
+    values : names, SI units and values of the measures of one run
     """
-    kinds: dict[str, str] = {}
-    largest: dict[str, float] = {}
+    kinds: dict[str, tuple[str, str]] = {}
+    largest: dict[tuple[str, str], float] = {}
     for name, unit, value in values:
-        kind = kinds[name] = re.split(r"[._]", name)[-1] if unit in _NO_UNITS else unit
+        _, start, _ = re.split(r"(start\d+_|$)", name, maxsplit=1)
+        kind = kinds[name] = (start, re.split(r"[._]", name)[-1] if unit in _NO_UNITS else unit)
         size = abs(value) if isinstance(value, float) and isfinite(value) else 0.0
         largest[kind] = max(largest.get(kind, 0.0), size)
     return {name: largest[kind] for name, kind in kinds.items()}

@@ -97,6 +97,7 @@ def summary_of(plan: Plan, rows: Sequence[Row], more: Mapping[str, Any]) -> dict
             (low, first), (high, last) = min(found, key=size), max(found, key=size)
             extent[name] = {
                 "unit": known[name].unit_of_one,
+                "runs": len(found),
                 "min": low, "run_of_min": first, "max": high, "run_of_max": last,
             }  # fmt: skip
     return {
@@ -120,21 +121,25 @@ def _magnitude(found: tuple[float, int]) -> float:
     return abs(found[0])
 
 
-def format_sweep(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
+def _sizes(plan: Plan, runs: pyarrow.Table, run: int) -> dict[str, float]:
+    """Return the sizes of the quantities in one run; what is small in another may be exact."""
+    known = catalogue(plan.scene.fmu.outputs())
+    return sizes((name, known[name].unit_of_one, runs[name][run].as_py()) for name in plan.measures)
+
+
+def format_sweep(plan: Plan, runs: pyarrow.Table, summary: Mapping[str, Any], folder: Path) -> str:
     """Return the report of a sweep, in aligned lines."""
     rows = [("measure", "smallest", "at", "largest", "at")]
     extents = summary["measures"]
-    ends = (
-        (name, one["unit"], one[end]) for name, one in extents.items() for end in ("min", "max")
-    )
-    size = sizes(ends)
     for name, extent in extents.items():
         smallest, largest = (
-            quantity(extent[end], extent["unit"], size[name]) for end in ("min", "max")
+            quantity(extent[end], extent["unit"], _sizes(plan, runs, extent[f"run_of_{end}"])[name])
+            for end in ("min", "max")
         )
         first, last = (_where(plan, extent[f"run_of_{end}"]) for end in ("min", "max"))
-        if extent["min"] == extent["max"] and summary["runs"] > 1:
-            first = last = "all runs" if name not in summary["lacking"] else "all runs with a value"
+        if extent["min"] == extent["max"] and extent["runs"] > 1:
+            whole = extent["runs"] == summary["runs"]
+            first = last = "all runs" if whole else "all runs with a value"
         rows.append((name, smallest, first, largest, last))
     made, seconds = summary["made"], summary["seconds"]
     rate = f", {made / seconds:.4g} per second" if made and seconds > 0.0 else ""
@@ -150,9 +155,9 @@ def format_sweep(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
     ]
     if "disagreement" in summary:
         lines.append(f"FMU and process agree to {summary['disagreement']:.2g}")
-    failures, runs = summary["failures"], summary["runs"]
+    failures, total = summary["failures"], summary["runs"]
     for name, count in summary["lacking"].items():
-        of = f"any of {runs}" if count == runs else f"{count} of {runs}"
+        of = f"{'any' if count == total else count} of {total}"
         lines.append(f"{name} has no value in {of} runs")
     lines += [*summary["remarks"], *summary["problems"]]
     if failures:

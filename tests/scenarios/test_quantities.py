@@ -38,7 +38,8 @@ def test_what_is_zero_but_for_rounding_reads_as_zero() -> None:
     # without units as in an equation, whose accelerations may be of another size than its displacements
     bare = [
         ("peak.displacement", "1", 1e-7), ("peak.acceleration", "1", 1e9),
-        ("peak.start2_acceleration", "1", 2e-8), ("lift_off_count", "count", 3),
+        ("rms.acceleration", "1", 2e-8), ("peak.start2_acceleration", "1", 2e-8),
+        ("lift_off_count", "count", 3),
         ("natural_frequencies", "Hz", (3e-16, 1.5)), ("peak.velocity", "m/s", float("nan")),
     ]  # fmt: skip
     size = sizes([*forces, *motion, *bare])
@@ -48,7 +49,7 @@ def test_what_is_zero_but_for_rounding_reads_as_zero() -> None:
         "peak.tyre_force": "3200.000 N", "peak.actuator_force": "0 N",
         "peak.wheel_displacement": "2.000e-12 mm", "peak.body_displacement": "-1.000e-12 mm",
         "peak.displacement": "1.000e-07", "peak.acceleration": "1.000e+09",
-        "peak.start2_acceleration": "0", "lift_off_count": "3",
+        "rms.acceleration": "0", "peak.start2_acceleration": "2.000e-08", "lift_off_count": "3",
         "natural_frequencies": "0 Hz, 1.500 Hz", "peak.velocity": "nan m/s",
     }  # fmt: skip
 

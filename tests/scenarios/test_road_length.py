@@ -11,7 +11,7 @@ from phaseplane.scenarios.results.report import report
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate.runner import run
 from phaseplane.scenarios.sweeps.plan import load_plan
-from phaseplane.scenarios.sweeps.report import format_sweep, summary_of
+from phaseplane.scenarios.sweeps.report import format_sweep, summary_of, table_of
 from phaseplane.scenarios.sweeps.running import sweep
 from phaseplane.suspension.parts import road_from
 from phaseplane.suspension.roads.extent import LENGTH, LONGEST
@@ -112,7 +112,7 @@ def test_a_sweep_says_how_many_roads_end(car: str, tmp_path: Path) -> None:
     rows, told = sweep(plan, tmp_path / "journal", workers=1)
     summary = {**summary_of(plan, rows, told), "files": [], "problems": []}
     assert summary["remarks"] == [said]
-    assert said in format_sweep(plan, summary, tmp_path)
+    assert said in format_sweep(plan, table_of(plan, rows), summary, tmp_path)
 
 
 @pytest.mark.slow

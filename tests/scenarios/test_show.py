@@ -127,6 +127,13 @@ def test_results_that_share_no_column_are_not_drawn_over_one_another(folders):
     assert not Path("x.png").exists()
 
 
+def test_a_table_that_is_not_of_a_run_is_told_as_it_is() -> None:
+    """A small value read as 0, as if it were a rounding error of the largest."""
+    Path("errors.csv").write_text("tolerance,error\n1e-14,1e-20\n1e-3,2\n")
+    (line,) = (one for one in printed("show errors.csv").splitlines() if one.startswith("error"))
+    assert line.split() == ["error", "1e-20", "2", "1e-20", "2"]
+
+
 def test_measures_stand_side_by_side(folders):
     told = difference(Path("a"), Path("b"), 1e-6)
     ours, other = desk.run("ap57", duration=0.2), desk.run("ap57", duration=0.2, speed=25)

@@ -7,12 +7,13 @@ import os
 from pathlib import Path
 
 import pytest
-from command_line import complaint, phaseplane, printed
+from command_line import complaint, phaseplane, printed, written
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.scene.names import SWEEPS, sweep_titles
 from phaseplane.scenarios.sweeps import running
 from phaseplane.scenarios.sweeps.plan import load_plan
-from phaseplane.scenarios.sweeps.running import sweep
+from phaseplane.scenarios.sweeps.report import format_sweep, summary_of, table_of
+from phaseplane.scenarios.sweeps.running import Row, run_chunk, sweep
 from phaseplane.suspension import engine
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
@@ -454,3 +455,34 @@ def test_equations_are_swept_too() -> None:
     assert abs(small) == pytest.approx(2.009, abs=2e-3)  # the limit cycle
     assert large == 3.0
     assert "leave out --through fmu" in complaint("sweep sweep.toml --through fmu")
+
+
+def test_a_model_without_a_measure_fails_its_run_in_words() -> None:
+    """The sweep broke off with a KeyError."""
+    scene = written("fmu = 'QuarterCar'\nduration = 0.1\n")
+    head = f"scene = '{scene}'\nmeasures = ['peak.wheel_displacement']\n"
+    plan = load_plan(written(f"{head}vary.fmu = ['QuarterCar', 'OneDof']\n", "s.toml"))
+    first, second = run_chunk(plan, [0, 1], "process")
+    assert first.reason == ""
+    assert second.reason.startswith("OneDof: no measure 'peak.wheel_displacement'")
+
+
+def test_runs_that_fail_are_not_among_all_runs() -> None:
+    plan = load_plan(sweep_file(GRID))
+    values = tuple(0.1 for _ in plan.measures)
+    rows = [Row(0, values, ""), Row(1, values, ""), Row(2, (None,) * len(values), "diverged")]
+    summary = summary_of(plan, rows, {
+        "made": 3, "seconds": 1.0, "uncompiled": False, "problems": [], "files": [],
+    })  # fmt: skip
+    told = format_sweep(plan, table_of(plan, rows), summary, Path("out"))
+    assert told.count("all runs with a value") == 2 * len(values)
+
+
+def test_a_run_that_is_small_as_a_whole_is_told() -> None:
+    """Zero is what is a rounding error in its own run; next to a larger run all of it read as 0."""
+    scene = written("fmu = 'QuarterCar'\nduration = 0.3\nparameters.road.shape = 'bump'\n")
+    head = f"scene = '{scene}'\nmeasures = ['peak.wheel_displacement']\n"
+    sweep = written(f"{head}[vary]\n'road.height' = [2e-15, 0.05]\n", "s.toml")
+    told = printed("sweep", sweep, "--workers", "1")
+    (line,) = (one for one in told.splitlines() if one.startswith("peak.wheel"))
+    assert "e-12 mm" in line
