@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement, register_namespace
 
 from phaseplane.suspension.models import FILES, inputs, outputs
+from phaseplane.suspension.outputs import needs_ledger
 from phaseplane.suspension.session import Session
 from phaseplane.suspension.variables import SOLVER_OUTPUTS, SOURCES, Value, refuse_unknown
 
@@ -113,11 +114,12 @@ def reference_files(model: str, start: Mapping[str, Value]) -> dict[str, bytes]:
     """
     strict = {"solver.tolerance": TOLERANCE} if model not in SOURCES else {}
     session = Session(model, {**start, **strict})
+    kept = session.parameters.get("solver.energy", True)
     of_solver = {v.name for v in SOLVER_OUTPUTS}
     shown = [
         name
         for name, v in outputs(model).items()
-        if isinstance(v.start, float) and name not in of_solver
+        if isinstance(v.start, float) and name not in of_solver and (kept or not needs_ledger(name))
     ]
     driven = inputs(model)
     steps = {name: _STEPS[name] for name in driven if name in _STEPS}

@@ -80,3 +80,11 @@ def test_start_values_count(tmp_path: Path) -> None:
     found = [read_csv(str(tmp_path / f"{name}.csv")) for name in ("plain", "lower")]
     heights = [np.abs(result["ground_elevation"]).max() for result in found]
     assert heights == pytest.approx([0.05, 0.02])
+
+
+def test_without_the_energy_ledger_its_entries_are_left_out() -> None:
+    """They were written as nan, with which nothing agrees."""
+    text = reference_files("OneDof", {"solver.energy": False})["OneDof_ref.csv"].decode()
+    assert "nan" not in text
+    assert '"stored_energy"' in text
+    assert "dissipated_energy" not in text
