@@ -58,7 +58,7 @@ def quantity(value: object, unit: str, size: float = 0.0) -> str:
     if value is None:
         return "none"
     if isinstance(value, list | tuple):
-        largest = max((size, *map(abs, value)))
+        largest = max((size, *(abs(one) for one in value if isinstance(one, float))))
         return ", ".join(quantity(one, unit, largest) for one in value) or "none"
     if not isinstance(value, float) or (unit == "count" and value.is_integer()):
         return f"{value:.0f}" if isinstance(value, float) else str(value)

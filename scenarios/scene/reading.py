@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -111,7 +111,11 @@ def _refuse_ledger(show: Show, expect: Mapping[str, Any]) -> None:
     during = (one.get("output") for one in expect.get("during", ()) if isinstance(one, Mapping))
     planes = (name for names in show.planes for name in names)
     listed = show.outputs if isinstance(show.outputs, tuple) else ()
-    asked = [str(x) for x in (*listed, *(show.measures or ()), *planes, *expect, *during)]
+    reference = expect.get("reference")
+    columns = reference.get("columns") if isinstance(reference, Mapping) else None
+    compared = columns if isinstance(columns, Sequence | Mapping) else ()
+    of_show = (*listed, *(show.measures or ()), *planes)
+    asked = [str(x) for x in (*of_show, *expect, *during, *compared)]
     wanted = [name for name in asked if needs_ledger(name)]
     if "energies" in show.views and show.views != Show().views:  # by default it is left out
         wanted.append("the view 'energies'")

@@ -25,6 +25,7 @@ def test_four_digits_and_three_decimals_at_least(value: float, text: str) -> Non
         (0.090179652, "m", "90.180 mm"), (2.3310365, "m/s2", "2.331 m/s2"), (3, "count", "3"),
         (2.0, "count", "2"), (0.0349, "s", "34.900 ms"), (0.155, "1", "0.1550"),
         (None, "m", "none"), ((1.5, 12.0), "Hz", "1.500 Hz, 12.000 Hz"), ((), "s", "none"),
+        ((None, 1.5), "Hz", "none, 1.500 Hz"),  # as JSON has what is not finite
     ],
 )  # fmt: skip
 def test_a_value_has_its_unit(value: object, unit: str, text: str) -> None:

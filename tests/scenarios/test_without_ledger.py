@@ -33,7 +33,7 @@ def test_all_outputs_but_those_of_the_ledger_are_the_same(way: Callable[[Scene],
         "show.outputs=['energy_residual']", "show.measures=['energy_residual']",
         "show.planes=[['time', 'energy_residual']]", "expect.energy_residual={max='1 J'}",
         "expect.during=[{output='energy_residual', from='0 s', max='1 J'}]",
-        "show.views=['energies']",
+        "show.views=['energies']", "expect.reference={file='a.csv', columns=['energy_residual']}",
     ],
 )  # fmt: skip
 def test_what_needs_it_is_refused(wanted: str) -> None:
