@@ -188,11 +188,10 @@ class Scene:
         ------
         InputError : if its model lacks one of them.
         """
-        lacking = next(
-            (name for name in measures if name not in catalogue(self.fmu.outputs())), None
-        )
-        if lacking is not None:
-            raise InputError(f"{self.fmu.model}: {self.no_measure(lacking)}")
+        known = catalogue(self.fmu.outputs())
+        for name in measures:
+            if name not in known:
+                raise InputError(f"{self.fmu.model}: {self.no_measure(name)}")
         show = Show(output_interval=self.show.output_interval, outputs=(), measures=tuple(measures))
         return replace(self, show=show, expect={}, during=(), reference=None, unchecked=())
 
