@@ -131,8 +131,8 @@ SOLVER_PARAMETERS = (
     parameter("solver.beyond_stable", "substep", "what to do with a fixed step longer than the "
               "largest stable one: divide it into equal parts, refuse the run, or allow it",
               choices=BEYOND_STABLE),
-    parameter("solver.energy", True, "whether to keep the energy ledger, which takes a tenth of a run; "
-              "without it dissipated and supplied energy and energy_residual are not a number (NaN)"),
+    parameter("solver.energy", True, "whether to keep the energy ledger, up to a fifth of a run; without "
+              "it dissipated and supplied energy and energy_residual are not a number (NaN)"),
     parameter("solver.theta", 1.4, "theta of the Wilson method: equilibrium holds theta steps ahead",
               "1", minimum=1.37, maximum=10.0),
 )  # fmt: skip
