@@ -320,7 +320,7 @@ class TimeLoop:
             status = self._step(until if stop else UNBOUNDED)
             if status != 0:
                 return status
-            if self.noted.logged == events or self._passes(self.state.time - before):
+            if self._passes(self.state.time - before):
                 self.state.stalled = 0
             else:
                 self.state.stalled += 1
