@@ -101,7 +101,7 @@ def exercise(scene: Scene, steps: int, paper: str) -> Exercise:
     for factor in _FACTORS:
         if not _LEAST <= factor / (1.0 if several else own[0]) <= most:
             continue
-        scales = tuple(factor * scale for scale in (own if several else (1.0, 1.0)))
+        scales = tuple(factor * scale for scale in (own[:2] if several else (1.0, 1.0)))
         changed = {**settings, "plane_scales": scales}
         for apart in _APART if several else (1.0,):
             if several:

@@ -220,6 +220,12 @@ def test_readings_that_were_filled_in_are_never_replaced(folder: Path) -> None:
     assert filled.read_text() == text
 
 
+def test_four_planes_have_two_scales() -> None:
+    made = exercises.exercise(load_scene("half_car_pitch", expect=False), 2, "A3")
+    assert len(made.settings["plane_scales"]) == 2
+    assert len(made.drawing.planes) == 4
+
+
 def test_two_planes_are_drawn_as_large_as_the_sheet_allows() -> None:
     made = exercises.exercise(load_scene("half_car_rigid_tyres"), 4, "A4")
     first, second = made.drawing.planes

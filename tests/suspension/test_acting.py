@@ -151,7 +151,9 @@ def alike(ours: dict[str, Any], other: dict[str, Any]) -> bool:
     """Whether all outputs are the same but for rounding, which is that of forces where they vanish."""
     for name, column in ours.items():
         a, b = np.asarray(column, float), np.asarray(other[name], float)
-        if a.shape != b.shape or abs(a - b).max(initial=0.0) > ROUNDING * abs(a).max(initial=1.0):
+        if a.shape != b.shape or (np.isnan(a) != np.isnan(b)).any():
+            return False
+        if abs(a - b).max(initial=0.0) > ROUNDING * abs(a).max(initial=1.0):
             return False
     return True
 
