@@ -124,17 +124,17 @@ def _picture(
             curves[labels[path]] = (chosen[plane[0]], chosen[plane[1]])
         return figures.plane_of_columns(curves, plane, units, title=title, look=look)
     values: dict[str, dict[str, Any]] = {}
+    first = next(iter(drawn))
     for path, results in drawn.items():
         time = _time(results, path, "--plane X,Y draws a column over another")
         columns = _chosen(results, names, path)
-        first = next(iter(drawn))
         if values and path != first and values.keys().isdisjoint(columns):
             raise InputError(f"--figure: {path} has none of the columns of {first} to draw")
         for name, column in columns.items():
             if name != "time" and (path == first or name in values):
                 values.setdefault(name, {})[labels[path]] = (time, column)
     if not values:
-        raise InputError(f"--figure: {next(iter(drawn))} has no column but time to draw")
+        raise InputError(f"--figure: {first} has no column but time to draw")
     return figures.runs(values, units, title=title, look=look)
 
 

@@ -360,10 +360,9 @@ def plan_of(
             )
     declared = scene.fmu.parameters()
     columns = [_values(path, key, values, scene.fmu) for key, values in said.vary.items()]
-    for key, column in zip(said.vary, columns, strict=True):
-        needing = next(filter(needs_ledger, said.measures), None)
-        if key == LEDGER and False in column and needing:
-            raise InputError(f"{path}: vary.{key}: {lacks_ledger(needing)}")
+    needing = next(filter(needs_ledger, said.measures), None)
+    if needing and False in dict(zip(said.vary, columns, strict=True)).get(LEDGER, ()):
+        raise InputError(f"{path}: vary.{LEDGER}: {lacks_ledger(needing)}")
     if said.method == "grid":
         points = list(product(*columns))
     elif said.method == "list":
