@@ -18,7 +18,7 @@ LOOPBACK = "127.0.0.1"
 _PORTS = (9876, 9090)  # of rerun, for recordings and for the page
 _SERVES = b"Hosting a web-viewer at"  # what the server says when both ports are its own
 _TRIES = 3
-_START = 120.0  # s within which a server that lives must answer, on a busy machine, too
+_ANSWER = 120.0  # s within which a server that lives must answer, on a busy machine, too
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,12 +93,12 @@ def _serves(process: subprocess.Popen[bytes], said: Path) -> bool:
     ------
     OSError : if it neither says so nor ends.
     """
-    end = time.monotonic() + _START
+    end = time.monotonic() + _ANSWER
     while process.poll() is None:
         if _SERVES in said.read_bytes():
             return True
         if time.monotonic() > end:
-            raise OSError(f"the server did not start within {_START:g} s")
+            raise OSError(f"the server did not start within {_ANSWER:g} s")
         time.sleep(0.05)
     return False
 
@@ -114,6 +114,10 @@ def send(file: Path, url: str, copy: Path | None, name: str) -> None:
     """Send a recording, or first copy it with the list, in which it then has a name of its own.
 
     Reading the file would keep the server busy.
+
+    Raises
+    ------
+    OSError : if the file is not a recording, or the server does not take it.
     """
     import rerun as rr  # noqa: PLC0415  (not needed for a run that is watched)
     from rerun.chunk import RrdReader  # noqa: PLC0415
@@ -134,7 +138,10 @@ def send(file: Path, url: str, copy: Path | None, name: str) -> None:
     sending.log_file_from_path(copy or file)
     if copy is not None:
         sending.send_recording_name(legible(name))
-    sending.flush()
+    try:
+        sending.flush(timeout_sec=_ANSWER)
+    except RuntimeError:
+        raise OSError(f"the server did not take {file} within {_ANSWER:g} s") from None
     sending.disconnect()
 
 

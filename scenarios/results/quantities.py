@@ -102,5 +102,10 @@ def reading(measured: Mapping[str, Any], size: float = 0.0, width: int = 0, unit
     return f"{number:>{width}} {when or unit}".rstrip()
 
 
+def span(time: float) -> str:
+    """Return a time as it was given, in ms or, if it is long, in s."""
+    return f"{1e3 * time:g} ms" if time < _LONG else f"{time:g} s"
+
+
 def _instant(time: float) -> str:
     return f"{number(1e3 * time, decimals=2):>8} ms" if time < _LONG else f"{time:>8.3f} s"

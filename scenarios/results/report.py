@@ -11,7 +11,7 @@ from phaseplane.suspension.roads.profiles import fade_length
 from phaseplane.suspension.units import counted
 
 from .. import results
-from .quantities import number, quantity, reading, shown_in, sizes
+from .quantities import number, quantity, reading, shown_in, sizes, span
 
 # least widths: of the names before words, of the names, numbers and units of measures
 _WORDS, _NAME, _NUMBER, _UNIT = 16, 26, 10, 5
@@ -74,8 +74,8 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[Line]:
     yield from _under("note", summary.get("remarks", ()))
     yield (
         "duration",
-        f"{summary['duration']:g} s, {counted(summary['rows'], 'row')}, one every "
-        f"{1e3 * summary['output_interval']:g} ms",
+        f"{summary['duration']:g} s, {counted(summary['rows'], 'row')}, "
+        f"one every {span(summary['output_interval'])}",
     )
     yield ""
     yield from _measured(measures)
@@ -261,7 +261,7 @@ def _format_solver(summary: Mapping[str, Any]) -> str:
     if "solver.method" not in parameters:
         return ""
     step = parameters["solver.step"]
-    how = f"steps of {1e3 * step:g} ms" if step else f"tolerance {parameters['solver.tolerance']:g}"
+    how = f"steps of {span(step)}" if step else f"tolerance {parameters['solver.tolerance']:g}"
     return f"{parameters['solver.method']}, {how}{UNCOMPILED if summary['uncompiled'] else ''}"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import resource
+import socket
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
@@ -236,6 +237,17 @@ def test_recordings_of_one_title_are_listed_by_their_files(
         server.send(file, "", file, name)
         names.append(Recorded(sent).static["/__properties"]["RecordingInfo:name"])
     assert names == [["fast/é/construction.rrd"], ["slow/construction.rrd"]]
+
+
+def test_a_server_that_does_not_answer_is_not_waited_for_for_ever(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(server, "_ANSWER", 0.5)
+    with (
+        pytest.raises(OSError, match=r"the server did not take .*\.rrd within 0\.5 s"),
+        socket.create_server((server.LOOPBACK, 0)) as mute,
+    ):
+        server.send(path, f"rerun+http://{server.LOOPBACK}:{mute.getsockname()[1]}/proxy", None, "")
 
 
 @pytest.mark.slow

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from phaseplane.scenarios.results.quantities import number, quantity, reading, sizes
+from phaseplane.scenarios.results.quantities import number, quantity, reading, sizes, span
 
 
 @pytest.mark.parametrize(
@@ -30,6 +30,13 @@ def test_four_digits_and_three_decimals_at_least(value: float, text: str) -> Non
 )  # fmt: skip
 def test_a_value_has_its_unit(value: object, unit: str, text: str) -> None:
     assert quantity(value, unit) == text
+
+
+@pytest.mark.parametrize(
+    ("time", "text"), [(1e-3, "1 ms"), (2.5e-7, "0.00025 ms"), (9.5, "9500 ms"), (1e5, "100000 s")]
+)
+def test_long_spans_are_in_seconds(time: float, text: str) -> None:
+    assert span(time) == text
 
 
 def test_what_is_zero_but_for_rounding_reads_as_zero() -> None:
