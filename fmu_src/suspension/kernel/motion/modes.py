@@ -26,7 +26,8 @@ class Modes:
         self.stiffness, self.damping = self.balance.tangent_k, self.balance.tangent_c
         self.stiffness_known = memory.zeros(n * n)  # stiffness for which the fastest mode is known
         self.softest, self.velocity_scale = self.net.state.memory.zeros(n), memory.zeros(n)
-        self.a, self.squared = [0.0] * 1024, [0.0] * 1024  # of literal sizes, as these are C arrays
+        # of literal sizes, as these are C arrays
+        self.k, self.a, self.squared = [0.0] * 1024, [0.0] * 1024, [0.0] * 1024
         self.road_rate = 0.0  # of the fastest sinusoid at the start of a step, rad/s
         # changes with every branch, to mark what belongs to an earlier one as outdated
         self.stamp: Long = 0
@@ -70,12 +71,13 @@ class Modes:
         times too large and does not depend on units.
         """
         trace = 0.0
+        for i in range(n * n):
+            self.k[i] = self.stiffness[i] + self.net.series.stiffness[i]
         for i in range(n):
             for k in range(n):
                 x = 0.0
                 for j in range(n):
-                    stiffness = self.stiffness[j * n + k] + self.net.series.stiffness[j * n + k]
-                    x += self.net.flexibility[i * n + j] * stiffness
+                    x += self.net.flexibility[i * n + j] * self.k[j * n + k]
                 self.a[i * n + k] = x
         for i in range(n):
             for k in range(n):

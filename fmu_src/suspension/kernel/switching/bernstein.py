@@ -8,11 +8,24 @@ from __future__ import annotations
 
 from math import fabs
 
-from ..language import Doubles
+from ..language import Doubles, inline
 
 _CLOSE = 1e-8  # of a step; Newton's next correction would be of the order of its square
 # a motion that has decayed so far is at rest: soon its numbers have no digits left, and random signs
 _NOTHING = 1e-290
+
+
+@inline
+def reach_of_septic(x: Doubles, at: int, h: float) -> float:
+    """Return how far the coefficients that one end sets are at most from the value there, x[at]."""
+    reach = h * 3.0 / 7.0 * fabs(x[at + 1]) + h * h / 14.0 * fabs(x[at + 2])
+    return reach + h * h * h / 210.0 * fabs(x[at + 3])
+
+
+@inline
+def reach_of_quintic(dx: float, ddx: float, h: float) -> float:
+    """Return how far the coefficients that one end sets are at most from the value there."""
+    return 0.4 * h * fabs(dx) + 0.05 * h * h * fabs(ddx)
 
 
 class Crossing:

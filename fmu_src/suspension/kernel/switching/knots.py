@@ -14,6 +14,7 @@ from math import fabs, pow
 from ..language import Doubles, inline
 from ..layout import CONTACT, DAMPER, LAWS, MODULATION, PIECE, SPRING, START
 from ..network.laws import _FARTHEST
+from .bernstein import reach_of_quintic, reach_of_septic
 from .switches import Switches
 
 # largest sum of w B3(x n) / (6 n^3) over the columns of n substeps with weights w, where the jump is at x
@@ -144,6 +145,8 @@ class Knots:
             first, last = self.laws.run_first[p], self.laws.run_last[p]
             row = self._argument(e, kind)
             k = self.laws.place(p, self.rows.row[row])
+            if self._stays(k, kind, row, h):
+                continue
             degree = self.switches.polynomial(e, kind, h)
             self.crossing.extent(degree)
             unit = -1.0
@@ -158,14 +161,38 @@ class Knots:
                     m += side
 
     @inline
+    def _stays(self, p: int, kind: int, at: int, h: float) -> bool:
+        """Return whether all coefficients of the argument's polynomial are within piece p.
+
+        This takes fewer operations than to find them.
+        """
+        low, high = self._end(p, -1), self._end(p, 1)
+        row = self.rows.row
+        for x in range(at, at + 8, 4):
+            if kind == DAMPER:
+                reach = reach_of_quintic(row[x + 1], row[x + 2], h)
+            else:
+                reach = reach_of_septic(row, x, h)
+            if not (row[x] - reach > low and row[x] + reach < high):
+                return False
+        return True
+
+    @inline
+    def _end(self, p: int, side: int) -> float:
+        """Return where piece p ends on a side."""
+        if self._is_last(p, side):
+            return self.laws.low[p] if side < 0 else self.laws.high[p]
+        return self.laws.piece[PIECE * (p if side < 0 else p + 1) + START]
+
+    @inline
+    def _is_last(self, p: int, side: int) -> bool:
+        """Return whether no piece is joined with p on a side."""
+        return p == (self.laws.run_first[p] if side < 0 else self.laws.run_last[p])
+
+    @inline
     def _passes(self, p: int, side: int) -> bool:
         """Find the end of piece p; return whether the polynomial may pass it."""
-        self.is_end = p == (self.laws.run_first[p] if side < 0 else self.laws.run_last[p])
-        at = PIECE * (p if side < 0 else p + 1) + START
-        if not self.is_end:
-            self.bound = self.laws.piece[at]
-        else:
-            self.bound = self.laws.low[p] if side < 0 else self.laws.high[p]
+        self.bound, self.is_end = self._end(p, side), self._is_last(p, side)
         return self.crossing.low < self.bound if side < 0 else self.crossing.high > self.bound
 
     def _effect(self, e: int, kind: int, h: float) -> float:
@@ -176,10 +203,7 @@ class Knots:
         self.way = rate * h
         most = 0.0
         for i in range(n):
-            x = 0.0
-            for m in range(n):
-                x += self.net.flexibility[n * m + i] * self.elements.row_direction[n * r + m]
-            most = max(most, fabs(x) * self.errors.velocity_scale[i])
+            most = max(most, fabs(self.net.response[n * r + i]) * self.errors.velocity_scale[i])
         if self.elements.modulated[e]:
             most *= self._factor(e, kind, row, 8 * r)
         return _MISSED_JUMP * h * h * h * rate * rate * most

@@ -15,7 +15,7 @@ from ..methods.stepper import Stepper
 from ..motion.errors import ROUNDING_OF_RATES
 from ..network.elements import KINDS
 from ..network.network import SLAVED
-from .bernstein import Crossing
+from .bernstein import Crossing, reach_of_quintic, reach_of_septic
 
 _NEVER = 1e299  # a larger bound stands for none
 _STRETCHES = 8  # of a step, in each of which the force of a tyre in flight is a quintic
@@ -111,16 +111,15 @@ class Switches:
     def _is_far(self, k: int, e: int, kind: int, end: int, h: float) -> bool:
         """Return whether the coefficients that one end sets (0: the start, 4) are within the bounds."""
         at = self.place[k] + end
+        x = self.row[at]
         if kind == CONTACT:
             self._contact_force(e, at)
-            x, dx, ddx = self.elements.force0, self.elements.force1, self.elements.force2
+            x = self.elements.force0
+            reach = reach_of_quintic(self.elements.force1, self.elements.force2, h)
+        elif kind == DAMPER:
+            reach = reach_of_quintic(self.row[at + 1], self.row[at + 2], h)
         else:
-            x, dx, ddx = self.row[at], self.row[at + 1], self.row[at + 2]
-        if kind in (CONTACT, DAMPER):  # a quintic; otherwise a septic
-            reach = 0.4 * h * fabs(dx) + 0.05 * h * h * fabs(ddx)
-        else:
-            reach = h * 3.0 / 7.0 * fabs(dx) + h * h / 14.0 * fabs(ddx)
-            reach += h * h * h / 210.0 * fabs(self.row[at + 3])
+            reach = reach_of_septic(self.row, at, h)
         return x - reach > self.low[k] and x + reach < self.high[k]
 
     def carry_on(self) -> None:
