@@ -38,6 +38,7 @@ _EDGE, _HEAD, _ROW, _FOOT = 1.0, 1.9, 0.62, 0.9  # cm
 _MOST_ROWS = 13  # of one table; longer ones are put in two columns
 _GRID = 0.005  # m of paper
 _SEEN = "PQDACH"  # the points of the planes that must have room, by their first letters
+_BOLD, _LIGHT = 0.6, 0.56  # average width of letters, em
 _ROOM = 0.008  # m of paper around them, for the names of the axes
 
 
@@ -94,10 +95,12 @@ def exercise_sheet(
         )
     axes = canvas.figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, width), ylim=(0.0, height))
     axes.set_axis_off()
-    top, letters = height - _EDGE, min(12.0, 900.0 / (1 + len(title)) * width / PAPERS["A4"][0])
-    axes.text(_EDGE, top - 0.1, title, fontsize=letters, va="top", weight="bold", gid="heading")
+    top = height - _EDGE
+    bold: dict[str, Any] = {"fontsize": _size(title, 12.0, _BOLD, width), "weight": "bold"}
+    axes.text(_EDGE, top - 0.1, title, va="top", gid="heading", **bold)
     for i, line in enumerate(lines):
-        axes.text(_EDGE, top - 0.75 - 0.48 * i, line, fontsize=8.5, va="top")
+        letters = _size(line, 8.5, _LIGHT, width)
+        axes.text(_EDGE, top - 0.75 - 0.48 * i, line, fontsize=letters, va="top", gid="about")
     _table(axes, head, rows)
     # a ruler of 10 cm by which the scale of a print can be checked
     ink: dict[str, Any] = {"color": PLAIN.palette.ink, "linewidth": 0.7}
@@ -107,6 +110,17 @@ def exercise_sheet(
         axes.plot([_EDGE + i] * 2, [y, y + 0.15], **ink)
     axes.text(_EDGE + 10.2, y, "10 cm if printed at 100 %", fontsize=7.0, va="center")
     return canvas.figure
+
+
+def _size(text: str, largest: float, broad: float, width: float) -> float:
+    """Return the size of letters with which a line fits on a sheet of this width, cm, in pt.
+
+    Parameters
+    ----------
+    broad : average width of the letters, em
+    """
+    room = (width - 2.0 * _EDGE) / _INCH * 72.0
+    return min(largest, room / (broad * (1 + len(text))))
 
 
 def _page(drawing: Drawing, view: Box, solved: bool) -> Page:

@@ -333,7 +333,10 @@ def _sheet(made: Exercise, *, solved: bool, read: Sequence[tuple[list[complex], 
         rows.append([str(i), time, *cells, *feet, *(column[i] for column in changing.values())])
     head = [typeset(name) for name in (*exercises.columns(planes), *changing)]
     head = [head[0], "t [ms]", *head[1:]]
-    scale = ", ".join(_format_scale(p) for p in planes)
+    angles = (
+        f"{typeset('dtau' + p.number)} = {p.angular_frequency * made.scene.construction.step:.4g}"
+        for p in planes
+    )
     right = sum(is_right for _, is_right in read)
     told = f"{right} of {made.steps} points right (green crosses; those read wrong are red)"
     return figures.exercise_sheet(
@@ -345,19 +348,23 @@ def _sheet(made: Exercise, *, solved: bool, read: Sequence[tuple[list[complex], 
         paper=made.paper,
         title=("Marking sheet: " if solved else "") + (made.scene.title or made.scene.name),
         lines=[
-            "; ".join([typeset(drawing.title), *constant]),
-            f"{made.extent}; scale {scale}; " + ", ".join(
-                f"{typeset('dtau' + p.number)} = {p.angular_frequency * made.scene.construction.step:.4g}"
-                for p in planes
-            ),
+            "; ".join([typeset(drawing.title), ", ".join(angles), *constant]),
+            f"{made.extent}; scale {_format_scales(planes)}",
             *([told] if read else []),
         ],
     )  # fmt: skip
 
 
-def _format_scale(plane: Plane) -> str:
-    factor, unit = display(plane.displacement)
-    return f"{number(100.0 * plane.displacement.scale / factor, 4)} cm for 1 {unit}".rstrip()
+def _format_scales(planes: Sequence[Plane]) -> str:
+    """Return the scale of each plane; those that have the same one share it."""
+    found: dict[str, list[str]] = {}
+    for plane in planes:
+        factor, unit = display(plane.displacement)
+        scale = f"{number(100.0 * plane.displacement.scale / factor, 4)} cm for 1 {unit}".rstrip()
+        found.setdefault(scale, []).append(typeset(plane.displacement.label))
+    if len(found) == 1:
+        return next(iter(found))
+    return ", ".join(f"{scale} of {' and '.join(of)}" for scale, of in found.items())
 
 
 def _law(made: Exercise) -> Any:

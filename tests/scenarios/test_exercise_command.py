@@ -114,6 +114,20 @@ def cells(figure: Any) -> list[list[str]]:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("scene", "steps"), [("half_car_pitch", 4), ("ap57", 10)])
+def test_the_lines_above_a_sheet_end_on_it(scene: str, steps: int) -> None:
+    """Those of four planes went on beyond its right edge."""
+    figure = exercises._sheet(exercises.exercise(load_scene(scene), steps, "A4"), solved=True)
+    figure.canvas.draw()
+    page = figure.axes[-1].get_window_extent()
+    lines = [text for text in figure.axes[-1].texts if text.get_gid() in ("heading", "about")]
+    assert len(lines) == 3
+    for line in lines:
+        assert line.get_window_extent().x1 < 0.96 * page.x1, line
+        assert line.get_fontsize() > 6.0
+
+
+@pytest.mark.slow
 def test_a_sheet_gives_what_the_road_lays_off_and_leaves_out_d_of_the_last_point() -> None:
     """The mean of h2/c2 over each step and the weight in flight, in closed form (AP57 section 8)."""
     made = exercises.exercise(load_scene("ap57"), 16, "A4")
