@@ -97,7 +97,8 @@ def place(
 
     Returns
     -------
-    Their centres, their distances from the points, em, and whether they are free of other texts.
+    Their centres, their distances from the points, em, and whether they are in view and free of other
+    texts.
     """
     halves = np.array([text_box(0j, text, em).half for text in texts], complex)
     fixed, every = Box.of(taken), np.append(points, np.asarray(others, complex))
@@ -112,13 +113,14 @@ def place(
         mine, before = Box((at + ways)[:, None], size), order[:done]
         over = mine.overlap(Box(centres[before], halves[before])).sum(axis=1)
         over = over + mine.overlap(fixed).sum(axis=1)
+        inside = view.contains(Box(mine.centre[:, 0], size))
         cost = (
             0.7 * _GAPS
             + 100.0 * (over > 0.0)
             + 40.0 * (over / em) / em
             + 4.0 * (mine.overlap(Box(every, 0.15 * em * (1 + 1j))) > 0.0).sum(axis=1)
             + 5.0 * (abs(every - mine.centre) < abs(ways)[:, None]).sum(axis=1)
-            + 200.0 * ~view.contains(Box(mine.centre[:, 0], size))
+            + 200.0 * ~inside
             + 6.0 * (_GAPS > NEAR)
         )
         best = int(cost.argmin())
@@ -128,7 +130,8 @@ def place(
             close = close[:: max(1, len(close) // _MOST_CLOSE)]
             crossed = mine.inside(close[:, 0], close[:, 1]).sum(axis=1)  # length of lines in each
             best = int((cost + 1.5 * crossed / em).argmin())
-        centres[i], gaps[i], free[i] = mine.centre[best, 0], _GAPS[best], over[best] == 0.0
+        centres[i], gaps[i] = mine.centre[best, 0], _GAPS[best]
+        free[i] = inside[best] and over[best] == 0.0
     return centres, gaps, free
 
 

@@ -218,7 +218,7 @@ class Page:
             self.segments if lines else NOTHING, self.taken, others,
         )  # fmt: skip
         for (z, text, role), centre, gap, free in zip(named, *placed, strict=True):
-            if free:  # better no letter than two on one another
+            if free:  # better no letter than two on one another, or one that is cut off
                 led = bool(gap > self.unled)
                 self.put(Text(role, text, complex(centre), size, "letter", z, led))
 

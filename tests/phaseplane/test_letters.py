@@ -41,6 +41,15 @@ def test_letters_do_not_overlap_stay_in_view_and_are_near_or_led(
         assert gap > NEAR or abs(box.nearest(point) - point) <= NEAR * em
 
 
+def test_a_letter_that_has_no_place_in_view_is_not_free() -> None:
+    """Storyboards in the width of a column had letters beyond their edge, cut off."""
+    em, view = 0.04, Box(0j, 0.3 + 0.05j)
+    nothing, there = np.zeros((0, 2), complex), [Box(0j, 0.3 + 0.05j)]
+    centres, _, free = place(np.array([0.28 + 0.01j]), ["A1*"], em, view, nothing, there)
+    assert not view.contains(text_box(centres[0], "A1*", em))
+    assert not free.any()
+
+
 @given(angle=st.floats(0.0, 2.0 * pi), distance=st.floats(0.2, 3.0))
 def test_a_letter_is_nearer_to_its_point_than_to_others(angle: float, distance: float) -> None:
     em, other = 0.04, 0.04 * cmath.rect(distance, angle)
