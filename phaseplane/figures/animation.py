@@ -35,7 +35,7 @@ Pixels = npt.NDArray[np.uint8]
 
 MOVING = (".gif", ".mp4")
 _DPI = 84
-_NARROWEST = 1.6  # inches of a picture of a storyboard
+_NARROWEST, _LOWEST = 1.6, 1.0  # inches of a picture of a storyboard
 _GAP = 0.2  # inches between such pictures
 _LINE, _ROW = 0.125, 0.155  # inches of a line of a small and of a large caption
 _SLENDER = 0.2  # least width over height of the sheet, for its heading and the arm below it
@@ -99,11 +99,12 @@ def storyboard(
     view = view_of(drawing, [chosen], turn=False)
     stages = drawing.schemes[chosen.scheme].stages
     width = look.inches or 11.0
-    columns = max(1, min(3, int(width / _NARROWEST)))
+    slope = view.half.imag / view.half.real
+    columns = max(1, min(3, int(width / max(_NARROWEST, _LOWEST / slope))))
     rows = -(-len(stages) // columns)
     cell = width / columns
     wide = cell - _GAP
-    high = min(wide * view.half.imag / view.half.real, 4.5)
+    high = min(wide * slope, 4.5)
     scale = min(wide / view.half.real, high / view.half.imag) / 2.0
     stays = new_page(drawing, view, look, scale=scale)
     lines = step_lines(stays, chosen)

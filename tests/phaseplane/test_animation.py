@@ -172,6 +172,18 @@ def test_the_texts_of_a_storyboard_fit_their_pictures(*, equation: bool, drawing
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("width", "columns"), [(0.085, 1), (None, 3)])
+def test_pictures_of_a_wide_construction_are_high_enough(width: float | None, columns: int) -> None:
+    """In the width of a column two were beside each other, 14 mm high and full of letters."""
+    coasting = EquationPlane(lambda v, x, t: 0.2 * v, initial_velocity=0.2)
+    made = construct_motion(coasting, delta, step=0.1, steps=100)
+    figure = storyboard(made, 30, look=Look(width=width))
+    *pictures, _ = figure.axes
+    assert len({round(axes.bbox.x0) for axes in pictures}) == columns
+    assert all(axes.bbox.height > 0.9 * figure.dpi for axes in pictures)
+
+
+@pytest.mark.slow
 def test_the_heading_of_a_narrow_storyboard_is_on_the_paper(drawing: Drawing) -> None:
     words = "A quarter car over a bump that is 5 cm high, with a wheel that lifts off"
     figure = storyboard(drawing, 3, title=words, look=Look(width=0.085))
