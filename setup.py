@@ -36,15 +36,16 @@ MACROS = [("Py_LIMITED_API", "0x030B0000"), ("CYTHON_LIMITED_API", "1")] if STAB
 # -Wno-all: Python asks for -Wall, and looking for what to warn of takes a third of the compiling, even
 # if -w keeps the warnings back.
 FLAGS = ["-g0", "-Wno-all", "-w", "-ffp-contract=off", "-fno-wrapv", "-fno-math-errno"]
-# What makes steps fast is that small functions are inlined and that others are compiled for the
-# arguments they get. Inlining may enlarge the code by 80 %, twice the default: steps take 3 to 7 % less
-# time. At -O3 fixed steps take 5 % more time; only substeps gain (below). Functions begin at
-# cache lines: aligned to half of one, steps of a session took 7 % longer after code elsewhere had grown.
+# What makes steps fast is that small functions are inlined, that loops of constant length are unrolled,
+# and that functions are compiled for the arguments they get. Vectors only slow motions of two or four
+# coordinates. Inlining may enlarge the code by 80 %, twice the default: steps take 3 % less time.
+# Functions begin at cache lines: aligned to half of one, steps of a session took 7 % longer after code
+# elsewhere had grown.
 FLAGS_OF_GCC = [
-    "-O2",
+    "-O3",
+    "-fno-tree-vectorize",
     "-finline-limit=400",
     "--param=inline-unit-growth=80",
-    "-fipa-cp-clone",
     "-falign-functions=64",
 ]
 # GCC compiles one file on all cores if it does so when it links.
@@ -56,38 +57,16 @@ ATTEMPTS = (
     else [[*FLAGS, *FLAGS_OF_GCC, *ON_ALL_CORES], [*FLAGS, *FLAGS_OF_GCC], [*FLAGS, "-O3"]]
 )
 # Functions that Python calls take arguments apart and set things up. Without optimisation an integrator
-# takes a tenth longer to make and steps as long as before; the kernel compiles in two thirds of the time.
+# takes a quarter longer to make (16 us) and steps as long as before; the kernel compiles in two thirds of
+# the time.
 CALLED_FROM_PYTHON = re.compile(r"^static (?=[^;{=\n]*\b__pyx_p[wf]_)", re.MULTILINE)
-# Substeps, and the move to the next step, are compiled at -O3, which unrolls their loops early: runs with
-# curved forces take 10 to 20 % less time, and compiling 1 s more. The attribute resets the flags above,
-# so it names them again.
-INNERMOST = re.compile(
-    r"^static (?=[^;{=\n]*\b__pyx_f_\w+_"
-    r"(?:\d+(?:Columns|Dense|Inverses|Iteration|Balance|Bends|Laws|Modes)_|(?:multiply|resist)\b))",
-    re.MULTILINE,
-)
-# The loop over steps has two callers. Were it inlined there, as small as it is, the step itself would be
-# called: 2 % more instructions.
-OUTERMOST = re.compile(r"^static (?=[^;{=\n]*\b__pyx_f_\w+_step_until\b)", re.MULTILINE)
-LEVELS = """\
+UNOPTIMISED = """\
 #if defined(__GNUC__) && !defined(__clang__)
-#define CALLED_FROM_PYTHON __attribute__((optimize("O0")))
-#define INNERMOST __attribute__((optimize("O3", "fp-contract=off", "no-math-errno", \
-    "no-wrapv", "no-tree-loop-vectorize", "no-tree-slp-vectorize")))
-#define OUTERMOST __attribute__((noipa))
+#define UNOPTIMISED __attribute__((optimize("O0")))
 #else
-#define CALLED_FROM_PYTHON
-#define INNERMOST
-#define OUTERMOST
+#define UNOPTIMISED
 #endif
 """
-# Calls of methods by a class's table, the functions they may be, and the entries of such tables. The
-# compiler can neither inline nor leave out what a table contains.
-CALL = re.compile(
-    r"\(\(struct __pyx_vtabstruct_\w+ \*\)[\w>.-]*__pyx_vtab\)->(?:__pyx_base\.)*(\w+)(?=\()"
-)
-METHOD = re.compile(r"^static [^;{=\n]*\b(__pyx_f_\w+_\d+[A-Za-z]+_(\w+))\(", re.MULTILINE)
-ENTRY = re.compile(r"^  __pyx_vtable_\w+\.(?:__pyx_base\.)*(\w+) = \(.*;\n", re.MULTILINE)
 DIRECTIVES = {
     "language_level": 3,
     "boundscheck": False,
@@ -126,22 +105,9 @@ def translated(source: str) -> str:
         gc.enable()
     target = Path(module.sources[0])
     text = target.read_text(encoding="utf-8")
-    marked = CALLED_FROM_PYTHON.sub("CALLED_FROM_PYTHON static ", called_by_name(text))
-    marked = INNERMOST.sub("INNERMOST static ", marked)
-    marked = OUTERMOST.sub("OUTERMOST static ", marked)
-    target.write_text(LEVELS + marked, encoding="utf-8")
+    marked = CALLED_FROM_PYTHON.sub("UNOPTIMISED static ", text)
+    target.write_text(UNOPTIMISED + marked, encoding="utf-8")
     return str(target)
-
-
-def called_by_name(text: str) -> str:
-    """The C of the kernel with methods that one class alone defines called by their own names."""
-    functions: dict[str, set[str]] = {}
-    for function, method in METHOD.findall(text):
-        functions.setdefault(method, set()).add(function)
-    only = {method: min(found) for method, found in functions.items() if len(found) == 1}
-    text = CALL.sub(lambda call: only.get(call[1], call[0]), text)
-    called = set(re.findall(r"->(?:__pyx_base\.)*(\w+)", ENTRY.sub("", text)))
-    return ENTRY.sub(lambda entry: entry[0] if entry[1] in called else "", text)
 
 
 class CleanBuild(build_py):

@@ -151,23 +151,6 @@ class Sum:
     ]
 
 
-def test_methods_of_one_class_alone_are_called_by_name(installer: Any) -> None:
-    source = """\
-static double __pyx_f_1k_10integrator_7Signals_read(struct s *);
-static double __pyx_f_1k_10integrator_6Method_attempt(struct s *);
-static double __pyx_f_1k_10integrator_6Wilson_attempt(struct s *);
-  x = ((struct __pyx_vtabstruct_Network *)self->net->__pyx_vtab)->__pyx_base.read(self);
-  y = ((struct __pyx_vtabstruct_Method *)self->method->__pyx_vtab)->attempt(self);
-  __pyx_vtable_Signals.read = (double (*)(struct s *))__pyx_f_1k_10integrator_7Signals_read;
-  __pyx_vtable_Method.attempt = (double (*)(struct s *))__pyx_f_1k_10integrator_6Method_attempt;
-  __pyx_vtable_Wilson.__pyx_base = *__pyx_vtabptr_Method;
-"""
-    lines = source.splitlines(keepends=True)
-    lines[3] = "  x = __pyx_f_1k_10integrator_7Signals_read(self);\n"
-    del lines[5]
-    assert installer.called_by_name(source) == "".join(lines)
-
-
 def test_every_module_of_the_kernel_is_compiled(installer: Any, kernel_source: Any) -> None:
     there = {path.stem for path in installer.KERNEL.rglob("*.py")}
     order = [module.path.stem for module in kernel_source.modules(installer.KERNEL)]
