@@ -190,7 +190,7 @@ def _scenes_among(names: Iterable[str]) -> list[Scene]:
 def _own_system(scene: Scene) -> dict[str, Path]:
     """Return the file of a scene's system, by the name of the system, if it has one."""
     fmu = scene.fmu
-    if not fmu.is_ours or fmu.path is not None:
+    if not fmu.in_package:
         raise InputError(
             f"{scene.name}: an FMU is packed from models of this package, not from {fmu.model}"
         )

@@ -12,12 +12,11 @@ from phaseplane.suspension.variables import MODELS, SOURCES, Variable
 
 from ..design.files import FitFile, OptimumFile
 from ..errors import InputError
-from ..measures import catalogue
 from ..results.plain import as_json
 from ..scene.equation import EQUATION
 from ..scene.fields import schema_of
 from ..scene.file import SceneFile
-from ..scene.fmus import described, fmu_named
+from ..scene.fmus import fmu_named
 from ..scene.names import SWEEPS
 from ..sweeps.plan import Range, SweepFile
 from .console import json_option
@@ -100,7 +99,7 @@ def json_schema(model: str | None) -> dict[str, Any]:
     bounds = {"type": ["integer", "object", "array"], "properties": {"min": {}, "max": {}}}
     keys["expect"]["properties"] = keys["expect"]["properties"] | {
         name: {**bounds, "description": measure.about, "unit": measure.unit}
-        for name, measure in catalogue(fmu.outputs()).items()
+        for name, measure in fmu.measures().items()
     }
     return schema
 
@@ -147,7 +146,7 @@ def guide(model: str) -> str:
 
 
 def _of_model(name: str) -> Iterator[str]:
-    fmu = described(name)
+    fmu = fmu_named(name, sources=True)
     outputs = fmu.outputs()
     inputs = {v.name: v for v in fmu.variables if v.causality == "input"}
     for heading, declared in (
@@ -168,7 +167,7 @@ def _of_model(name: str) -> Iterator[str]:
     yield _key("peak.X", "", "signed value of largest magnitude of any output X over the run")
     yield _key("rms.X", "", "root mean square of any output X over the run")
     yield _key("amplitude.X", "", "half the range of any output X over the second half of the run")
-    for measure in catalogue(outputs).values():
+    for measure in fmu.measures().values():
         if not measure.name.startswith(("peak.", "rms.", "amplitude.")):
             source = f" ({measure.source})" if measure.source else ""
             yield _key(measure.name, measure.unit, measure.about + source)

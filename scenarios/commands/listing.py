@@ -9,7 +9,7 @@ from phaseplane.suspension.variables import Value, Variable
 from ..results.plain import as_json
 from ..results.quantities import with_unit
 from ..scene.equation import EQUATION, SUMMARY
-from ..scene.fmus import Fmu, described
+from ..scene.fmus import Fmu, fmu_named
 from ..scene.layers import case_titles
 from ..scene.names import sweep_titles
 from .console import json_option
@@ -25,7 +25,7 @@ def list_cases(fmu: str | None, as_data: bool) -> None:
     native FMU is packed, before a run, or during a run.
     """
     if fmu is not None:
-        _list_parameters(described(fmu), as_data)
+        _list_parameters(fmu_named(fmu, sources=True), as_data)
         return
     models = {name: ALL[name].summary for name in FILES} | {EQUATION: SUMMARY}
     titles = {"scenes": case_titles(), "sweeps": sweep_titles(), "models": models}

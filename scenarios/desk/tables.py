@@ -43,8 +43,7 @@ def read(path: str | os.PathLike[str]) -> Table:
             if path in (folder, table):
                 return _of_sweep(read_rows(table), summary)
     results = read_results(path)
-    units: Any = results.summary.get("units", {})
-    return Table(results.columns, units, title=str(results.summary.get("title", "")))
+    return Table(results.columns, results.units, title=str(results.summary.get("title", "")))
 
 
 def sweep(

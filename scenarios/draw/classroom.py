@@ -8,20 +8,21 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from math import pi
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension.roads.extent import LENGTH
 from phaseplane.suspension.session import simulate
-from phaseplane.suspension.variables import Value, refuse_unknown
+from phaseplane.suspension.variables import Value
 
 from phaseplane import exercises
 from phaseplane.constructions.rules import RULES
 from phaseplane.equations.motion import motion
 
 from ..errors import InputError, one_line
-from ..scene.equation import EQUATION, check_equation, formula_of
+from ..scene.equation import EQUATION, check_equation, formula_of, start_of
 from ..scene.fmus import Fmu, find_fmu
-from ..scene.layers import Layers, case_titles, find_scene, flattened, overlay, read_layers
+from ..scene.layers import case_titles, find_scene, given_layers, overlay, read_layers
 from ..toml_files import in_si
 from .constructions import draw_construction
 from .planes import CONSTRUCTED, planes_of
@@ -128,8 +129,7 @@ def _ran(asked: Mapping[str, Any]) -> dict[str, Any]:
     duration = _seconds(asked["duration"], "duration")
     times = [duration * i / (_POINTS - 1) for i in range(_POINTS)]
     if fmu.model == EQUATION:
-        start = float(parameters["displacement_start"]), float(parameters["velocity_start"])
-        found = motion(formula_of(parameters).switching, start, times)
+        found = motion(formula_of(parameters).switching, start_of(parameters), times)
         columns: dict[str, list[float]] = {"x": found.displacements, "x'": found.velocities}
         return {"time": found.times, "columns": columns, "unit": "", "note": found.complaint}
     planes = planes_of(fmu.model, parameters, settings)
@@ -149,26 +149,21 @@ def _ran(asked: Mapping[str, Any]) -> dict[str, Any]:
 
 def _read(asked: Mapping[str, Any]) -> tuple[Fmu, dict[str, Value], dict[str, Any]]:
     """Return model, parameters in SI and the settings of the construction."""
-    layers = Layers() if asked["scene"] == OWN else read_layers(find_scene(asked["scene"]))
     if asked["scene"] == OWN:
-        layers.put(dict(flattened({"fmu": EQUATION}, "page")), "page", find_scene("ap57").parent)
+        layers = given_layers({"fmu": EQUATION}, "page")
+    else:
+        layers = read_layers(find_scene(asked["scene"]))
     own = [line for line in asked.get("settings", "").splitlines() if line.strip()]
     overlay(layers, own)
     if asked.get("equation"):
-        layers.put(
-            {"parameters.equation": asked["equation"]}, "equation", find_scene("ap57").parent
-        )
+        layers.put({"parameters.equation": asked["equation"]}, "equation", Path())
     tables = layers.tables()
     given = tables.get("parameters", {})
     fmu = find_fmu(str(tables["fmu"]), None, given)
-    declared = fmu.parameters()
-    checked: dict[str, Value] = {}
-    for name, raw in given.items():
-        refuse_unknown([name], declared, f"{fmu.model} has no parameter")
-        checked[name] = declared[name].checked(raw)
+    checked = {name: fmu.checked(name, raw) for name, raw in given.items()}
     if fmu.model == EQUATION:
         check_equation(checked)
-    parameters = {name: v.start for name, v in declared.items()} | checked
+    parameters = {name: v.start for name, v in fmu.parameters().items()} | checked
     if LENGTH not in checked:
         parameters.pop(LENGTH, None)
     settings = {**_DEFAULTS, **tables.get("construction", {})}

@@ -17,7 +17,7 @@ from phaseplane.suspension.variables import MODELS, Value, checked_parameters
 from phaseplane import constructions
 
 from ..errors import InputError, blaming
-from ..scene.equation import EQUATION, formula_of
+from ..scene.equation import EQUATION, formula_of, start_of
 
 if TYPE_CHECKING:
     from phaseplane.constructions import Construction
@@ -119,7 +119,7 @@ def _one_dof(system: System, settings: Mapping[str, Any], start: Start) -> Const
         road=road,
         initial_deflection=q[0] - elevation,
         initial_rate=v[0] - velocity,
-        **({"scale": settings["plane_scales"][0]} if "plane_scales" in settings else {}),
+        **_scale(settings.get("plane_scales")),
     )
 
 
@@ -200,23 +200,22 @@ def _elastoplastic(system: System, settings: Mapping[str, Any], start: Start) ->
         initial_displacement=start[0][0],
         initial_velocity=start[1][0],
         permanent_set=spring.permanent_set,
-        **({"scale": settings["plane_scales"][0]} if "plane_scales" in settings else {}),
+        **_scale(settings.get("plane_scales")),
     )
 
 
 def _of_equation(parameters: Mapping[str, Value], settings: Mapping[str, Any]) -> Construction:
     formula = formula_of(parameters)
-    scales = settings.get("plane_scales")
-    if parameters["unit"] == "m":  # drawn at its size, as all displacements
-        scales = scales or (1.0,)
+    x, v = start_of(parameters)
+    usual = (1.0,) if parameters["unit"] == "m" else None  # at its size, as all displacements
     return constructions.EquationPlane(
         formula.switching,
         angular_frequency=float(parameters["angular_frequency"]),
-        initial_displacement=float(parameters["displacement_start"]),
-        initial_velocity=float(parameters["velocity_start"]),
+        initial_displacement=x,
+        initial_velocity=v,
         words=formula.words,
         unit="" if parameters["unit"] == "1" else str(parameters["unit"]),
-        **({"scale": scales[0]} if scales else {}),
+        **_scale(settings.get("plane_scales") or usual),
     )
 
 
@@ -255,6 +254,11 @@ def _element(system: System, name: str) -> Element:
     number = system.element(name)
     assert number is not None
     return system.elements[number]
+
+
+def _scale(scales: Sequence[float] | None) -> dict[str, Any]:
+    """Return the scale of a single plane, the first of those given."""
+    return {"scale": scales[0]} if scales else {}
 
 
 def _sheet(settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from phaseplane.picture.text import bracketed
 
 from ..errors import blaming
 from ..look import FigureFile
-from ..scene.equation import EQUATION, formula_of
+from ..scene.equation import EQUATION, formula_of, start_of
 from ..scene.loading import load_scene
 
 if TYPE_CHECKING:
@@ -98,19 +98,7 @@ def portrait(
             )
         if made.section is not None and not window:
             made = replace(made, window=computed.fitted_window(made.section, shown, system.turn))
-    title = scene.title or scene.name
-    if scene.fmu.model == EQUATION:
-        title = f"{title}: {formula_of(scene.all_parameters).words}"
-    elif subject.held:
-        title = f"{title}; {', '.join(subject.held)} held at rest"
-    if subject.loaded:
-        title = f"{title}; without loads"
-    if scene.controller is not None:
-        title = f"{title}; without the controller"
-    if made.frozen is not None and system.driven:
-        title = f"{title}, frozen at t = {made.frozen:g} s"
-    elif made.section is not None:
-        title = f"{title}: Poincaré section, once per forcing period"
+    title = _title(scene, subject, made)
     files = []
     if figure is not None:
         files = figure.save(
@@ -123,6 +111,24 @@ def portrait(
         **_as_data(made),
         "files": files,
     }
+
+
+def _title(scene: Scene, subject: _Subject, made: Portrait) -> str:
+    """Return the title of a portrait: the scene, and what is left out or held."""
+    title = scene.title or scene.name
+    if scene.fmu.model == EQUATION:
+        title += f": {formula_of(scene.all_parameters).words}"
+    elif subject.held:
+        title += f"; {', '.join(subject.held)} held at rest"
+    if subject.loaded:
+        title += "; without loads"
+    if scene.controller is not None:
+        title += "; without the controller"
+    if made.frozen is not None and subject.system.driven:
+        title += f", frozen at t = {made.frozen:g} s"
+    elif made.section is not None:
+        title += ": Poincaré section, once per forcing period"
+    return title
 
 
 def _as_data(made: Portrait) -> dict[str, Any]:
@@ -213,10 +219,9 @@ def _of_equation(parameters: Mapping[str, Value], period: float | None) -> _Subj
     )
     if system.repeats(2.0 * pi):
         system = replace(system, turn=2.0 * pi)
-    start = float(parameters["displacement_start"]), float(parameters["velocity_start"])
     unit = str(parameters["unit"])
     units = (unit, "1" if unit == "1" else f"{unit}/s")
-    return _Subject(system, ("x", "x'"), units, _REACH, start)
+    return _Subject(system, ("x", "x'"), units, _REACH, start_of(parameters))
 
 
 def _of_model(

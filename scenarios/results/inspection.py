@@ -50,7 +50,7 @@ def contents(
     InputError : if there is no such column, or the others are no results.
     """
     columns = _chosen(results, names, what)
-    units = results.summary.get("units", {})
+    units = results.units
     if not isinstance(units, Mapping):
         raise InputError(f"{what}: {DAMAGED}")
     data = {
@@ -81,16 +81,14 @@ def results_in(path: Path, run: Results | None = None) -> Results:
     """
     if path.suffix != ".toml":
         found = read_results(path)
-        units = found.summary.get("units", {})
-        first = next(iter(found.columns))
+        units, first = found.units, next(iter(found.columns))
         if "time" in found.columns or not isinstance(units, Mapping) or units.get(first) != "s":
             return found
         columns = {"time" if name == first else name: x for name, x in found.columns.items()}
         return Results(columns, {**found.summary, "units": {**units, "time": "s"}})
     if run is None:
         raise InputError(f"{path}: give the results of a run first, then the measured signals")
-    units = run.summary.get("units", {})
-    known = {name: units.get(name) or "1" for name in run.columns if name != "time"}
+    known = {name: run.units.get(name) or "1" for name in run.columns if name != "time"}
     columns = signals_in(path, read_content(path), known)
     return Results(columns, {"units": {"time": "s", **known}})
 
@@ -205,8 +203,7 @@ def difference(
     if figure is not None:
         drawn = {ours: first, other: second}
         worst = [d.name for d in found.differences[:_MOST_COMPARED]]
-        units = first.summary.get("units", {})
-        data["files"] = figure.save(_picture(drawn, worst, None, units, figure.look))
+        data["files"] = figure.save(_picture(drawn, worst, None, first.units, figure.look))
     return data
 
 
@@ -274,8 +271,7 @@ def timed(
     """
     columns = {"time": _time(results, path, "a recording needs one")}
     columns |= _chosen(results, names, path) | (_chosen(results, plane, path) if plane else {})
-    units = results.summary.get("units", {})
-    return columns, {name: units.get(name, "") for name in columns}
+    return columns, {name: results.units.get(name, "") for name in columns}
 
 
 def _time(results: Results, path: Path, hint: str) -> Any:

@@ -132,7 +132,7 @@ def read_controller(given: Mapping[str, Any], fmu: Fmu) -> Controller | None:
     """
     if not given:
         return None
-    if not fmu.is_ours or fmu.path is not None:
+    if not fmu.in_package:
         raise RefusedError(
             "controller",
             f"controller: {fmu.path.name if fmu.path else fmu.model} cannot have one; "

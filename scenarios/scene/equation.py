@@ -124,6 +124,11 @@ def formula_of(parameters: Mapping[str, Value]) -> equations.Formula:
     return equations.Formula(str(parameters["equation"]), named)
 
 
+def start_of(parameters: Mapping[str, Value]) -> tuple[float, float]:
+    """Return x and x' at the start of an equation."""
+    return float(parameters["displacement_start"]), float(parameters["velocity_start"])
+
+
 def check_equation(parameters: Mapping[str, Value]) -> None:
     """Reject an equation that cannot be read, or is not finite at the start.
 
@@ -133,13 +138,12 @@ def check_equation(parameters: Mapping[str, Value]) -> None:
     """
     given = {v.name: v.start for v in _variables("1")} | dict(parameters)
     formula = formula_of(given)
-    start = (float(given["velocity_start"]), float(given["displacement_start"]), 0.0)
+    x, v = start_of(given)
     try:
-        value = formula.function(*start)
+        value = formula.function(v, x, 0.0)
     except OverflowError:
         value = math.inf
     if not math.isfinite(value):
         raise ValueError(
-            f"equation = {formula.text!r}: f is {value} at the start, v = {start[0]:g}, "
-            f"x = {start[1]:g}"
+            f"equation = {formula.text!r}: f is {value} at the start, v = {v:g}, x = {x:g}"
         )

@@ -144,9 +144,9 @@ class Reference:
 
 @dataclass(frozen=True, slots=True)
 class ReferenceTable:
-    """A reference, the path of its file, and the columns read from it."""
+    """The settings of a reference, the path of its file, and the columns read from it."""
 
-    said: Reference
+    settings: Reference
     path: Path
     columns: Columns = field(repr=False)
 
@@ -157,14 +157,14 @@ class ReferenceTable:
         ----------
         columns : the columns the run shows, and its other columns that the file has too
         """
-        file, most = self.path.name, self.said.tolerance
+        file, most = self.path.name, self.settings.tolerance
         entry = {"min": None, "max": most, "value": None, "time": None, "holds": False}
         try:
-            found = results.comparison.compared(columns, self.columns, self.said.columns)
+            found = results.comparison.compared(columns, self.columns, self.settings.columns)
         except ValueError as error:
             return {"measure": f"difference from {file}", **entry, "reason": str(error)}
         worst = found.differences[0]
-        unshared = [] if self.said.common else found.unshared("the run", file)
+        unshared = [] if self.settings.common else found.unshared("the run", file)
         return {
             "measure": f"difference of {worst.name} from {file}",
             **entry,

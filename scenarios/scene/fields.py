@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import MISSING, Field
 from math import isfinite, isnan
 from typing import Any, NamedTuple, TypeVar
@@ -46,25 +46,23 @@ class RefusedError(ValueError):
 
 
 @contextmanager
-def refusing(key: str, words: str = "") -> Iterator[None]:
+def _refusing(refused: Callable[[str], RefusedError]) -> Iterator[None]:
+    try:
+        yield
+    except RefusedError:
+        raise
+    except ValueError as error:
+        raise refused(str(error)) from None
+
+
+def refusing(key: str, words: str = "") -> AbstractContextManager[None]:
     """Report what is refused in the block as a refusal of this key, with words before the message."""
-    try:
-        yield
-    except RefusedError:
-        raise
-    except ValueError as error:
-        raise RefusedError(key, f"{words}{error}") from None
+    return _refusing(lambda why: RefusedError(key, f"{words}{why}"))
 
 
-@contextmanager
-def refusing_value(key: str, value: object) -> Iterator[None]:
+def refusing_value(key: str, value: object) -> AbstractContextManager[None]:
     """Report what is refused in the block as a refusal of the value of this key."""
-    try:
-        yield
-    except RefusedError:
-        raise
-    except ValueError as error:
-        raise RefusedError.value(key, value, str(error)) from None
+    return _refusing(lambda why: RefusedError.value(key, value, why))
 
 
 class Kind(NamedTuple):

@@ -25,6 +25,7 @@ from phaseplane.suspension.variables import (
 from phaseplane.vehicle_fmus.content import content_key
 from phaseplane.vehicle_fmus.model_description import CHOSEN
 
+from .. import measures
 from ..errors import InputError, SystemFileError, blaming, one_line, read_text, shown
 from ..results.quantities import with_unit
 from .equation import EQUATION, equation_variables
@@ -32,6 +33,8 @@ from .names import SCENE_FILES, meant
 
 if TYPE_CHECKING:
     from fmpy.model_description import ScalarVariable
+
+    from ..measures import Measure
 
 _TYPES: dict[str, Callable[[str], Value]] = {
     "Real": float,
@@ -99,6 +102,11 @@ class Fmu:
         return bool(ours) and names == [v.name for v in self.variables]
 
     @property
+    def in_package(self) -> bool:
+        """Whether it is a model of this package that is not read from an `.fmu` file."""
+        return self.is_ours and self.path is None
+
+    @property
     def unused(self) -> tuple[str, ...]:
         """The parameters of a user-defined system that no expression in its file contains."""
         return ALL[self.model].unused if self.system is not None else ()
@@ -152,6 +160,10 @@ class Fmu:
             if v.causality == "output" and not isinstance(v.start, str)
         }
 
+    def measures(self) -> Mapping[str, Measure]:
+        """Return every measure that the outputs allow, by name."""
+        return measures.catalogue(self.outputs())
+
     def with_defaults(self, parameters: Mapping[str, Value], duration: float) -> dict[str, Value]:
         """Return all parameters, those not given at their defaults; see `road_length`.
 
@@ -188,11 +200,12 @@ class Fmu:
         duration : duration of the run, s
         """
         declared = self.parameters()
-        named = extent.LENGTH in parameters or extent.LENGTH in self.fixed or not (
-            self.is_ours and extent.LENGTH in declared
-            and declared[extent.LENGTH].start == extent.DEFAULT_LENGTH
-        )  # fmt: skip
-        if named:
+        if not self.is_ours or extent.LENGTH not in declared:
+            return {}
+        is_default = (
+            declared[extent.LENGTH].start == extent.DEFAULT_LENGTH
+        )  # not one of an `.fmu` file
+        if extent.LENGTH in parameters or extent.LENGTH in self.fixed or not is_default:
             return {}
         given = {
             name: v.start for name, v in declared.items() if name.startswith(("road.", "speed"))
@@ -273,16 +286,10 @@ def _load(text: str, file: str) -> str:
     return load(text, file)
 
 
-def fmu_named(model: str) -> Fmu:
+def fmu_named(model: str, *, sources: bool = False) -> Fmu:
     """Return the FMU as `find_fmu`, for a name from the command line, which the message repeats."""
     with blaming(f"MODEL {shown(model)}", InputError):
-        return find_fmu(model)
-
-
-def described(model: str) -> Fmu:
-    """Return the FMU as `fmu_named`, also of a source of signals, which no scene can run."""
-    with blaming(f"MODEL {shown(model)}", InputError):
-        return find_fmu(model, sources=True)
+        return find_fmu(model, sources=sources)
 
 
 def default_duration(path: Path) -> float | None:

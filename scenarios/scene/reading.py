@@ -14,7 +14,6 @@ from phaseplane.suspension.variables import ParameterError, Value
 
 from .. import results
 from ..errors import InputError, SystemFileError, refuse_unknown_keys, shown
-from ..measures import catalogue
 from ..results.signals import KEYS as SIGNAL_KEYS
 from ..results.signals import read_signals
 from ..results.tables import read_table as read_columns
@@ -186,7 +185,7 @@ def _parameter(fmu: Fmu, name: str, raw: object) -> Value:
 
 def _bounds(fmu: Fmu, given: Mapping[str, Any]) -> dict[str, Bounds | tuple[Bounds, ...]]:
     """Return the bounds on measures; a list has the bounds of each value."""
-    known = catalogue(fmu.outputs())
+    known = fmu.measures()
     expected: dict[str, Bounds | tuple[Bounds, ...]] = {}
     for name, raw in given.items():
         key = f"expect.{name}"
@@ -267,7 +266,7 @@ def _signals(
 
 def _check_reference(fmu: Fmu, table: ReferenceTable) -> None:
     known = [name for name in fmu.outputs() if name in table.columns]
-    for name in table.said.columns or ():
+    for name in table.settings.columns or ():
         if name not in known:
             raise RefusedError(
                 REFERENCE,
@@ -281,7 +280,7 @@ def _check_reference(fmu: Fmu, table: ReferenceTable) -> None:
             f"{fmu.model}",
         )
     with refusing(REFERENCE, f"{REFERENCE}.file: {table.path}: "):
-        results.comparison.check_comparable(table.columns, table.said.columns or known)
+        results.comparison.check_comparable(table.columns, table.settings.columns or known)
 
 
 def _check_names(scene: Scene) -> None:
@@ -289,7 +288,7 @@ def _check_names(scene: Scene) -> None:
     outputs, listed = scene.fmu.outputs(), scene.show.outputs
     wanted: tuple[tuple[str, Iterable[str], str, Collection[str]], ...] = (
         ("outputs", listed if isinstance(listed, tuple) else (), "output", outputs),
-        ("measures", scene.show.measures or (), "measure", catalogue(outputs)),
+        ("measures", scene.show.measures or (), "measure", scene.fmu.measures()),
         ("planes", (name for names in scene.show.planes for name in names), "output", outputs),
     )
     for key, names, what, known in wanted:

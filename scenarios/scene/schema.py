@@ -13,7 +13,7 @@ from phaseplane.suspension.outputs import needs_ledger
 from phaseplane.suspension.units import nearest
 
 from ..errors import InputError, shown
-from ..measures import catalogue, default_measures
+from ..measures import default_measures
 from .fmus import lacks_ledger
 from .names import CASES
 from .sections import Construction, Show
@@ -118,7 +118,7 @@ class Scene:
         """The outputs that `during` and `reference` check."""
         wanted = {during.output for during in self.during}
         if self.reference is not None:
-            compared = self.reference.said.columns or self.reference.columns
+            compared = self.reference.settings.columns or self.reference.columns
             wanted |= set(compared) & set(self.fmu.outputs())
         return wanted
 
@@ -177,7 +177,7 @@ class Scene:
             or self.show.figures
             or self.show.recording
         )
-        known = catalogue(self.fmu.outputs())
+        known = self.fmu.measures()
         enough = self.fmu.is_ours and all(known[name].at_end for name in self.measures)
         return self.duration if enough and not wants_rows else self.show.output_interval
 
@@ -188,7 +188,7 @@ class Scene:
         ------
         InputError : if its model lacks one of them.
         """
-        known = catalogue(self.fmu.outputs())
+        known = self.fmu.measures()
         for name in measures:
             if name not in known:
                 raise InputError(f"{self.fmu.model}: {self.no_measure(name)}")
@@ -199,7 +199,7 @@ class Scene:
         """Return why there is no measure of a name."""
         if needs_ledger(name) and not self.fmu.keeps_ledger(self.parameters):
             return lacks_ledger(name)
-        near = nearest(name, catalogue(self.fmu.outputs()))
+        near = nearest(name, self.fmu.measures())
         return f"no measure {shown(name)}{near}"
 
     @cached_property
@@ -216,7 +216,7 @@ class Scene:
         """Names of the measures: those shown, and those with bounds."""
         wanted = self.show.measures
         if wanted is None:
-            wanted = default_measures(catalogue(self.fmu.outputs()), self.outputs)
+            wanted = default_measures(self.fmu.measures(), self.outputs)
         return tuple(dict.fromkeys((*wanted, *self.expect)))
 
     @property

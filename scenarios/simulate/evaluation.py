@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import simulate
 from ..errors import one_line
-from ..measures import Measure, Reading, Run, catalogue, take
+from ..measures import Measure, Reading, Run, take
 from ..measures.solution import Solution, apart, instants, refinement, simulated, solved
 from ..scene.equation import EQUATION
 
@@ -52,7 +52,7 @@ def evaluate(scene: Scene, rows: Columns, own: Solution | None = None) -> Measur
     rows : columns read from the FMU
     own : the model's solution, if it is known already
     """
-    known = catalogue(scene.fmu.outputs())
+    known = scene.fmu.measures()
     model = "" if scene.fmu.path else scene.fmu.model
     parameters = scene.all_parameters
     run = Run(rows, parameters, model)

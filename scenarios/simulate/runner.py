@@ -19,7 +19,7 @@ from phaseplane.suspension.session import Session, SimulationError
 from .. import simulate
 from ..columns import Column, Columns
 from ..errors import InputError, RunError, one_line
-from ..measures import catalogue, outputs_needed
+from ..measures import outputs_needed
 from ..measures.solution import (
     Solution,
     instants,
@@ -159,7 +159,7 @@ def _driven(
     scene: Scene, progress: Progress, interrupted: Callable[[], int]
 ) -> tuple[Drive, Solution]:
     """Return the rows of a scene that is run in this process, and the solution between them."""
-    started, known = perf_counter(), catalogue(scene.fmu.outputs())
+    started, known = perf_counter(), scene.fmu.measures()
     measures = [known[name] for name in scene.measures]
     model, given = scene.fmu.model, scene.start_values
     time, parts = _times(scene)
@@ -250,7 +250,7 @@ def _read_in(scene: Scene) -> tuple[list[str], list[str]]:
     At every step those shown, those for the other measures, and `ok` are read; of an FMU of others all.
     """
     declared = scene.fmu.outputs()
-    known, ours = catalogue(declared), scene.fmu.is_ours
+    known, ours = scene.fmu.measures(), scene.fmu.is_ours
     over_time = [name for name in scene.measures if not (known[name].at_end and ours)]
     wanted = {*scene.columns, *outputs_needed(known, over_time), *scene.outputs_expected, "ok"}
     measured = outputs_needed(known, scene.measures)
@@ -265,7 +265,7 @@ def _summary(
 ) -> dict[str, Any]:
     """Return the summary of a run, as plain data."""
     outputs = scene.fmu.outputs()
-    known = catalogue(outputs)
+    known = scene.fmu.measures()
     found = evaluate(scene, drive.columns, own)
     reached = float(drive.columns["time"][-1])
     stopped = None
@@ -315,7 +315,7 @@ def _remarks(scene: Scene) -> Iterator[str]:
     """Yield remarks on a run in which nothing failed."""
     if scene.fmu.is_ours:
         yield from extent.remarks(scene.all_parameters, scene.duration)
-        alone = [n for n in scene.measures if not catalogue(scene.fmu.outputs())[n].needs]
+        alone = [n for n in scene.measures if not scene.fmu.measures()[n].needs]
         if scene.controller is not None and alone:
             yield f"without the controller: {', '.join(alone)}"
         given = scene.all_parameters

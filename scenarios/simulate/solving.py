@@ -13,7 +13,7 @@ from phaseplane.equations import motion
 
 from ..columns import Column
 from ..progress import Progress, silent
-from ..scene.equation import formula_of
+from ..scene.equation import formula_of, start_of
 from .drive import INTERRUPTED
 
 
@@ -42,8 +42,7 @@ def solve(
     """
     started = perf_counter()
     switching = formula_of(parameters).switching
-    first = float(parameters["displacement_start"]), float(parameters["velocity_start"])
-    starts = (first, *starts)
+    starts = (start_of(parameters), *starts)
 
     def going_on(number: int, time: float) -> bool:
         part = (time - times[0]) / (times[-1] - times[0])

@@ -143,7 +143,7 @@ _MOTION = ("displacement", "velocity", "acceleration", "deflection")
 
 
 def _check(scene: Scene) -> None:
-    if not scene.fmu.is_ours or scene.fmu.path is not None:
+    if not scene.fmu.in_package:
         raise InputError(
             f"{scene.name}: {scene.fmu.model} cannot be compared; allowed: models of this package, "
             "and systems in .toml or .py files"

@@ -12,7 +12,7 @@ from phaseplane.suspension.variables import Value
 from phaseplane import figures
 
 from ..draw.pictures import draws_or_tells
-from ..measures import catalogue, has_sign
+from ..measures import has_sign
 from ..progress import Progress, silent
 from ..results.folder import Place, replace_folder, write_summary
 from ..results.quantities import shown_in
@@ -106,7 +106,7 @@ def picture_of(
             plan.keys, plan.shown, zip(*points, strict=True), strict=True
         )
     }
-    known = catalogue(plan.scene.fmu.outputs())
+    known = plan.scene.fmu.measures()
     taken = {}
     for name, found in measured.items():
         in_si = known[name].unit_of_one

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from itertools import product
@@ -19,7 +19,6 @@ from phaseplane.suspension.variable import number
 from phaseplane.suspension.variables import Value, Variable
 
 from ..errors import InputError, blaming, shown
-from ..measures import catalogue
 from ..scene.fields import (
     NUMBER_OR_TEXT,
     SECONDS,
@@ -271,9 +270,13 @@ class Plan:
         """Yield the parameters varied in each run, and its duration, s."""
         declared = self.scene.fmu.parameters()
         for point in self.points:
-            given = dict(zip(self.keys, point, strict=True))
-            varied = {key: value for key, value in given.items() if key in declared}
-            yield varied, float(given.get("duration", self.scene.duration))
+            varied = self.varied(point)
+            parameters = {key: value for key, value in varied.items() if key in declared}
+            yield parameters, float(varied.get("duration", self.scene.duration))
+
+    def varied(self, point: Sequence[Value]) -> dict[str, Value]:
+        """Return the values of the keys in one run, by key."""
+        return dict(zip(self.keys, point, strict=True))
 
     def scene_of(self, point: tuple[Value, ...]) -> Scene:
         """Return the scene of one run.
@@ -282,11 +285,10 @@ class Plan:
         ------
         InputError : if the scene does not accept a value.
         """
-        settings = [
-            Setting(from_top(key), x, "vary") for key, x in zip(self.keys, point, strict=True)
-        ]
+        given = self.varied(point)
         if self.road_length is not None:
-            settings.append(Setting(from_top(extent.LENGTH), self.road_length, "vary"))
+            given[extent.LENGTH] = self.road_length
+        settings = [Setting(from_top(key), value, "vary") for key, value in given.items()]
         return load_scene(self.reference, settings, expect=False).only(self.measures)
 
 
@@ -348,7 +350,7 @@ def plan_of(
     with blaming(path):
         said = read_table(SweepFile, content)
     scene = scene or scene_of_file(path, said.scene)
-    known = catalogue(scene.fmu.outputs())
+    known = scene.fmu.measures()
     for name in said.measures:
         where = f"{path}: {(keys or {}).get(name, 'measures')}"
         if name not in known:

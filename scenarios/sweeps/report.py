@@ -10,7 +10,7 @@ from phaseplane.suspension.units import counted
 from phaseplane.suspension.variables import Value
 
 from ..errors import InputError, blaming, shown
-from ..measures import catalogue, has_sign
+from ..measures import has_sign
 from ..results.quantities import quantity, sizes, with_unit
 from ..results.report import UNCOMPILED, aligned
 from .plan import Plan
@@ -85,7 +85,7 @@ def read_rows(path: Path) -> pyarrow.Table:
 
 def summary_of(plan: Plan, rows: Sequence[Row], more: Mapping[str, Any]) -> dict[str, Any]:
     """Return the summary of a sweep, as plain data."""
-    known = catalogue(plan.scene.fmu.outputs())
+    known = plan.scene.fmu.measures()
     failures = [row for row in rows if row.reason]
     extent, lacking = {}, {}
     for k, name in enumerate(plan.measures):
@@ -123,7 +123,7 @@ def _magnitude(found: tuple[float, int]) -> float:
 
 def _sizes(plan: Plan, runs: pyarrow.Table, run: int) -> dict[str, float]:
     """Return the sizes of the quantities in one run; what is small in another may be exact."""
-    known = catalogue(plan.scene.fmu.outputs())
+    known = plan.scene.fmu.measures()
     return sizes((name, known[name].unit_of_one, runs[name][run].as_py()) for name in plan.measures)
 
 
