@@ -91,10 +91,9 @@ def read_task(path: Path) -> Task:
     content = read_content(path)
     said = read_study(FitFile, path, content)
     scene = scene_of_file(path, said.scene)
-    if not scene.fmu.is_ours or scene.fmu.path is not None:
+    if not scene.fmu.in_package:
         raise InputError(f"{path}: scene: only models of this package can be fitted")
     space = Space.read(path, content, scene, {"step_count": "measured"})
-    space.given()
     outputs = scene.fmu.outputs()
     units = {name: variable.unit or "1" for name, variable in outputs.items()}
     columns = signals_in(path, content, units)
@@ -207,11 +206,7 @@ def _signals_of(plan: Plan, task: Task) -> Iterator[Sequence[float | None]]:
     names, scene = list(task.signals), plan.scene
     early = task.time[0] > 0.0
     times = np.insert(task.time, 0, 0.0) if early else task.time
-    sets = [
-        {**scene.start_values, **dict(zip(plan.keys, point, strict=True))} for point in plan.points
-    ]
-    if plan.road_length is not None:
-        sets = [{**one, "road.profile_length": plan.road_length} for one in sets]
+    sets = [{**scene.start_values, **plan.varied(point)} for point in plan.points]
     for run in _runs(scene, sets, times, names):
         if run.failure:
             yield [None] * (len(task.time) * len(names))

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError, NoResultError, blaming
-from ..measures import catalogue, has_sign
+from ..measures import has_sign
 from ..progress import Progress, silent
 from ..scene.expectations import Bounds, bounds_from, unknown_measure
 from ..sweeps.plan import Plan, scene_of_file
@@ -131,7 +131,7 @@ def read_problem(path: Path) -> Problem:
     objective, against = said.minimise or said.maximise, said.against
     flat = dict(dotted(said.constrain or {}, ("min", "max")))
     scene = scene_of_file(path, said.scene)
-    known = catalogue(scene.fmu.outputs())
+    known = scene.fmu.measures()
     for name in flat:
         if name not in known:
             raise InputError(f"{path}: constrain: {unknown_measure(name, known)}")
@@ -139,7 +139,6 @@ def read_problem(path: Path) -> Problem:
     keys |= {against: "against"} if against else {}
     constrained = {name: "constrain" for name in flat if name not in keys}
     space = Space.read(path, content, scene, keys | constrained)
-    space.given()  # only parameters can be varied
     bounds = {}
     for name, raw in flat.items():
         with blaming(f"{path}: constrain.{name}"):
@@ -201,11 +200,10 @@ def solve(problem: Problem, journal: Path, progress: Progress = silent) -> Optim
         front = _trade_off(problem, runs, best) if wanted else (best[None][:0], numbers[:0])
         best = _best(problem, runs)  # its runs may include a better one
         numbers = runs.at(best)
-        everything = np.array(runs.points)
         return Optimum(
             problem, before, best, at_start[0], numbers[0],
-            feasible, tuple(compress(space.plan.keys, without_effect)), front, everything,
-            runs.at(everything), runs.made,
+            feasible, tuple(compress(space.plan.keys, without_effect)), front, runs.points,
+            runs.at(runs.points), runs.made,
         )  # fmt: skip
 
 
@@ -278,7 +276,7 @@ def _refine(problem: Problem, runs: Runs, start: Points) -> None:
 
 def _best(problem: Problem, runs: Runs) -> Points:
     """Return the best of all runs, the first of equals: feasible first, then by cost."""
-    points = np.array(runs.points)
+    points = runs.points
     numbers = runs.at(points)
     broken = np.maximum(problem.violations(numbers), 0.0)
     broken = np.where(broken <= _CLOSE, 0.0, broken).sum(axis=1)

@@ -87,6 +87,9 @@ class Space:
                 )
             if (found := plan.idle(key)) is not None:
                 raise InputError(f"{path}: vary.{found}")
+        for key in plan.keys:
+            if key not in scene.all_parameters:
+                raise InputError(f"{path}: vary.{key}: only parameters can be designed")
         return cls(plan)
 
     @property
@@ -119,11 +122,6 @@ class Space:
     def given(self) -> Points:
         """Return the shares of the values that the scene has."""
         parameters = self.plan.scene.all_parameters
-        missing = [key for key in self.plan.keys if key not in parameters]
-        if missing:
-            raise InputError(
-                f"{self.plan.file}: vary.{missing[0]}: only parameters can be designed"
-            )
         return self.shares([float(parameters[key]) for key in self.plan.keys])
 
     def runs(self, shares: Points) -> Plan:
@@ -153,8 +151,12 @@ class Runs:
     stage: int = 0
     of_stage: set[bytes] = field(default_factory=set)
     known: dict[bytes, tuple[float | None, ...]] = field(default_factory=dict)
-    points: list[tuple[float, ...]] = field(default_factory=list)
     made: int = 0
+
+    @property
+    def points(self) -> Points:
+        """The points of all runs, in the order in which they were made, (runs, parameters)."""
+        return np.array([np.frombuffer(row) for row in self.known])
 
     def at(self, shares: Points) -> Points:
         """Return the numbers of each point, (points, numbers); not a number where a run failed."""
@@ -187,7 +189,6 @@ class Runs:
     def add(self, row: Points, numbers: Sequence[float | None]) -> None:
         """Add a run that has been made."""
         self.known[row.tobytes()] = tuple(numbers)
-        self.points.append(tuple(row.tolist()))
 
 
 @contextmanager
@@ -220,7 +221,7 @@ def journaled(
             yield runs
         except KeyboardInterrupt:
             raise KeyboardInterrupt(
-                f"after {len(runs.points)} runs; start it again to continue"
+                f"after {len(runs.known)} runs; start it again to continue"
             ) from None
 
 
