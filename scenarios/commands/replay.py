@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 from phaseplane.suspension.units import counted
@@ -27,7 +27,7 @@ from ..results.tables import ENDINGS, read_table
 from ..scene.fields import one_of
 from ..scene.layers import Setting, find_scene
 from ..scene.loading import construction_settings, load_scene
-from ..scene.sections import CONSTRUCTION_FIGURES
+from ..scene.sections import CONSTRUCTION_FIGURES, Show
 from .console import json_option, set_option
 from .viewing import (
     figure_options,
@@ -37,6 +37,10 @@ from .viewing import (
     until_interrupted,
     viewer_options,
 )  # fmt: skip
+
+if TYPE_CHECKING:
+    from phaseplane.constructions.primitives import Drawing
+    from phaseplane.recording import Content
 
 _KIND = "phase_planes"  # of a figure
 
@@ -148,36 +152,14 @@ def replay_construction(
     started = perf_counter()
     if figure is not None and kind in RULES_SHOWN:
         overrides = (Setting("construction.rule", RULES_SHOWN[kind], "--kind"), *overrides)
-    folder = _results_folder(Path(what))
-    if folder is not None and over is None:
-        results = read_results(folder)
-        run = results.summary
-        if not run.keys() >= {"construction", "model", "parameters"}:
-            raise InputError(f"{folder}: {DAMAGED}")
-        settings = construction_settings(run["construction"], overrides)
-        drawing = overlay_run(results.columns, run["model"], run["parameters"], settings)
-        title = run["title"] or run["scene"]
-        shown = partial(of_results, results, drawing, {})
+    folder = _results_folder(Path(what)) if over is None else None
+    if folder is not None:
+        title, drawing, content_of = _over_run(folder, overrides)
     else:
-        scene = load_scene(_scene_or_folder(what), overrides, expect=False)
-        if over is None:
-            scene.check_construction()
-        columns = None if over is None else read_table(over)[0]
-        try:
-            drawing = (
-                draw_scene(scene)
-                if columns is None
-                else overlay_run(
-                    columns, scene.fmu.model, scene.all_parameters, asdict(scene.construction)
-                )
-            )
-        except ArithmeticError as error:
-            raise RunError(f"the construction cannot be drawn: {error}") from None
-        title = scene.title or scene.name
-        shown = partial(of_scene, scene, drawing, columns)
+        title, drawing, content_of = _of_scene(what, overrides, over)
     with blaming(what):
         if save is not None or viewer:
-            content = shown()
+            content = content_of()
             if save is not None:
                 recording.record(content, save)
             if viewer:
@@ -190,6 +172,43 @@ def replay_construction(
             draw(kind, figure.path, drawing, title=title, look=figure.look, step=at_step)
     files = [str(path) for path in (save, figure and figure.path) if path is not None]
     return {**drawing_summary(drawing, perf_counter() - started), "files": files}
+
+
+class _Replayed(NamedTuple):
+    """A construction, and what makes the content of its recording."""
+
+    title: str
+    drawing: Drawing
+    content: Callable[[], Content]
+
+
+def _over_run(folder: Path, overrides: Sequence[str | Setting]) -> _Replayed:
+    """Return the construction laid over the results of a run."""
+    results = read_results(folder)
+    run = results.summary
+    if not run.keys() >= {"construction", "model", "parameters"}:
+        raise InputError(f"{folder}: {DAMAGED}")
+    settings = construction_settings(run["construction"], overrides)
+    drawing = overlay_run(results.columns, run["model"], run["parameters"], settings)
+    content = partial(of_results, results, drawing, Show())
+    return _Replayed(run["title"] or run["scene"], drawing, content)
+
+
+def _of_scene(what: str, overrides: Sequence[str | Setting], over: Path | None) -> _Replayed:
+    """Return the construction of a scene, laid over the motion in a table if one is given."""
+    scene = load_scene(_scene_or_folder(what), overrides, expect=False)
+    columns = None if over is None else read_table(over)[0]
+    try:
+        if columns is None:
+            scene.check_construction()
+            drawing = draw_scene(scene)
+        else:
+            settings = asdict(scene.construction)
+            drawing = overlay_run(columns, scene.fmu.model, scene.all_parameters, settings)
+    except ArithmeticError as error:
+        raise RunError(f"the construction cannot be drawn: {error}") from None
+    content = partial(of_scene, scene, drawing, columns)
+    return _Replayed(scene.title or scene.name, drawing, content)
 
 
 def _results_folder(path: Path) -> Path | None:

@@ -147,27 +147,9 @@ def run_scene(
         place.check_apart(f"{scene.name}: reference.file =", scene.reference.path)
     problems: list[str] = []
     facts: dict[str, Any] = {"drawn": None, "problems": problems}
-    drawing = None
-    if scene.show.figures_construction or (
-        scene.show.records_construction
-        and scene.fmu.model in draw.planes.CONSTRUCTED
-        and scene.controller is None
-    ):
-        started = perf_counter()
-        try:
-            with progress(f"construction of {scene.name}"):
-                drawing = draw.constructions.draw_scene(scene)
-            drawing_time = perf_counter() - started
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(
-                "while the construction was drawn, before the run; nothing was written"
-            ) from None
-        except (ArithmeticError, DrawingError) as error:
-            problems.append(f"the construction cannot be drawn: {one_line(error)}")
-        except InputError:
-            if scene.show.figures_construction:
-                raise
-            # a recording is complete without it, as for models that have no construction
+    started = perf_counter()
+    drawing = _constructed(scene, problems, progress)
+    drawing_time = perf_counter() - started
     with (
         draw.live.show_live(scene, drawing, viewer, save) if viewer or save else nullcontext()
     ) as live:
@@ -199,6 +181,40 @@ def run_scene(
     _draw_into(standing, pictures, problems, progress)
     standing.update_summary(**facts)
     return read_summary(place.folder) or {}, place.folder
+
+
+def _constructed(scene: Scene, problems: list[str], progress: ProgressBar) -> Drawing | None:
+    """Return the construction of a scene if something that is shown needs it.
+
+    A line is added to the problems if it cannot be drawn.
+
+    Raises
+    ------
+    InputError : if a figure needs it, but the model has none.
+    KeyboardInterrupt : on Ctrl-C, with what has been written.
+    """
+    needed = scene.show.figures_construction
+    wanted = (
+        scene.show.records_construction
+        and scene.fmu.model in draw.planes.CONSTRUCTED
+        and scene.controller is None
+    )
+    if not (needed or wanted):
+        return None
+    try:
+        with progress(f"construction of {scene.name}"):
+            return draw.constructions.draw_scene(scene)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            "while the construction was drawn, before the run; nothing was written"
+        ) from None
+    except (ArithmeticError, DrawingError) as error:
+        problems.append(f"the construction cannot be drawn: {one_line(error)}")
+    except InputError:
+        if needed:
+            raise
+        # a recording is complete without it, as for models that have no construction
+    return None
 
 
 def _pictures(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -92,28 +92,41 @@ def exercise(scene: Scene, steps: int, paper: str) -> Exercise:
     if not several:
         settings["plane_scales"] = _scales(scene, planes, steps)
         planes = planes_of(scene.fmu.model, scene.all_parameters, settings)
-    own = [plane.displacement.scale for plane in planes.planes]
     most = _MOST if several else 1.0 / _LEAST
     begin = _begin(scene, planes, steps, _VISIBLE / most)
     if begin is not None:
         settings["begin"] = begin
         duration = min(duration, scene.construction_time - begin.time)
-    for factor in _FACTORS:
-        if not _LEAST <= factor / (1.0 if several else own[0]) <= most:
-            continue
-        scales = tuple(factor * scale for scale in (own[:2] if several else (1.0, 1.0)))
-        changed = {**settings, "plane_scales": scales}
-        for apart in _APART if several else (1.0,):
-            if several:
-                changed["plane_distance"] = apart * planes.plane_distance  # type: ignore[attr-defined]
-            drawing = _drawn(scene, changed, duration)
-            if _fits(drawing, paper):
-                return Exercise(scene, changed, drawing, paper)
+    for size in _sizes(planes, most):
+        changed = {**settings, **size}
+        drawing = _drawn(scene, changed, duration)
+        if _fits(drawing, paper):
+            return Exercise(scene, changed, drawing, paper)
     raise InputError(
         f"the construction does not fit on {paper} at any scale; take fewer --steps"
         + (", smaller construction.plane_scales" if several else "")
         + (" or --paper A3" if paper == "A4" else "")
     )
+
+
+def _sizes(planes: Construction, most: float) -> Iterator[dict[str, Any]]:
+    """Yield scales and distances of the planes, from the largest round scale to the smallest.
+
+    A single plane has a round scale; of several, the scales are a round multiple, at most `most`, of
+    their own.
+    """
+    own = [plane.displacement.scale for plane in planes.planes]
+    if len(own) == 1:
+        for scale in _FACTORS:
+            if _LEAST <= scale / own[0] <= most:
+                yield {"plane_scales": (scale, scale)}
+        return
+    for factor in _FACTORS:
+        if _LEAST <= factor <= most:
+            scales = (factor * own[0], factor * own[1])
+            for apart in _APART:
+                distance = apart * planes.plane_distance  # type: ignore[attr-defined]
+                yield {"plane_scales": scales, "plane_distance": distance}
 
 
 def _scales(scene: Scene, planes: Construction, steps: int) -> tuple[float, float]:

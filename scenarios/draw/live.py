@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -58,7 +58,7 @@ class LiveRun:
         """
         why, filed = self.why, False
         if self.live is not None:
-            self.live.complete(of_results(results, drawing, asdict(self.scene.shown)))
+            self.live.complete(of_results(results, drawing, self.scene.shown))
             if not self.live.problem:
                 slow = f"the viewer was up to {self.live.behind:.1f} s behind the run, and skipped rows"
                 return [], [slow] if self.live.behind > _SLOW else []
@@ -80,11 +80,11 @@ def show_live(
     ------
     InputError : if this is not the address of a viewer.
     """
-    outputs, shown = scene.fmu.outputs(), asdict(scene.shown)
+    outputs = scene.fmu.outputs()
     units = {name: outputs[name].unit for name in scene.columns}
     columns = dict.fromkeys(("time", *scene.columns), np.zeros(0))
     try:
-        before = of_scene(scene, drawing, columns, units, shown, live=True)
+        before = of_scene(scene, drawing, columns, units, scene.shown, live=True)
     except RunError as error:
         yield LiveRun(scene, None, path, str(error))
         return

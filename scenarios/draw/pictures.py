@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict
 from functools import partial
 from inspect import signature
 from pathlib import Path
@@ -51,22 +50,26 @@ def pictures_of(
     """
     title = scene.title or scene.name
     pictures: dict[str, Callable[[Path], None]] = {}
-    dark = scene.show.dark
 
     def draw_figure(name: str, path: Path) -> None:
-        look = figures.Look(dark=dark)
+        look = figures.Look(dark=scene.show.dark)
         draw(name, path, drawing=drawing, results=results, title=title, look=look)
 
+    def draw_plane(names: tuple[str, str], path: Path) -> None:
+        look = figures.Look(dark=scene.show.dark)
+        x, y = (results.columns[name] for name in names)
+        drawn = figures.plane_of_columns({"": (x, y)}, names, results.units, title=title, look=look)
+        figures.save(drawn, path)
+
     def draw_recording(path: Path) -> None:
-        content = of_results(results, drawing, asdict(scene.shown))
+        content = of_results(results, drawing, scene.shown)  # says so if rerun cannot be loaded
         recording.record(content, path)
 
     for name in scene.show.figures:
         if name == "time_histories" or drawing is not None:
             pictures[f"{name}.png"] = partial(draw_figure, name)
     for k, names in enumerate(scene.show.planes, 1):
-        plane = partial(_draw_plane, names, results, title, dark)
-        pictures["plane.png" if k == 1 else f"plane_{k}.png"] = plane
+        pictures["plane.png" if k == 1 else f"plane_{k}.png"] = partial(draw_plane, names)
     if scene.show.recording:
         pictures[RECORDING] = draw_recording
     return pictures
@@ -83,16 +86,6 @@ def draws_or_tells(name: str, problems: list[str]) -> Iterator[None]:
             # without the path that it cannot be written to: a draft's, which the user does not see
             why = error.__cause__.strerror or error.__cause__
         problems.append(f"{name} was not drawn: {one_line(why)}")
-
-
-def _draw_plane(
-    names: tuple[str, str], results: Results, title: str, dark: bool, path: Path
-) -> None:
-    x, y = (results.columns[name] for name in names)
-    units = results.summary.get("units", {})
-    look = figures.Look(dark=dark)
-    drawn = figures.plane_of_columns({"": (x, y)}, names, units, title=title, look=look)
-    figures.save(drawn, path)
 
 
 def draw(
@@ -154,28 +147,32 @@ def figure_of(
     if name == "time_histories":
         if results is None:
             raise ValueError("time_histories shows a run, and not a construction")
-        if "front_suspension_deflection" in results.columns:
-            centre = {
-                name.replace("body", "body_centre"): column
-                for name, column in results.columns.items()
-                if name.startswith("body_")
-            }
-            axles = {axle: centre | histories(results, f"{axle}_") for axle in ("front", "rear")}
-            return figures.axle_histories(axles, title=title, look=printed)
-        columns = histories(results)
-        motions = [name for name in columns if name.endswith("_displacement")]
-        known = [name for name in motions if figures.has_histories({name: 0})]
-        if known != motions or not figures.has_histories(columns):
-            # an FMU of others, an equation, or a system with more than a body and a wheel
-            units = results.summary.get("units", {})
-            return figures.runs(_by_starts(results), units, title=title, look=printed)
-        return figures.time_histories(columns, title=title, look=printed)
+        return _time_histories(results, title, printed)
     draws = getattr(figures, name)
     if step is not None and "frame" not in signature(draws).parameters:
         raise ValueError(f"{name} shows no single step; leave --at-step out")
     chosen = {} if step is None else {"frame": step}
     figure: Figure = draws(drawing, **chosen, title=title, look=printed)
     return figure
+
+
+def _time_histories(results: Results, title: str, look: figures.Look) -> Figure:
+    """Return the outputs of a run over time: axle by axle, of one axle, or any one below the other."""
+    if "front_suspension_deflection" in results.columns:
+        centre = {
+            name.replace("body", "body_centre"): column
+            for name, column in results.columns.items()
+            if name.startswith("body_")
+        }
+        axles = {axle: centre | histories(results, f"{axle}_") for axle in ("front", "rear")}
+        return figures.axle_histories(axles, title=title, look=look)
+    columns = histories(results)
+    motions = [name for name in columns if name.endswith("_displacement")]
+    known = [name for name in motions if figures.has_histories({name: 0})]
+    if known == motions and figures.has_histories(columns):
+        return figures.time_histories(columns, title=title, look=look)
+    # an FMU of others, an equation, or a system with more than a body and a wheel
+    return figures.runs(_by_starts(results), results.units, title=title, look=look)
 
 
 def _by_starts(results: Results) -> dict[str, dict[str, tuple[Any, Any]]]:

@@ -15,6 +15,8 @@ from phaseplane.picture.quantities import rate_of
 
 from .. import draw
 from ..errors import RunError
+from ..scene.fmus import LEDGER
+from ..scene.sections import Show
 
 if TYPE_CHECKING:
     from phaseplane.suspension.systems import Axle, System
@@ -49,7 +51,7 @@ def content(
     columns: Columns,
     units: Mapping[str, str],
     duration: float,
-    shown: Mapping[str, Any],
+    shown: Show,
     live: bool = False,
     alone: bool = True,
 ) -> Content:
@@ -62,7 +64,7 @@ def content(
     columns : columns of the run by the names of its outputs; without rows before it starts
     units : SI units of the outputs
     duration : of the run, s
-    shown : `recording` (its detail), `views`, `planes` (pairs of outputs), `staged` (steps)
+    shown : its detail, views, planes and staged steps
     alone : whether the model moved without a controller, so that its energies can be found again
 
     Raises
@@ -70,24 +72,24 @@ def content(
     RunError : if rerun cannot be loaded.
     """
     _load_rerun()
-    wanted = shown.get("views") or recording.VIEWS
-    kept = alone and parameters.get("solver.energy", True)
-    views = tuple(view for view in wanted if kept or view != "energies")
+    kept = alone and parameters.get(LEDGER, True)
+    views: tuple[Any, ...] = shown.views or recording.VIEWS
+    views = tuple(view for view in views if kept or view != "energies")
     rows = recording.thinned(columns, _MOST_ROWS)
     if "energies" in views and model in MODELS and not live:
         rows = {**rows, **draw.energies.energies(model, parameters, rows["time"])}
-    detail = shown.get("recording")
-    pairs = shown.get("planes") or default_pairs(units)
+    detail: Any = shown.recording
+    pairs = shown.planes or default_pairs(units)
     return recording.Content(
         title=title,
-        drawing=None if shown.get("planes") else drawing,
+        drawing=None if shown.planes else drawing,
         histories={known(name): column for name, column in rows.items()},
         units={known(name): unit for name, unit in units.items()},
         pairs=tuple((known(y), known(rate)) for y, rate in pairs),
         vehicle=vehicle(model, parameters, duration) if "vehicle" in views else None,
         detail=detail if detail in recording.DETAILS else "stages",
         views=views,
-        staged=tuple(shown.get("staged") or ()),
+        staged=shown.staged,
         numbers=tuple(known(n) for n, u in units.items() if u in ("", "1"))
         if model not in MODELS
         else (),
@@ -198,7 +200,7 @@ def of_scene(
     drawing: Drawing | None,
     columns: Columns | None = None,
     units: Mapping[str, str] | None = None,
-    shown: Mapping[str, Any] | None = None,
+    shown: Show | None = None,
     *,
     live: bool = False,
 ) -> Content:
@@ -216,12 +218,12 @@ def of_scene(
         columns=columns,
         units=units or {},
         duration=scene.duration,
-        shown=shown or {"staged": scene.show.staged, "views": scene.show.views},
+        shown=shown or Show(staged=scene.show.staged, views=scene.show.views),
         live=live,
     )
 
 
-def of_results(results: Results, drawing: Drawing | None, shown: Mapping[str, Any]) -> Content:
+def of_results(results: Results, drawing: Drawing | None, shown: Show) -> Content:
     """Return the content of the recording of a run."""
     summary = results.summary
     return content(
@@ -249,7 +251,7 @@ def of_table(
         columns=columns,
         units=units,
         duration=float(columns["time"][-1]),
-        shown={"views": ("planes", "histories", "words"), "planes": [plane] if plane else []},
+        shown=Show(views=("planes", "histories", "words"), planes=(plane,) if plane else ()),
     )
 
 

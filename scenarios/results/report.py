@@ -57,15 +57,7 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[Line]:
     measures = summary["measures"]
     yield from (line for line in (summary["title"] or summary["scene"], summary["source"]) if line)
     yield ""
-    packed = summary["build_time"]
-    yield (
-        "model",
-        f"{summary['model']}, {f'packed in {packed:.2f} s' if packed else 'packed before'}"
-        if packed is not None
-        else summary["model"]
-        if summary["model"] == summary["fmu"]
-        else f"{summary['model']} from {_path(Path(summary['fmu']))}",
-    )
+    yield "model", _format_model(summary)
     road, solver = format_road(summary["parameters"]), _format_solver(summary)
     if road:
         yield "road", road
@@ -88,6 +80,16 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[Line]:
     yield from _under("files", (_path(folder / name) for name in files))
     if summary.get("saved"):
         yield "recording", summary["saved"]
+
+
+def _format_model(summary: Mapping[str, Any]) -> str:
+    """Return the model, with the time to pack its FMU or the file that it was read from."""
+    model, packed = summary["model"], summary["build_time"]
+    if packed is not None:
+        return f"{model}, packed in {packed:.2f} s" if packed else f"{model}, packed before"
+    if model == summary["fmu"]:
+        return str(model)
+    return f"{model} from {_path(Path(summary['fmu']))}"
 
 
 def _under(name: str, texts: Iterable[str]) -> Iterator[Line]:

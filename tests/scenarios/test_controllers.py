@@ -8,6 +8,7 @@ from phaseplane.scenarios.draw import exercises
 from phaseplane.scenarios.draw.recording_content import of_results
 from phaseplane.scenarios.errors import InputError, RunError
 from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.scene.sections import Show
 from phaseplane.scenarios.sweeps.plan import load_plan
 
 import phaseplane
@@ -237,7 +238,7 @@ def test_a_recording_shows_no_energies_of_another_motion(tmp_path):
         "period": 0.001, "events": False, "actuator_force": "-skyhook * body_velocity",
         "constants": {"skyhook": 1500},
     }  # fmt: skip
-    shown = of_results(run.results, None, {})
+    shown = of_results(run.results, None, Show())
     assert "energies" not in shown.views
     assert not any(name.endswith("_energy") for name in shown.histories)
 
