@@ -179,13 +179,15 @@ class OpenFmu:
             return not interrupted()
 
         try:
-            of_run: Any = {"duration": duration, "interval": interval, "going_on": going_on}
             description, start = self._description, scene.start_values
             if description.coSimulation is None:
-                integrate(instance, rows, description, self._unpacked, start, **of_run)
+                integrate(
+                    instance, rows, description, duration, interval, going_on,
+                    unpacked=self._unpacked, start_values=start,
+                )  # fmt: skip
             else:
                 initialise(instance, description, start, duration)
-                step_through(instance, rows, description, **of_run)
+                step_through(instance, rows, description, duration, interval, going_on)
         except Exception as error:
             failure = self._log.complaint() or one_line(error)
             usable = getattr(error, "status", 0) != _FATAL

@@ -235,7 +235,6 @@ def step_through(
     slave: Instance,
     rows: Rows,
     description: ModelDescription,
-    *,
     duration: float,
     interval: float,
     going_on: GoingOn,
@@ -331,20 +330,20 @@ def integrate(
     model: Instance,
     rows: Rows,
     description: ModelDescription,
-    unpacked: str,
-    start_values: Mapping[str, Any],
-    *,
     duration: float,
     interval: float,
     going_on: GoingOn,
+    *,
+    unpacked: str,
+    start_values: Mapping[str, Any],
 ) -> None:
     """Integrate a model for model exchange from 0 to the end by FMPy's CVode, and read the rows.
 
     Parameters
     ----------
+    rows, description, duration, interval, going_on : as of `step_through`
     unpacked : the folder of the FMU
     start_values : by name
-    rows, description, duration, interval, going_on : as of `step_through`
 
     Raises
     ------

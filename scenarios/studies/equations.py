@@ -127,14 +127,12 @@ class Equations:
 
     # -- source text -------------------------------------------------------------------------------
 
-    def _written(self, *, choosing: bool, sampled: bool) -> str:
+    def _written(self, *, choosing: bool) -> str:
         """Return the source of the functions; with `choosing`, that of `rhs` only."""
-        signals = self._sampled_lines() if sampled else self._signal_lines()
-        shared = [*signals, *self._force_lines(choosing=choosing)]
-        when = "u" if sampled else "t"
+        shared = [*self._signal_lines(), *self._force_lines(choosing=choosing)]
         rates = [f"dy[{i}] = y[{self.n + i}]" for i in range(self.n)]
         rates += [f"dy[{self.n + i}] = a{i}" for i in range(self.n)]
-        rhs = _function(f"rhs({when}, y, dy, p)", [*shared, *rates])
+        rhs = _function("rhs(t, y, dy, p)", [*shared, *rates])
         if choosing:
             return rhs
         values = {"spring": "d{}", "modulation": "d{}", "damper": "w{}", "friction": "w{}",
@@ -149,21 +147,16 @@ class Equations:
             f"f[{i}] = f{i}" + (f" + stick{i}" if i in self.rubbing else "")
             for i in range(len(self.system.elements))
         ]
-        forces = _function(f"forces({when}, y, f, p)", [*shared, *reads])
+        forces = _function("forces(t, y, f, p)", [*shared, *reads])
         if not tests:
             tests, shared = ["pass"], []
-        guards = _function(f"guards({when}, y, g, p)", [*shared, *tests])
+        guards = _function("guards(t, y, g, p)", [*shared, *tests])
         return "\n\n".join([rhs, guards, forces])
 
     def _signal_lines(self) -> Iterable[str]:
         for k, course in enumerate(self.courses):
             if not course.is_zero:
                 yield from (line for line in course.lines(k) if self.rubbing or "ddu" not in line)
-
-    def _sampled_lines(self) -> Iterable[str]:
-        for k, course in enumerate(self.courses):
-            if not course.is_zero:
-                yield f"u{k}, du{k}, ddu{k} = u[{3 * k}], u[{3 * k + 1}], u[{3 * k + 2}]"
 
     def _rows(self) -> list[tuple[tuple[float, ...], str]]:
         return list(dict.fromkeys((tuple(e.direction), e.road) for e in self.system.elements))
@@ -242,7 +235,7 @@ class Equations:
     # -- as functions ------------------------------------------------------------------------------
 
     def functions(
-        self, *, choosing: bool = False, sampled: bool = False, **names: Any
+        self, *, choosing: bool = False, **names: Any
     ) -> dict[str, Callable[[Any, Any, Any, Any], None]]:
         """Return the functions in Python.
 
@@ -253,12 +246,10 @@ class Equations:
         ----------
         choosing : whether to return `rhs` only, in which the elements choose their branches from the
             state; not if `memory` forbids it
-        sampled : whether they are functions of u instead of t, which holds value, rate and second
-            derivative of each signal in turn
         names : replacements of `cos`, `sin`, `tanh`
         """
         space: dict[str, Any] = {"cos": math.cos, "sin": math.sin, "tanh": math.tanh, **names}
-        source = self._written(choosing=choosing, sampled=sampled)
+        source = self._written(choosing=choosing)
         exec(compile(source, "<equations>", "exec"), space)
         return {name: space[name] for name in ("rhs", "guards", "forces") if name in space}
 

@@ -81,13 +81,20 @@ def sum_of(terms: Iterable[tuple[float, str]]) -> str:
 
 
 def degrees_of(all_coefficients: Iterable[Sequence[float]]) -> tuple[int, ...]:
+    """Return the powers, 0 to 3, whose coefficient is not zero in at least one of several cubics."""
     rows = list(all_coefficients)
     return tuple(k for k in range(4) if any(row[k] != 0.0 for row in rows))
 
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """The place in p of the current segment of a signal; `at` < 0 if there is one segment only."""
+    """The place in p of the current segment of a signal; `at` < 0 if there is one segment only.
+
+    Parameters
+    ----------
+    degrees : the powers of s = t - origin that occur in any segment
+    waves : whether any segment has a cosine
+    """
 
     segments: tuple[Segment, ...]
     degrees: tuple[int, ...]
@@ -96,9 +103,11 @@ class Course:
 
     @property
     def is_zero(self) -> bool:
+        """Whether the signal is zero at all times."""
         return not self.degrees and not self.waves
 
     def numbers(self, segment: Segment) -> list[float]:
+        """Return origin, coefficients, and amplitude and phase of the cosine, as in p."""
         wave = [segment.amplitude, *segment.phase] if self.waves else []
         return [segment.origin, *(segment.coefficients[k] for k in self.degrees), *wave]
 

@@ -34,7 +34,7 @@ from phaseplane.suspension import engine
 
 from .. import simulate as simulating
 from ..errors import InputError, RunError, one_line, shown
-from ..measures import Run, catalogue, take
+from ..measures import Run, take
 from ..measures.solution import instants, refinement, solved
 from ..progress import Progress, silent
 from ..scene.equation import EQUATION
@@ -190,14 +190,14 @@ def run_chunk(plan: Plan, runs: Sequence[int], through: str) -> list[Row]:
 
 def _in_process(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
     """Yield the rows of runs of the model in this process, all at the same times."""
-    scene, known = plan.scene, catalogue(plan.scene.fmu.outputs())
+    scene, known = plan.scene, plan.scene.fmu.measures()
     measures = [known[name] for name in plan.measures]
     interval, model = scene.communication_step, scene.fmu.model
     closely = any(measure.over_time for measure in measures)
     parts = refinement(scene.duration, interval) if closely else 1
     time = instants(scene.duration, interval, parts)
     common = scene.all_parameters
-    varied = [dict(zip(plan.keys, plan.points[run], strict=True)) for run in runs]
+    varied = [plan.varied(plan.points[run]) for run in runs]
     sets = [{**scene.start_values, **values} for values in varied]
     at_rows = {output for measure in measures if measure.at_rows for output in measure.needs}
     found = solved(model, sets, time, measures)
@@ -305,34 +305,47 @@ def _blocked_interrupt() -> Iterator[None]:
 @contextmanager
 def _executor(count: int, dask: str) -> Iterator[tuple[Executor, Callable[[], None]]]:
     """Yield local processes or the workers of a Dask cluster, and a function that stops them early."""
-    with ExitStack() as stack:
-        if not dask and count == 1:  # a process is not worth its start for a single worker
-            stack.callback(_STOPPING.clear)  # what comes after the sweep runs in this process, too
-            thread = ThreadPoolExecutor(1)
-            stack.callback(thread.shutdown, cancel_futures=True)
+    if dask:
+        with _dask_client(dask) as client:
+            yield client.get_executor(), lambda: None
+    elif count == 1:  # a process is not worth its start for a single worker
+        thread = ThreadPoolExecutor(1)
+        try:
             yield thread, _STOPPING.set
-            return
-        if not dask:
-            receiver, sender = Pipe(duplex=False)
-            processes = ProcessPoolExecutor(
-                count,
-                mp_context=get_context("spawn"),
-                initializer=_begin_worker,
-                initargs=(receiver,),
-            )
-            stack.callback(sender.close)
-            stack.callback(processes.shutdown, cancel_futures=True)
+        finally:
+            thread.shutdown(cancel_futures=True)
+            _STOPPING.clear()  # what comes after the sweep runs in this process, too
+    else:
+        receiver, sender = Pipe(duplex=False)
+        processes = ProcessPoolExecutor(
+            count,
+            mp_context=get_context("spawn"),
+            initializer=_begin_worker,
+            initargs=(receiver,),
+        )
+        try:
             yield processes, sender.close
-            return
-        try:
-            from distributed import Client  # noqa: PLC0415  (optional)
-        except ImportError:
-            raise InputError("--dask needs Dask: pip install 'phaseplane[dask]'") from None
-        try:
-            client = stack.enter_context(Client(dask, timeout=_PATIENCE))
-        except Exception as error:
-            raise RunError(f"no Dask scheduler at {dask}: {error}") from None
-        yield client.get_executor(), lambda: None
+        finally:
+            processes.shutdown(cancel_futures=True)
+            sender.close()
+
+
+def _dask_client(address: str) -> Any:
+    """Return the client of a Dask scheduler, a context that closes it.
+
+    Raises
+    ------
+    InputError : if Dask is not installed.
+    RunError : if there is no scheduler at this address.
+    """
+    try:
+        from distributed import Client  # noqa: PLC0415  (optional)
+    except ImportError:
+        raise InputError("--dask needs Dask: pip install 'phaseplane[dask]'") from None
+    try:
+        return Client(address, timeout=_PATIENCE)
+    except Exception as error:
+        raise RunError(f"no Dask scheduler at {address}: {error}") from None
 
 
 def _begin_worker(receiver: Connection) -> None:

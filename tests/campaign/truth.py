@@ -8,7 +8,7 @@ quarter of a millisecond and, between two such instants, where it has a minimum.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import ceil, inf, nan
@@ -174,8 +174,8 @@ class _Equations(Equations):
         made = _AnyLaw(law.pieces, (0, 1, 2, 3), True, own=name)
         return replace(made, at=self._take(len(made.numbers(law.pieces[0]))))
 
-    def _written(self, *, choosing: bool, sampled: bool) -> str:
-        rhs, *others = super()._written(choosing=choosing, sampled=sampled).split("\n\n")
+    def _written(self, *, choosing: bool) -> str:
+        rhs, *others = super()._written(choosing=choosing).split("\n\n")
         for j, (i, e) in enumerate(zip(self.series, self._mounted, strict=True)):
             at, row = 2 * self.n + j, self._row(self.system.elements[i])
             slip = e.series / e.damper.tangent(0.0)
@@ -186,6 +186,15 @@ class _Equations(Equations):
         return super().functions(copysign=np.copysign, **self.own, **given)
 
 
+class _Sampled(_Equations):
+    """The equations as functions of value, rate and second derivative of each signal in turn, for t."""
+
+    def _signal_lines(self) -> Iterable[str]:
+        for k, course in enumerate(self.courses):
+            if not course.is_zero:
+                yield f"u{k}, du{k}, ddu{k} = t[{3 * k}], t[{3 * k + 1}], t[{3 * k + 2}]"
+
+
 class _Straight:
     """Motion by matrix exponentials: z' = G z, with z the state, 1, and each signal with its derivatives.
 
@@ -194,7 +203,7 @@ class _Straight:
 
     def __init__(self, equations: _Equations) -> None:
         self.equations = equations
-        functions = equations.functions(sampled=True)
+        functions = _Sampled(equations.system).functions()
         self._rhs, self._guards = functions["rhs"], functions["guards"]
         self._moving = [k for k, course in enumerate(equations.courses) if not course.is_zero]
         # the numbers of p before this one are those of signals
