@@ -51,7 +51,8 @@ class Happened:
     Parameters
     ----------
     outcome : `right` or `wrong` at the tolerances at which it runs, `refused` if it runs at none; with
-        fixed steps `bounded` or `wrong`
+        fixed steps `bounded` or `wrong`; also `wrong` if it runs although it must be refused, or the
+        other way round
     errors : largest differences from the reference solution relative to the peak, for each tolerance at
         which the case runs; empty if there is no reference solution
     compared_with : the reference solution
@@ -150,7 +151,10 @@ def run_case(case: Extreme) -> Happened:
     if said and motions:
         said = f"at tolerance {first:g}: {said}"
     if not motions:
-        return Happened(case.name, "refused", {}, "", steps, seconds, said)
+        outcome = "refused" if case.refused else "wrong"
+        return Happened(case.name, outcome, {}, "", steps, seconds, said)
+    if case.refused:
+        return Happened(case.name, "wrong", {}, "", steps, seconds, "runs, but must be refused")
     try:
         truth, _, why = _motion(system, case.duration, {"method": "exact", "tolerance": _TRUTH})
         other = "exact propagation"

@@ -11,7 +11,7 @@ import pytest
 from command_line import complaint, written
 from phaseplane.scenarios.studies import reports
 from phaseplane.scenarios.studies import stability as study
-from phaseplane.scenarios.studies.extremes import CASES, TOLERANCES, run_case
+from phaseplane.scenarios.studies.extremes import CASES, TOLERANCES, Extreme, run_case
 from phaseplane.scenarios.studies.problems import find_problem
 
 PLAIN = {"method": "equilibrium"}
@@ -82,7 +82,7 @@ def test_bisection_finds_the_limit() -> None:
 @pytest.mark.parametrize(
     "case", [case for case in CASES if case.name != "a million steps"], ids=lambda case: case.name
 )
-def test_every_extreme_case_is_right_or_refused(case: object) -> None:
+def test_every_extreme_case_is_right_or_refused(case: Extreme) -> None:
     happened = run_case(case)
     ran = "bounded" if "step" in (case.options or {}) else "right"
     assert happened.outcome == ("refused" if case.refused else ran)
@@ -92,6 +92,18 @@ def test_every_extreme_case_is_right_or_refused(case: object) -> None:
     elif "step" not in (case.options or {}):
         assert set(happened.errors) == set(TOLERANCES)
         assert happened.said == ""
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        Extreme("no wheel, expected to run", {"unsprung_mass": 0.0}, 0.1),
+        Extreme("an ordinary car, expected to be refused", {}, 0.1, refused=True),
+    ],
+    ids=lambda case: case.name,
+)
+def test_a_case_that_is_refused_or_runs_against_expectation_is_wrong(case: Extreme) -> None:
+    assert run_case(case).outcome == "wrong"
 
 
 @pytest.mark.slow
