@@ -76,8 +76,7 @@ class _Imported(Mapping[str, click.Command]):
 
     def __getitem__(self, name: str) -> click.Command:
         module, attribute = self._entries[name].place.split(".")
-        command: click.Command = getattr(import_module(f"{self._package}.{module}"), attribute)
-        return command
+        return getattr(import_module(f"{self._package}.{module}"), attribute)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._entries)

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 from phaseplane.suspension.units import counted
@@ -174,28 +174,23 @@ def replay_construction(
     return {**drawing_summary(drawing, perf_counter() - started), "files": files}
 
 
-class _Replayed(NamedTuple):
-    """A construction, and what makes the content of its recording."""
-
-    title: str
-    drawing: Drawing
-    content: Callable[[], Content]
-
-
-def _over_run(folder: Path, overrides: Sequence[str | Setting]) -> _Replayed:
-    """Return the construction laid over the results of a run."""
+def _over_run(
+    folder: Path, overrides: Sequence[str | Setting]
+) -> tuple[str, Drawing, Callable[[], Content]]:
+    """Return the construction over the results of a run: title, drawing, and content of a recording."""
     results = read_results(folder)
     run = results.summary
     if not run.keys() >= {"construction", "model", "parameters"}:
         raise InputError(f"{folder}: {DAMAGED}")
     settings = construction_settings(run["construction"], overrides)
     drawing = overlay_run(results.columns, run["model"], run["parameters"], settings)
-    content = partial(of_results, results, drawing, Show())
-    return _Replayed(run["title"] or run["scene"], drawing, content)
+    return run["title"] or run["scene"], drawing, partial(of_results, results, drawing, Show())
 
 
-def _of_scene(what: str, overrides: Sequence[str | Setting], over: Path | None) -> _Replayed:
-    """Return the construction of a scene, laid over the motion in a table if one is given."""
+def _of_scene(
+    what: str, overrides: Sequence[str | Setting], over: Path | None
+) -> tuple[str, Drawing, Callable[[], Content]]:
+    """Return the construction of a scene as `_over_run`; over the motion in a table, if one is given."""
     scene = load_scene(_scene_or_folder(what), overrides, expect=False)
     columns = None if over is None else read_table(over)[0]
     try:
@@ -207,8 +202,7 @@ def _of_scene(what: str, overrides: Sequence[str | Setting], over: Path | None) 
             drawing = overlay_run(columns, scene.fmu.model, scene.all_parameters, settings)
     except ArithmeticError as error:
         raise RunError(f"the construction cannot be drawn: {error}") from None
-    content = partial(of_scene, scene, drawing, columns)
-    return _Replayed(scene.title or scene.name, drawing, content)
+    return scene.title or scene.name, drawing, partial(of_scene, scene, drawing, columns)
 
 
 def _results_folder(path: Path) -> Path | None:

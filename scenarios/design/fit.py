@@ -197,8 +197,7 @@ def _covariance(jacobian: Points, left: Points, signals: int) -> Points:
         r = min(max(0.0, float(x[1:] @ x[:-1]) / (power or 1.0)), 0.999)
         variance = power / len(x) * rows / max(rows - count, 1)
         scatter += slopes.T @ slopes * variance * (1.0 + r) / (1.0 - r)
-    covariance: Points = inverse @ scatter @ inverse
-    return covariance
+    return inverse @ scatter @ inverse
 
 
 def _signals_of(plan: Plan, task: Task) -> Iterator[Sequence[float | None]]:

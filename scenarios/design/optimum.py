@@ -243,8 +243,7 @@ def _evolved(problem: Problem, runs: Runs) -> Points:
         constraints=constraints, tol=1e-4,
     )  # fmt: skip
     runs.end_stage()
-    best: Points = found.x
-    return best
+    return found.x
 
 
 def _refine(problem: Problem, runs: Runs, start: Points) -> None:
@@ -280,8 +279,7 @@ def _best(problem: Problem, runs: Runs) -> Points:
     numbers = runs.at(points)
     broken = np.maximum(problem.violations(numbers), 0.0)
     broken = np.where(broken <= _CLOSE, 0.0, broken).sum(axis=1)
-    best: Points = points[np.lexsort((problem.cost(numbers), broken))[0]]
-    return best
+    return points[np.lexsort((problem.cost(numbers), broken))[0]]
 
 
 def _trade_off(problem: Problem, runs: Runs, best: Points) -> tuple[Points, Points]:
@@ -325,5 +323,4 @@ def undominated(costs: Points) -> Points:
     order = np.lexsort((costs[:, 1], costs[:, 0]))
     least = np.minimum.accumulate(costs[order, 1])
     better = np.concatenate([[True], costs[order, 1][1:] < least[:-1]])
-    front: Points = order[better]
-    return front
+    return order[better]

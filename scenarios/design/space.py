@@ -108,8 +108,7 @@ class Space:
 
     def shares(self, values: Sequence[float]) -> Points:
         """Return the shares of values, moved to the nearest bound where they are beyond one."""
-        found: Points = np.clip((np.array(values, float) - self.lows) / self.widths, 0.0, 1.0)
-        return found
+        return np.clip((np.array(values, float) - self.lows) / self.widths, 0.0, 1.0)
 
     def at_bound(self, shares: Points) -> tuple[str, ...]:
         """Return the names of the parameters that are at an end of their ranges."""
@@ -235,5 +234,4 @@ def differences(function: Callable[[Points], Points], x: Points) -> Points:
         ahead[k, k] = min(x[k] + _STEP, 1.0)
         behind[k, k] = max(x[k] - _STEP, 0.0)
     found = function(np.concatenate([ahead, behind]))
-    slopes: Points = (found[: len(x)] - found[len(x) :]).T / (ahead - behind).sum(axis=1)
-    return slopes
+    return (found[: len(x)] - found[len(x) :]).T / (ahead - behind).sum(axis=1)

@@ -152,8 +152,7 @@ def figure_of(
     if step is not None and "frame" not in signature(draws).parameters:
         raise ValueError(f"{name} shows no single step; leave --at-step out")
     chosen = {} if step is None else {"frame": step}
-    figure: Figure = draws(drawing, **chosen, title=title, look=printed)
-    return figure
+    return draws(drawing, **chosen, title=title, look=printed)
 
 
 def _time_histories(results: Results, title: str, look: figures.Look) -> Figure:

@@ -242,8 +242,7 @@ def _tyre(system: System, axle: Axle) -> dict[str, Any]:
             "tyre_stiffness": tyre.spring.tangent(0.0),
             "tyre_damping": tyre.damper.tangent(0.0),
         }
-    law: constructions.Strut = constructions.Strut(tyre.spring, tyre.damper)
-    return {"tyre": law}
+    return {"tyre": constructions.Strut(tyre.spring, tyre.damper)}
 
 
 def _is_linear(law: Characteristic) -> bool:

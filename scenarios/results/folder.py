@@ -110,14 +110,12 @@ class Results:
     @property
     def units(self) -> Mapping[str, str]:
         """The SI units of the columns, by name, where they are known."""
-        units: Mapping[str, str] = self.summary.get("units", {})
-        return units
+        return self.summary.get("units", {})
 
     @property
     def stopped(self) -> Mapping[str, Any] | None:
         """When (`time`, s) and why (`reason`) the run stopped early, or None."""
-        found: Mapping[str, Any] | None = self.summary["stopped"]
-        return found
+        return self.summary["stopped"]
 
 
 def write_results(results: Results, folder: Path) -> None:

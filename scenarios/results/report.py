@@ -88,7 +88,7 @@ def _format_model(summary: Mapping[str, Any]) -> str:
     if packed is not None:
         return f"{model}, packed in {packed:.2f} s" if packed else f"{model}, packed before"
     if model == summary["fmu"]:
-        return str(model)
+        return model
     return f"{model} from {_path(Path(summary['fmu']))}"
 
 
