@@ -194,16 +194,6 @@ def test_a_construction_that_cannot_be_drawn_costs_only_itself(
     assert (summary["rows"], summary["drawn"]) == (rows, None)
 
 
-def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(*_: object, **__: object) -> None:
-        raise ZeroDivisionError("a bug")
-
-    monkeypatch.setattr("phaseplane.figures.time_histories", fail)
-    said = complaint(*ap57_of(fmu, *HISTORIES), status=1)
-    assert "time_histories.png was not drawn: a bug" in said
-    assert Path("out/ap57/results.csv").exists()
-
-
 @pytest.mark.parametrize(
     ("line", "words"),
     [

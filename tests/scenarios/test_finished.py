@@ -178,24 +178,22 @@ BROKEN = {  # what a package does that cannot be loaded, and what is told of it
 }
 
 
-def broken_rerun(folder: Path, code: str) -> dict[str, str]:
-    """Return an environment in which rerun cannot be loaded."""
-    package = folder / "broken" / "rerun"
+def without_rerun(code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """`phaseplane` in a process in which rerun is this code, which cannot be loaded."""
+    package = Path("broken", "rerun").absolute()
     package.mkdir(parents=True)
     (package / "__init__.py").write_text(code, encoding="ascii")
-    return {**os.environ, "PYTHONPATH": str(package.parent)}
+    return subprocess.run(
+        [sys.executable, "-P", "-m", "phaseplane", *arguments],
+        env={**os.environ, "PYTHONPATH": str(package.parent)},
+        capture_output=True, text=True, check=False, timeout=HANGS,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("code", BROKEN)
-def test_a_run_does_without_a_rerun_that_cannot_be_loaded(
-    code: str, fmu: Path, tmp_path: Path
-) -> None:
+def test_a_run_does_without_a_rerun_that_cannot_be_loaded(code: str, fmu: Path) -> None:
     bare = settings(f"fmu={fmu}", "show.recording=false", "show.figures=[]")
-    done = subprocess.run(
-        [sys.executable, "-P", "-m", "phaseplane", "run", "ap57", *bare, "--save", "ap57.rrd"],
-        env=broken_rerun(tmp_path, code),
-        capture_output=True, text=True, check=False, timeout=HANGS,
-    )  # fmt: skip
+    done = without_rerun(code, "run", "ap57", *bare, "--save", "ap57.rrd")
     why = f"rerun cannot be loaded ({BROKEN[code]}"
     assert done.stderr.startswith(f"phaseplane: ap57: ap57.rrd was not written: {why}")
     assert done.stderr.endswith("); try `pip install --force-reinstall rerun-sdk`\n")
@@ -213,15 +211,11 @@ def test_a_run_does_without_a_rerun_that_cannot_be_loaded(
     ],
 )
 def test_commands_say_in_one_line_that_rerun_cannot_be_loaded(
-    command: str, place: str, fmu: Path, tmp_path: Path
+    command: str, place: str, fmu: Path
 ) -> None:
     Path("rows.csv").write_text("time,displacement\n0,0\n1,1\n", encoding="ascii")
     bare = settings(f"fmu={fmu}") if command.startswith("run") else []
-    done = subprocess.run(
-        [sys.executable, "-P", "-m", "phaseplane", *command.split(), *bare],
-        env=broken_rerun(tmp_path, "raise ImportError('no libfoo')"),
-        capture_output=True, text=True, check=False, timeout=HANGS,
-    )  # fmt: skip
+    done = without_rerun("raise ImportError('no libfoo')", *command.split(), *bare)
     why = "rerun cannot be loaded (no libfoo); try `pip install --force-reinstall rerun-sdk`"
     assert done.stderr == f"phaseplane: {place}{why}\n"
     assert done.returncode == console.FAILED
