@@ -8,7 +8,7 @@ units = { t = "ms", acc_z = "g" }
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -79,14 +79,8 @@ def read_signals(
     if path.suffix != ".csv":
         return _from_table(path, heading, tables, shift, known)
     with read_errors(path):
-        columns = tables["columns"] or {
-            name: name for name in headings(path, delimiter) if name in known and name != heading
-        }
-        for name in columns:
-            if name not in known:
-                raise InputError(f"columns: no output {shown(name)}{nearest(name, known)}")
-        if not columns:
-            raise InputError("columns is missing, and no heading is the name of an output")
+        columns = tables["columns"] or _outputs_among(headings(path, delimiter), heading, known)
+        _refuse_no_outputs(columns, known)
         units, offsets = tables["units"], tables["offset"]
         _refuse_others("units", units, (heading, *columns.values()))
         _refuse_others("offset", offsets, columns)
@@ -125,9 +119,8 @@ def _from_table(
 ) -> dict[str, Column]:  # fmt: skip
     """Return the columns of a table of results, whose units are SI."""
     found, _ = read_table(path)
-    columns = tables["columns"] or {
-        name: name for name in found if name in known and name != heading
-    }
+    columns = tables["columns"] or _outputs_among(found, heading, known)
+    _refuse_no_outputs(columns, known)
     for column in (heading, *columns.values()):
         if column not in found:
             raise InputError(f"{path} has no column {shown(column)}{nearest(column, found)}")
@@ -141,6 +134,20 @@ def _from_table(
             for name, column in columns.items()
         },
     }
+
+
+def _outputs_among(names: Iterable[str], heading: str, known: Collection[str]) -> dict[str, str]:
+    """Return the headings that are the names of outputs, apart from that of the times."""
+    return {name: name for name in names if name in known and name != heading}
+
+
+def _refuse_no_outputs(columns: Collection[str], known: Collection[str]) -> None:
+    """Reject columns of no output, or none at all."""
+    for name in columns:
+        if name not in known:
+            raise InputError(f"columns: no output {shown(name)}{nearest(name, known)}")
+    if not columns:
+        raise InputError("columns is missing, and no heading is the name of an output")
 
 
 def _refuse_others(key: str, given: Mapping[str, Any], known: Collection[str]) -> None:

@@ -58,9 +58,7 @@ def equation_variables(given: object = None) -> tuple[Variable, ...]:
     """
     if not isinstance(given, Mapping):
         return _variables("1")
-    unit = given.get("unit", "1")
-    text = given.get("equation", "")
-    words = set(_WORD.findall(text)) if isinstance(text, str) else set()
+    unit, words = given.get("unit", "1"), _words(given.get("equation"))
     named = [
         Variable(
             name,
@@ -77,10 +75,12 @@ def equation_variables(given: object = None) -> tuple[Variable, ...]:
 
 def only_in(old: object, new: object) -> set[str]:
     """Return the names of parameters that occur in one equation and not in another."""
-    words, kept = (
-        set(_WORD.findall(text)) if isinstance(text, str) else set() for text in (old, new)
-    )
-    return {name for name in words - kept if name not in _OWN}
+    return _words(old) - _words(new) - _OWN.keys()
+
+
+def _words(formula: object) -> set[str]:
+    """Return the names in a formula, which may be no text yet."""
+    return set(_WORD.findall(formula)) if isinstance(formula, str) else set()
 
 
 def outputs_of_starts(variables: Iterable[Variable], count: int) -> tuple[Variable, ...]:

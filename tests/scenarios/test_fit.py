@@ -8,6 +8,7 @@ from command_line import written
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.results.folder import read_summary
 from phaseplane.scenarios.results.signals import read_signals
+from phaseplane.scenarios.results.tables import write_table
 from studied_car import CAR, study
 
 import phaseplane
@@ -179,3 +180,22 @@ def test_signals_of_results_need_no_units():
     found = read_signals({"file": "out/results.csv", "time_shift": 1.0}, Path(), run.units)
     np.testing.assert_allclose(found["time"], run.time + 1.0)
     np.testing.assert_array_equal(found["body_velocity"], run["body_velocity"])
+
+
+@pytest.mark.parametrize(
+    ("columns", "words"),
+    [
+        (
+            {"body_acc": "acc_z"},
+            r"columns: no output 'body_acc'; did you mean 'body_acceleration'\?",
+        ),
+        ({}, "columns is missing, and no heading is the name of an output"),
+    ],
+)
+def test_signals_of_no_output_are_refused_in_any_kind_of_file(columns, words):
+    known = {"body_acceleration": "m/s2"}
+    time = np.linspace(0.0, 1.0, 5)
+    for name in ("rig.csv", "rig.parquet"):
+        write_table({"time": time, "acc_z": time}, {}, Path(name))
+        with pytest.raises(InputError, match=words):
+            read_signals({"file": name, "columns": columns}, Path(), known)
