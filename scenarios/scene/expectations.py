@@ -8,6 +8,7 @@ from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import Variable
 
@@ -99,23 +100,23 @@ class During:
     def judged(
         self, outputs: Mapping[str, Variable], time: Column, column: Column
     ) -> dict[str, Any]:
-        """Return whether it holds, with the deciding value and its time."""
+        """Return whether it holds, with the deciding value and its time: the first of them."""
         bounds, column = self.bounds(outputs), column.astype(float)
+        low = -inf if bounds.min is None else bounds.min
+        high = inf if bounds.max is None else bounds.max
+        within = (low <= column) & (column <= high)
         end = inf if self.end is None else self.end
-        rows = [row for row, t in enumerate(time) if self.start - 1e-9 <= t <= end + 1e-9]
-        good = [row for row in rows if bounds.hold(float(column[row]))]
-        if self.when == "sometime":
-            holds, deciding = bool(good), (good or rows)[:1]
-        else:
-            kept = set(good)
-            holds = bool(rows) and len(good) == len(rows)
-            deciding = [row for row in rows if row not in kept][:1] or rows[:1]
+        during = (self.start - 1e-9 <= time) & (time <= end + 1e-9)
+        sometime = self.when == "sometime"
+        deciding = during & (within if sometime else ~within)
+        holds = bool(during.any() and deciding.any() == sometime)
+        rows = np.flatnonzero(deciding if deciding.any() else during)[:1]
         until = "the end" if self.end is None else f"{self.end:g} s"
         return {
             "measure": f"{self.output} {self.when} from {self.start:g} s to {until}",
             **asdict(bounds),
-            "value": float(column[deciding[0]]) if deciding else None,
-            "time": float(time[deciding[0]]) if deciding else None,
+            "value": float(column[rows[0]]) if len(rows) else None,
+            "time": float(time[rows[0]]) if len(rows) else None,
             "holds": holds,
         }
 
