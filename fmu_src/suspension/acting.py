@@ -186,4 +186,6 @@ def _said(name: str, value: Value) -> str:
     """Return the value of a parameter as a phrase."""
     if is_table(name) or name.endswith("sequence"):
         return f"{name} is {'given' if value else 'not given'}"
+    if isinstance(value, bool):
+        return f"{name} is {str(value).lower()}"
     return f"{name} is {value if isinstance(value, str) else format(value, 'g')}"

@@ -117,6 +117,12 @@ def _damper(p: Mapping[str, Value], of: str) -> Characteristic:
     rebound, bump = number(p, f"{of}damper.rebound_rate"), number(p, f"{of}damper.bump_rate")
     most = number(p, f"{of}damper.saturation_force")
     if most > 0.0:
+        for side, rate in (("rebound_rate", rebound), ("bump_rate", bump)):
+            if not rate > 0.0:
+                raise ParameterError(
+                    f"{of}damper.{side} = 0: must be greater than 0 N.s/m if damper.saturation_force is "
+                    "given, as the force rises from zero with this rate; give a small rate, or a table"
+                )
         with blaming(f"{of}damper.saturation_force"):
             return characteristics.saturating(rebound, most, bump)
     return characteristics.damper(

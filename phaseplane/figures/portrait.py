@@ -63,7 +63,8 @@ def portrait(
     if shown.field is not None:  # arrows of equal length on paper
         x, v, dx, dv = shown.field
         size = np.hypot(dx, dv)
-        size[(size == 0.0) | ~np.isfinite(size)] = np.inf
+        has_direction = (size > 0.0) & np.isfinite(size)  # not at rest, nor at a pole
+        x, v, dx, dv, size = (part[has_direction] for part in (x, v, dx, dv, size))
         axes.quiver(
             x, v, dx / size, dv / size, color=colours.faint, alpha=0.55, pivot="mid", angles="xy",
             scale=45.0, width=0.0016, headwidth=4.0, zorder=1.5, gid="field",

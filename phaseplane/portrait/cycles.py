@@ -14,7 +14,8 @@ from phaseplane.portrait.system import Grid, PhaseSystem, Window
 
 _STARTS = 400  # of the search, over the width of the window
 _SWITCHED = 120  # the same for motions with switches, which are followed one by one
-_COARSE, _FINE = 1e-7, 1e-10  # tolerances of a step, in windows
+_COARSE, _FINER, _FINE = 1e-7, 1e-8, 1e-10  # tolerances of a step, in windows
+_DOUBTFUL = 0.1  # of the width: a smaller gain may be an error, which motions that part magnify
 _ROUNDING = 1e-6  # of the width: a turn that ends within it of its start may be closed
 _NARROW = 0.01  # of the width: smaller turns are judged by the kind of their equilibrium
 _LEAST = 1e-12  # of a multiplier: smaller values are rounding
@@ -82,7 +83,9 @@ def _fixed(system: PhaseSystem, window: Window, backwards: bool) -> list[tuple[f
     """Return approximate starts of closed turns, and whether they attract from one side only."""
     count = _SWITCHED if switches(system) else _STARTS
     x = np.linspace(window.left, window.right, count + 1)
-    gain = _gains(system, window, x, backwards, _COARSE)
+    gain = _without_errors(
+        system, window, x, backwards, _gains(system, window, x, backwards, _COARSE)
+    )
     crossings = _crossings(x, gain, window)
     found: list[tuple[float, bool]] = []
     for a, b in _turnings(x, gain, window):
@@ -110,6 +113,22 @@ def _gains(system: PhaseSystem, window: Window, x: Grid, backwards: bool, tolera
         wide = x[starts] - made.far > _NARROW * window.width
         gain[starts] = np.where(wide, made.back - x[starts], np.nan)
     return gain
+
+
+def _without_errors(
+    system: PhaseSystem, window: Window, x: Grid, backwards: bool, gain: Grid
+) -> Grid:
+    """Return the gains, zero where a finer tolerance changes them by more than half: all turns close.
+
+    So it is where motions part on one half of a turn and meet again on the other.
+    """
+    found = gain.copy()
+    doubtful = np.flatnonzero(np.abs(gain) < _DOUBTFUL * window.width)
+    if len(doubtful):
+        finer = _gains(system, window, x[doubtful], backwards, _FINER)
+        wrong = np.abs(gain[doubtful] - finer) > 0.5 * np.abs(finer)
+        found[doubtful[wrong]] = 0.0
+    return found
 
 
 def _crossings(x: Grid, gain: Grid, window: Window) -> list[tuple[float, float]]:

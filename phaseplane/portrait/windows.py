@@ -241,8 +241,10 @@ def _within(system: PhaseSystem, domain: tuple[float, float], starts: Grid, reac
     highest = float(np.max(np.interp(inside[:, 0], x, energy) + 0.5 * inside[:, 1] ** 2))
     spare = (_ROOM - 1.0) * (highest - lowest)
     if spare <= 1e-9 * float(np.ptp(energy[free])):  # at rest: half the way to the pole
-        nearest = low if low > -_ROOM * reach else high
-        spare = abs(float(np.interp(0.5 * (from_x + nearest), x, energy)) - lowest)
+        nearest, farthest = (low, high) if low > -_ROOM * reach else (high, low)
+        halfway = np.interp([0.5 * (from_x + end) for end in (nearest, farthest)], x, energy)
+        near_it, away = np.abs(halfway - lowest).tolist()
+        spare = near_it if abs(nearest - from_x) > _SHORT * width else away  # at the edge itself
     over = np.flatnonzero(energy > highest + spare)
     start = len(sides[0]) - 1
     first = int(max(over[over < start], default=-1)) + 1
@@ -250,6 +252,7 @@ def _within(system: PhaseSystem, domain: tuple[float, float], starts: Grid, reac
     seen = np.flatnonzero(free[first : last + 1]) + first
     left, right = float(x[seen[0]]), float(x[seen[-1]])
     height = _ROOM * sqrt(2.0 * (highest + spare - float(energy[seen].min(initial=lowest))))
+    height = height or 0.5 * (right - left)  # without any force
     margin = 0.5 * (_ROOM - 1.0) * (right - left)
     return Window(
         max(left - margin, low + 0.5 * near) if low > -_ROOM * reach else left - margin,

@@ -129,21 +129,30 @@ def start_of(parameters: Mapping[str, Value]) -> tuple[float, float]:
     return float(parameters["displacement_start"]), float(parameters["velocity_start"])
 
 
-def check_equation(parameters: Mapping[str, Value]) -> None:
-    """Reject an equation that cannot be read, or is not finite at the start.
+def check_equation(
+    parameters: Mapping[str, Value], starts: Iterable[tuple[float, float]] = ()
+) -> None:
+    """Reject an equation that cannot be read, or is not finite at its start.
+
+    Parameters
+    ----------
+    parameters : of the scene
+    starts : further starts (x, x')
 
     Raises
     ------
-    ValueError : if the equation cannot be read, or f is not finite at the start.
+    ValueError : if the equation cannot be read, or f is not finite at a start.
     """
     given = {v.name: v.start for v in _variables("1")} | dict(parameters)
     formula = formula_of(given)
-    x, v = start_of(given)
-    try:
-        value = formula.function(v, x, 0.0)
-    except OverflowError:
-        value = math.inf
-    if not math.isfinite(value):
-        raise ValueError(
-            f"equation = {formula.text!r}: f is {value} at the start, v = {v:g}, x = {x:g}"
-        )
+    for x, v in (start_of(given), *starts):
+        try:
+            value = formula.function(v, x, 0.0)
+        except OverflowError:
+            value = math.inf
+        if not math.isfinite(value):
+            what = "not a number" if math.isnan(value) else "infinite"
+            raise ValueError(
+                f"equation = {formula.text!r}: f is {what} at the start x = {x:g}, v = {v:g}; give a "
+                "start where it is finite"
+            )

@@ -28,6 +28,7 @@ from .sections import Construction, Show
 from .table_files import with_files
 
 if TYPE_CHECKING:
+    from phaseplane.suspension.systems import System
     from phaseplane.suspension.variable import Variable
 
 
@@ -64,7 +65,7 @@ def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path
     duration = _required("duration", said.duration)
     if construction.starts:
         fmu = _with_starts(fmu, construction.starts)
-    checked = _parameters(fmu, duration, parameters, folders)
+    checked = _parameters(fmu, duration, parameters, folders, construction.starts)
     if not fmu.keeps_ledger(checked):
         _refuse_ledger(said.show or Show(), expect)
         fmu = fmu.without_ledger()
@@ -123,7 +124,11 @@ def _refuse_ledger(show: Show, expect: Mapping[str, Any]) -> None:
 
 
 def _parameters(
-    fmu: Fmu, duration: float, given: Mapping[str, Any], folders: Mapping[str, Path]
+    fmu: Fmu,
+    duration: float,
+    given: Mapping[str, Any],
+    folders: Mapping[str, Path],
+    starts: Collection[tuple[float, float]],
 ) -> dict[str, Value]:
     """Return the parameters in SI, their tables read from files."""
     declared = fmu.parameters()
@@ -146,16 +151,29 @@ def _parameters(
         )
     if fmu.model == EQUATION:
         with refusing("parameters.equation"):
-            check_equation(checked)
+            check_equation(checked, starts)
     if fmu.is_ours:
         try:
             system = build(fmu.model, fmu.with_defaults(checked, duration))
         except (ParameterError, OverflowError, ZeroDivisionError) as error:
             about = next((name for name in checked if str(error).startswith(name)), "")
             raise RefusedError(f"parameters.{about}".strip("."), str(error)) from None
+        if "solver.method" in checked:
+            _refuse_method(str(checked["solver.method"]), system)
         for kerb in system.kerbs_without_limit(0.0):  # the start of every scene
             raise RefusedError("parameters", f"system: {kerb}")
     return checked
+
+
+def _refuse_method(method: str, system: System) -> None:
+    """Refuse a method that cannot integrate the system."""
+    from phaseplane.suspension.engine import METHODS  # noqa: PLC0415  (heavy)
+
+    if why := METHODS[method].refusal(system):
+        raise RefusedError(
+            "parameters.solver.method",
+            f"solver.method = {method} cannot integrate this system: {why}; use extrapolated",
+        )
 
 
 def _refuse_absent(given: Mapping[str, Any], declared: Mapping[str, Variable]) -> None:

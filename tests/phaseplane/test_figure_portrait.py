@@ -74,6 +74,16 @@ def test_the_section_of_a_forced_oscillator_ends_on_its_fixed_point() -> None:
     assert not figure.axes[0].collections  # no field, no curves: they would be those of one instant
 
 
+def test_no_arrow_is_drawn_at_a_pole() -> None:
+    """Infinity was divided by itself, with a warning."""
+    system = PhaseSystem(lambda v, x, t: -1.0 / (1.0 - x))
+    figure = portrait(compute_portrait(system, Window(-1.0, 1.0, -10.0, 5.0)))
+    (field,) = [c for c in figure.axes[0].collections if c.get_gid() == "field"]
+    assert np.max(field.X) < 1.0
+    assert np.isfinite(field.U).all()
+    assert np.isfinite(field.V).all()
+
+
 @pytest.mark.slow
 def test_arrows_point_along_the_motion_as_it_is_drawn() -> None:
     system = PhaseSystem(lambda v, x, t: sin(x))

@@ -107,6 +107,12 @@ def test_what_has_no_limit_cycle(function: Callable[[Any, Any], Any]) -> None:
     assert limit_cycles(of(function), Window(-12.0, 12.0, -4.0, 4.0)) == []
 
 
+def test_errors_that_motions_magnify_on_their_way_are_no_limit_cycles() -> None:
+    """Reversible, so all turns close: motions meet on the right half, and part as much on the left."""
+    reversible = of(lambda v, x: np.clip(5.0 * x, -1.0, 1.0) + x * v)
+    assert limit_cycles(reversible, Window(-3.75, 3.75, -3.0, 3.0)) == []
+
+
 @pytest.mark.slow
 def test_a_cycle_around_three_equilibria_is_found_once() -> None:
     """Van der Pol's damping in a double well."""

@@ -23,6 +23,15 @@ def test_a_stop_as_hard_as_a_rail_does_not_flatten_a_portrait() -> None:
     assert window_of(hard, 3.0).top < 10.0 * window_of(soft, 3.0).top
 
 
+@pytest.mark.parametrize("size", [1.0, 0.0])
+def test_a_window_around_rest_at_the_edge_of_where_f_is_defined(size: float) -> None:
+    """It had no height."""
+    window = window_of(of(lambda v, x: size * np.sqrt(x)), 3.0, [(0.0, 0.0)])
+    assert -0.01 < window.left < 0.0
+    assert window.right > 1.0
+    assert window.height > 1.0
+
+
 @pytest.mark.slow
 def test_a_window_ends_before_a_pole_and_holds_the_motions_from_its_starts() -> None:
     planet = of(lambda v, x: 1.0 / x**2 - 0.75 / x**3)

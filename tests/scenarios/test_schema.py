@@ -327,6 +327,16 @@ def test_refused_override(override: str, words: list[str]) -> None:
     assert all(word in message for word in words), message
 
 
+def test_a_method_that_cannot_integrate_the_system() -> None:
+    """The run was begun, failed with two lines, and `accuracy` reported a failed call into the FMU."""
+    message = refusal("ap57", "solver.method=exact", "spring.cubic=1e5")
+    assert message == (
+        "--set: solver.method = exact cannot integrate this system: the spring of 'spring' is curved; "
+        "use extrapolated"
+    )
+    assert load_scene("ap57", ["solver.method=exact"]).parameters["solver.method"] == "exact"
+
+
 @pytest.mark.parametrize("line", ["expect.lift_off_count", "parameters.spring", "show.look"])
 def test_an_empty_table_within_a_table(line: str) -> None:
     assert f"{line} = {{}}: an empty table sets nothing" in refusal(

@@ -210,6 +210,7 @@ def test_all_conditions_are_on_parameters_that_there_are() -> None:
         ("QuarterCar", "road.class", {**RANDOM, "road.roughness": 1e-5}, "road.roughness is 1e-05"),
         ("QuarterCar", "solver.theta", {}, "solver.method is extrapolated"),
         ("QuarterCar", "lift_off", {"gravity": 0.0}, "gravity is 0"),
+        ("QuarterCar", "contact", {"lift_off": False}, "lift_off is false"),
         ("QuarterCar", "speed", {"road.shape": "flat"}, "road.shape is flat"),
     ],
 )

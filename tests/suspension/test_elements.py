@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from phaseplane.suspension import characteristics as law
 from phaseplane.suspension import roads
 from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.models import build
 from phaseplane.suspension.session import Session
 from phaseplane.suspension.systems import Element, System, damper_family
 from phaseplane.suspension.variable import ParameterError
@@ -40,6 +41,14 @@ def test_a_force_far_too_small_for_its_rate_is_refused(force: float) -> None:
     session.set_parameter("damper.saturation_force", force)
     with pytest.raises(ParameterError, match=told):
         session.advance(0.1)
+
+
+@pytest.mark.parametrize("side", ["rebound_rate", "bump_rate"])
+def test_a_damper_that_saturates_needs_both_rates(side: str) -> None:
+    """The message was about the force, and did not say which rate."""
+    given = {"rear.damper.saturation_force": 500.0, f"rear.damper.{side}": 0.0}
+    with pytest.raises(ParameterError, match=rf"^rear\.damper\.{side} = 0: must be greater than 0"):
+        build("HalfCar", given)
 
 
 @pytest.mark.parametrize("x", [1e-9, 1e-4, 0.3, 1.0, 1.0001, 30.0, 1e4, 1e8, 1e300])

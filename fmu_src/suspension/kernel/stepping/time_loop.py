@@ -164,7 +164,9 @@ class TimeLoop:
         """
         why = METHODS[self.method_name].refusal(system)
         if why:
-            raise ValueError(f"method {self.method_name!r} cannot integrate this system: {why}")
+            raise ValueError(
+                f"method {self.method_name!r} cannot integrate this system: {why}; use 'extrapolated'"
+            )
         for kerb in system.kerbs_without_limit(start):
             raise ValueError(f"system: {kerb}")
 
