@@ -114,7 +114,8 @@ def portrait(
 def _slopes(axes: Axes, shown: Portrait, colours: Palette, room: np.ndarray) -> None:
     """Draw strokes of its slope along every isocline, and write the slope where it ends.
 
-    Where labels of this width and height, windows, would overlap, one is written farther in.
+    Where labels of this width and height, windows, would overlap, or reach beyond the frame, one is
+    written farther in.
     """
     window = shown.window
     sides = np.array([window.width, window.height])
@@ -145,6 +146,7 @@ def _slopes(axes: Axes, shown: Portrait, colours: Palette, room: np.ndarray) -> 
             place
             for place in sorted(places, key=outwards, reverse=True)
             if abs(place[1]) >= 0.05 * window.height
+            and (np.abs((place - corner) / sides - 0.5) + 0.5 * room <= 0.5).all()
             and (np.abs((taken - place) / sides) > room).any(axis=1).all()
         )
         edge = next(free, None)

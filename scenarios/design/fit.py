@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 from phaseplane.suspension.batch import Outcome, run_many
+from phaseplane.suspension.units import counted
 from phaseplane.suspension.variables import Value
 
 from ..errors import InputError, NoResultError
@@ -101,8 +102,8 @@ def read_task(path: Path) -> Task:
     time = columns.pop("time")[during]
     if len(time) <= len(space.plan.keys):
         raise InputError(
-            f"{path}: measured: {len(time)} samples within 0 and {scene.duration:g} s of the scene; a "
-            "fit needs more samples than parameters; see time_shift"
+            f"{path}: measured: {counted(len(time), 'sample')} within 0 and {scene.duration:g} s of the "
+            "scene; a fit needs more samples than parameters; see time_shift"
         )
     signals = {name: column[during] for name, column in columns.items()}
     for name, x in signals.items():

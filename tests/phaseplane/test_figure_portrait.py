@@ -135,6 +135,20 @@ def test_labels_of_isoclines_keep_apart() -> None:
     assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
 
 
+def test_labels_of_isoclines_stay_within_the_frame_of_a_narrow_figure() -> None:
+    """They hid the frame, and the numbers of its scale."""
+    shown = compute_portrait(
+        PhaseSystem(lambda v, x, t: 1.0 + 0.0 * x), Window(-1.0, 0.1, -1.0, 5.0)
+    )
+    figure = portrait(shown, look=Look(width=0.085))
+    figure.canvas.draw()
+    (axes,) = figure.axes
+    frame = axes.get_window_extent()
+    labels = [t.get_window_extent() for t in axes.texts if t.get_text()]
+    assert len(labels) == 2
+    assert all(frame.contains(*corner) for box in labels for corner in (box.min, box.max))
+
+
 def test_a_long_title_stays_on_the_figure_and_off_the_plane() -> None:
     system = PhaseSystem(lambda v, x, t: x)
     title = "A pendulum, released at 90 degrees in a lift that accelerates: " + 8 * "x + omega "

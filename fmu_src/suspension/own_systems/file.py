@@ -147,7 +147,9 @@ def _definition(text: str) -> Definition:
 def _read(content: Mapping[str, Any]) -> Definition:
     """Return the definition in a file; its expressions are read when the system is built."""
     refuse_others(content, _SECTIONS, "system")
-    name = content.get("name")
+    if "name" not in content:
+        raise ParameterError("system.name is missing; give one word, such as 'FullCar'")
+    name = content["name"]
     if not isinstance(name, str) or not name.isidentifier():
         raise ParameterError(f"system.name = {name!r}: must be one word, such as 'FullCar'")
     tables = {key: table_at(content.get(key, {}), f"system.{key}") for key in _SECTIONS[3:]}
@@ -163,7 +165,12 @@ def _read(content: Mapping[str, Any]) -> Definition:
             for inner in {"direction", "spring", "damper", "sine"} & said.keys():
                 table_at(said[inner], f"system.{key}.{part}.{inner}")
     for part, said in wheels.items():
-        check_word(said.get("axle"), f"system.wheels.{part}.axle")
+        if "axle" not in said:
+            raise ParameterError(
+                f"system.wheels.{part}.axle is missing; give the axle under whose name the wheel has its "
+                "parameters, such as 'front'"
+            )
+        check_word(said["axle"], f"system.wheels.{part}.axle")
         check_switch(said.get("level", False), f"system.wheels.{part}.level")
     for part, said in tables["elements"].items():
         road = said.get("road")
@@ -173,6 +180,8 @@ def _read(content: Mapping[str, Any]) -> Definition:
                 f"system.elements.{part}.road = {road!r}: must be the name of a wheel{hint}"
             )
     coordinates = dict(_coordinates(tables["coordinates"]))
+    if not coordinates:
+        raise ParameterError("system.coordinates is missing; give at least one with its mass")
     couplings = {}
     for one, others in tables["couplings"].items():
         for other, said in table_at(others, f"system.couplings.{one}").items():
@@ -183,8 +192,6 @@ def _read(content: Mapping[str, Any]) -> Definition:
                     f"the mass of {one} is in system.coordinates"
                 )
             couplings[one, other] = said
-    if not coordinates:
-        raise ParameterError("system.coordinates is missing; give at least one with its mass")
     return Definition(
         name, str(content.get("about", "")), str(content.get("source", "")),
         tuple(_declared_parameters(tables["parameters"])), coordinates, couplings, wheels,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..units import UNITS
 from ..variable import ParameterError, Variable
-from .names import numbered, place_of
+from .names import parsed, place_of
 
 if TYPE_CHECKING:
     from .definition import Definition
@@ -75,11 +75,7 @@ def _dimension(where: str, said: object, units: Mapping[str, Variable]) -> Dimen
     """Return the dimension of an expression; None if it is a number or hides one."""
     if not isinstance(said, str):
         return None
-    text, names = numbered(said)
-    try:
-        tree = ast.parse(text, mode="eval")
-    except SyntaxError:
-        return None  # whoever works it out says what is wrong
+    tree, names = parsed(said, where)
 
     def of(node: ast.expr) -> Dimension:
         match node:
@@ -104,7 +100,10 @@ def _dimension(where: str, said: object, units: Mapping[str, Variable]) -> Dimen
                 return {**one, **other}  # with rad if either has it
         return None
 
-    return of(tree.body)
+    try:
+        return of(tree)
+    except RecursionError:
+        return None  # whoever works it out says what is wrong
 
 
 def _times(one: Dimension, other: Dimension, sign: int, power: int = 1) -> Dimension:

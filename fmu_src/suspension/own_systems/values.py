@@ -11,7 +11,7 @@ from typing import Any
 
 from ..units import nearest, unit_of
 from ..variable import ParameterError, Value, number
-from .names import numbered, place_of
+from .names import no_expression, parsed, place_of, written
 
 _WORD = re.compile(r"[a-z][a-z0-9_]*\Z")
 _OPERATIONS: Mapping[type, Callable[..., float]] = {
@@ -29,30 +29,41 @@ def value_of(said: object, p: Mapping[str, Value], where: str) -> float:
     ParameterError : if it is neither, or not finite.
     """
     if isinstance(said, int | float) and not isinstance(said, bool):
-        if not isfinite(said):
-            raise ParameterError(f"{where} = {said}: must be finite")
-        return float(said)
+        try:
+            value = float(said)
+        except OverflowError:
+            value = inf
+        if not isfinite(value):
+            raise ParameterError(f"{where} = {value}: must be finite")
+        return value
     if not isinstance(said, str):
         raise ParameterError(f"{where} = {said!r}: must be a number or an expression")
-    text, names = numbered(said)
+    expression, names = parsed(said, where)
+    numeric = [name for name in p if not isinstance(p[name], str | bool)]
     for name in names:
-        if name not in p or isinstance(p[name], str | bool):
-            hint = nearest(name, p)
+        if name not in numeric:
+            hint = nearest(name, numeric)
             if unit_of(said):
                 hint = "; write it as a number in SI, or as the value of one in [system.parameters]"
             raise ParameterError(f"{where} = {said!r}: no parameter {name!r}{hint}")
     try:
-        found = _worked_out(ast.parse(text, mode="eval").body, [number(p, name) for name in names])
-    except (SyntaxError, ValueError, ArithmeticError, TypeError, RecursionError, KeyError) as error:
-        raise ParameterError(
-            f"{where} = {said!r}: not an expression of numbers and parameters ({error})"
-        ) from None
-    if isinstance(found, complex) or not abs(found) < inf:
-        raise ParameterError(f"{where} = {said!r}: is {found}; it must be finite")
-    return found
+        found = _worked_out(expression, names, [number(p, name) for name in names])
+    except OverflowError:
+        why = "a number is too large"
+    except RecursionError:
+        why = "nested too deeply"
+    except (ValueError, ArithmeticError, TypeError) as error:
+        why = str(error)
+    else:
+        if isinstance(found, complex):
+            raise ParameterError(f"{where} = {said!r}: is the root of a negative number")
+        if not abs(found) < inf:
+            raise ParameterError(f"{where} = {said!r}: is {found}; it must be finite")
+        return found
+    raise no_expression(said, where, why)
 
 
-def _worked_out(node: ast.expr, values: Sequence[float]) -> float:
+def _worked_out(node: ast.expr, names: Sequence[str], values: Sequence[float]) -> float:
     """Return the value of an expression; its values may be floats or numbers that record operations."""
     match node:
         case ast.Constant(value=int() | float() as value):
@@ -60,13 +71,16 @@ def _worked_out(node: ast.expr, values: Sequence[float]) -> float:
         case ast.Name(id=name):
             return values[place_of(name)]
         case ast.BinOp(left, operation, right):
-            found: tuple[float, ...] = (_worked_out(left, values), _worked_out(right, values))
+            operands: tuple[ast.expr, ...] = (left, right)
         case ast.UnaryOp(operation, operand):
-            found = (_worked_out(operand, values),)
+            operands = (operand,)
+        case ast.Call():
+            raise ValueError("an operator is missing between a value and what follows it")
         case _:
-            raise ValueError(ast.unparse(node))
+            raise ValueError(written(node, names))
     if type(operation) not in _OPERATIONS:
         raise ValueError("the operators are + - * / ^")
+    found = [_worked_out(operand, names, values) for operand in operands]
     result: float = _OPERATIONS[type(operation)](*found)
     return result
 
