@@ -23,6 +23,7 @@ _CLEAR = 0.12  # distance of two letters that is enough, relative to half the di
 _FAR = 2.0  # sizes of the motion beyond which points of a step may be out of view
 _ARM = 0.2  # shortest arm of the turn angles, as a fraction of the planes' width
 _BELOW = 0.06  # gap between the planes and the turn angles, as a fraction of the planes' height
+_FLATTEST = 0.25  # of the longer side: there is room for the letters beside a motion along one axis
 _AT_REST = 0.1  # m of paper shown around a motion at rest
 
 
@@ -66,7 +67,9 @@ def view_of(drawing: Drawing, frames: Sequence[Frame], *, turn: bool) -> Box:
     if turn:
         turning = [z for c in drawing.curves if c.role in TURN for z in c.vertices]
         points = np.append(points, turning)
-    return around(_shown(drawing, points))
+    box = around(_shown(drawing, points))
+    least = _FLATTEST * max(box.half.real, box.half.imag)
+    return Box(box.centre, complex(max(box.half.real, least), max(box.half.imag, least)))
 
 
 def gathered(drawing: Drawing, frames: StoredFrames) -> tuple[Drawing, list[Frame]]:

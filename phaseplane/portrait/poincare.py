@@ -12,7 +12,8 @@ from phaseplane.portrait import switched
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
 from phaseplane.portrait.trajectories import Motions, motions
 
-_GONE = 4.5  # windows beyond the sides: motions farther out are abandoned
+_GONE = 4.5  # windows beyond the sides: motions farther out after a period are abandoned
+_LOST = 100.0  # the same within a period: there, errors in windows ask for too many digits
 _MOST = 16_000  # steps of a section
 _MOST_SWITCHED = 60  # periods of motions with switches, which are followed one by one
 _TRANSIENT = 0.5  # of the periods, of a dissipative system
@@ -92,7 +93,7 @@ def _by_periods(system: PhaseSystem, window: Window, starts: Grid) -> Iterator[G
     steps = 0
     for k in count(1):
         going.x[:] = system.wrapped(going.x)  # an angle that goes round and round stays near
-        steps += _go_on(system, going, k)
+        steps += _go_on(system, window, going, k)
         going.active[~window.holds(going.x, going.v, _GONE)] = False
         yield np.where(going.active[:, None], np.array([going.x, going.v]).T, np.nan)
         if steps > _MOST:
@@ -138,8 +139,8 @@ def _attractors(system: PhaseSystem, states: Grid, window: Window) -> tuple[Grid
     return tuple(found)
 
 
-def _go_on(system: PhaseSystem, going: Motions, period: int) -> int:
-    """Step to the end of a period, counted from 1; return the number of steps."""
+def _go_on(system: PhaseSystem, window: Window, going: Motions, period: int) -> int:
+    """Step to the end of a period, counted from 1, or until lost; return the number of steps."""
     end = period * system.period
     steps = 0
     active = going.active.copy()
@@ -150,6 +151,7 @@ def _go_on(system: PhaseSystem, going: Motions, period: int) -> int:
         if not going.active.any():
             break
         going.step(np.maximum(left, 1e-300))
+        going.active &= window.holds(system.wrapped(going.x), going.v, _LOST)
         steps += 1
     going.active[:] = active & (end - going.t <= 1e-9 * end)
     going.t[going.active] = end

@@ -240,11 +240,13 @@ def _within(system: PhaseSystem, domain: tuple[float, float], starts: Grid, reac
     inside = starts[(starts[:, 0] > low) & (starts[:, 0] < high)]
     highest = float(np.max(np.interp(inside[:, 0], x, energy) + 0.5 * inside[:, 1] ** 2))
     spare = (_ROOM - 1.0) * (highest - lowest)
-    if spare <= 1e-9 * float(np.ptp(energy[free])):  # at rest: half the way to the pole
-        nearest, farthest = (low, high) if low > -_ROOM * reach else (high, low)
-        halfway = np.interp([0.5 * (from_x + end) for end in (nearest, farthest)], x, energy)
-        near_it, away = np.abs(halfway - lowest).tolist()
-        spare = near_it if abs(nearest - from_x) > _SHORT * width else away  # at the edge itself
+    nearest, farthest = (low, high) if low > -_ROOM * reach else (high, low)
+    halfway = np.interp([0.5 * (from_x + end) for end in (nearest, farthest)], x, energy)
+    to_pole, away = np.abs(halfway - lowest).tolist()
+    if abs(nearest - from_x) <= _SHORT * width:  # at the edge itself
+        spare = away
+    elif spare <= 1e-9 * float(np.ptp(energy[free])):  # at rest
+        spare = to_pole
     over = np.flatnonzero(energy > highest + spare)
     start = len(sides[0]) - 1
     first = int(max(over[over < start], default=-1)) + 1

@@ -27,6 +27,7 @@ from phaseplane.portrait import (
     section,
     separatrices,
 )
+from phaseplane.portrait.trajectories import Motions
 
 WIDE = Window(-4.0, 4.0, -3.0, 3.0)
 PENDULUM = PhaseSystem(lambda v, x, t: sin(x))
@@ -197,6 +198,23 @@ def test_all_five_periodic_motions_of_a_cubic_spring_are_told_apart() -> None:
         )  # fmt: skip
         assert known.y.T[1:] == pytest.approx(states, abs=1e-4)
         assert len({round(float(x), 2) for x in known.y[0]}) == len(states)
+
+
+def test_motions_that_run_away_within_a_period_do_not_hold_up_a_section(monkeypatch) -> None:
+    """In a softening spring they took 100 000 steps and minutes, far outside the window."""
+    step, made = Motions.step, []
+
+    def counted(going: Motions, longest: float) -> object:
+        made.append(going)
+        assert len(made) < 20_000
+        return step(going, longest)
+
+    monkeypatch.setattr(Motions, "step", counted)
+    softening = PhaseSystem(lambda v, x, t: x - x**3 + x * v - 0.3 * np.cos(2.0 * t), period=pi)
+    window = Window(-3.75, 3.75, -7.3, 7.3)
+    states = section(softening, window, (0.1, 0.0), periods=20)
+    assert states.periods == 21
+    assert len(states.points) > states.periods  # those that stay
 
 
 def test_sections_of_the_models() -> None:

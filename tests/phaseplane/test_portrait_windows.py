@@ -25,11 +25,12 @@ def test_a_stop_as_hard_as_a_rail_does_not_flatten_a_portrait() -> None:
 
 @pytest.mark.parametrize("size", [1.0, 0.0])
 def test_a_window_around_rest_at_the_edge_of_where_f_is_defined(size: float) -> None:
-    """It had no height."""
+    """It had no height, or was a thousandth of the reach where f is not zero there."""
     window = window_of(of(lambda v, x: size * np.sqrt(x)), 3.0, [(0.0, 0.0)])
     assert -0.01 < window.left < 0.0
     assert window.right > 1.0
     assert window.height > 1.0
+    assert window_of(of(lambda v, x: size + np.sqrt(x)), 3.0, [(0.0, 0.0)]).right > 1.0
 
 
 @pytest.mark.slow

@@ -36,6 +36,7 @@ from phaseplane.equations import Formula
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
 from phaseplane.picture.subject import Subject
+from phaseplane.picture.views import view_of
 
 SETTINGS = {"rule": "delta", "step": 0.001}
 MODELS = {
@@ -542,3 +543,12 @@ def test_a_tangent_that_leaves_the_paper_is_refused_in_words() -> None:
     columns |= {f"{n}_rate": np.ones(2) for n in MODELS["OneDof"]}
     with pytest.raises(InputError, match=r"leaves the paper in the step from 0 s; shorten it"):
         overlay_run(columns, "OneDof", parameters, {**SETTINGS, "rule": "tangent", "step": 1.0})
+
+
+def test_a_motion_along_one_axis_has_room_for_its_letters():
+    """On a sheet of the width of a column, the name of the axis hid the motion."""
+    changed = ["equation=x + x*v", "displacement_start=2", "angular_frequency=0.27"]
+    scene = load_scene("van_der_pol", changed, expect=False)
+    drawing = draw_construction("Equation", scene.all_parameters, SETTINGS, 0.01)
+    view = view_of(drawing, [drawing.frames[0]], turn=False)
+    assert view.half.imag >= 0.25 * view.half.real

@@ -141,7 +141,7 @@ def test_tyre_by_a_table_leaves_the_road_where_its_force_is_the_load() -> None:
         ({"tyre.table": "-0.1:-3e4, 0.1:1e4"}, "through 0:0"),
         ({"damper.deflection_table": "0:-1, 0.1:1"}, "must not be negative"),
         ({"damper.deflection_table": "0.1:1, 0:1"}, "must ascend"),
-        ({"damper.saturation_force": 100.0, "damper.bump_rate": 0.0}, "must be positive"),
+        ({"damper.saturation_force": 100.0, "damper.bump_rate": 0.0}, "must be greater than 0"),
         ({"spring.interpolation": "cubic"}, "one of linear, monotone"),
         ({"road.seed": 1.5}, "whole number"),
         ({"road.class": "K"}, "one of A, B"),
