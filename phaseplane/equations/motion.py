@@ -131,10 +131,10 @@ def motion(
             if not going_on(step.end):
                 break
     except MotionError as error:
-        if not found.times:
-            x, v = start
-            add(system.settled(v, x, times[0]), times[0], x, v)
-        return found._replace(complaint=str(error))
+        found = found._replace(complaint=str(error))
+    if not found.times:  # it did not leave its start, or was not to
+        x, v = start
+        add(system.settled(v, x, times[0]), times[0], x, v)
     return found
 
 

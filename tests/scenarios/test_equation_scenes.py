@@ -16,6 +16,7 @@ from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.look import FigureFile
 from phaseplane.scenarios.results.folder import read_results
 from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.simulate.solving import solve
 from small_sweep import rows, sweep_file
 
 from phaseplane import figures
@@ -244,3 +245,13 @@ def test_a_construction_at_rest_is_one_step(tmp_path: Path) -> None:
     still = settings("equation=x + 0.3*sign(v)", "displacement_start=0.1")
     told = printed("replay van_der_pol", *still, "--figure", str(tmp_path / "rest.png"))
     assert ": 1 step in " in told
+
+
+def test_motions_that_do_not_leave_their_starts_have_a_row_and_a_reason() -> None:
+    """With two of them the run had no rows, and ended in a traceback."""
+    starts = [(0.0, 0.0)]
+    for more in ([], starts):
+        parameters = {"equation": "x^x", "displacement_start": 0.0, "velocity_start": 0.0}
+        columns, _, why = solve(parameters, np.linspace(0.0, 1.0, 51), starts=more)
+        assert {len(column) for column in columns.values()} == {1}
+        assert "no step is short enough" in why

@@ -1,0 +1,108 @@
+"""Drawn equations: each is run and constructed, or refused in one line that says why."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from dataclasses import asdict
+from itertools import count
+from typing import TypeVar
+
+import numpy as np
+from command_line import written
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from phaseplane.scenarios.draw.constructions import draw_construction
+from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.scene.sections import RULES
+from phaseplane.scenarios.simulate.solving import solve
+
+Found = TypeVar("Found")
+LEAVES = st.sampled_from(
+    ["x", "v", "t", "x", "v", "a", "0", "1", "0.5", "3", "9.81", "1e-3", "100"]
+)
+ONE = (
+    "sin",
+    "cos",
+    "tan",
+    "atan",
+    "tanh",
+    "exp",
+    "log",
+    "sqrt",
+    "asin",
+    "sinh",
+    "abs",
+    "sign",
+    "relay",
+)
+TWO = ("min", "max", "copysign", "hypot", "atan2", "relay", "dead_zone", "backlash", "saturation")
+
+
+def combined(parts: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
+    """Larger expressions made of others."""
+    return st.one_of(
+        st.tuples(parts, st.sampled_from(["+", "-", "*", "/", "^"]), parts).map(
+            lambda found: f"({' '.join(found)})"
+        ),
+        st.tuples(st.sampled_from(ONE), parts).map(lambda found: f"{found[0]}({found[1]})"),
+        st.tuples(st.sampled_from(TWO), parts, parts).map(
+            lambda found: f"{found[0]}({found[1]}, {found[2]})"
+        ),
+    )
+
+
+EXPRESSIONS = st.recursive(LEAVES, combined, max_leaves=8)
+STARTS = st.tuples(
+    st.sampled_from([0.0, 0.5, 1.0, -2.0, 1e-3, 10.0]), st.sampled_from([0.0, 1.0, -3.0])
+)
+
+
+def answer(asked: Callable[[], Found]) -> tuple[Found | None, str]:
+    """What is found, or why not; whatever else is raised, such as a division by zero, is a defect."""
+    try:
+        return asked(), ""
+    except (InputError, ArithmeticError) as error:  # the second where a construction diverges
+        if isinstance(error, (ZeroDivisionError, OverflowError, FloatingPointError)):
+            raise
+        return None, str(error)
+
+
+@given(EXPRESSIONS, st.lists(STARTS, min_size=1, max_size=2), st.sampled_from(sorted(RULES)))
+@settings(max_examples=40, derandomize=True)
+def test_equations_are_run_and_constructed_or_refused(
+    text: str, starts: list[tuple[float, float]], rule: str
+) -> None:
+    """A run of at most a second, and its construction."""
+    (x, v), *more = starts
+    content = {
+        "fmu": "Equation", "duration": 1.0,
+        "parameters.equation": text, "parameters.displacement_start": x,
+        "parameters.velocity_start": v, **({"parameters.a": -0.7} if re.search(r"\ba\b", text) else {}),
+        "construction.rule": rule, "construction.step": 0.02, "construction.starts": more,
+        "show.output_interval": 0.02,
+    }  # fmt: skip
+    scene_file = written(
+        "\n".join(f"{key} = {json.dumps(value)}" for key, value in content.items())
+    )
+    scene, told = answer(lambda: load_scene(scene_file))
+    if scene is None:
+        assert told.isprintable()
+        assert "nan" not in told
+        return
+    steps = count()
+    columns, _, complaint = solve(
+        scene.all_parameters, np.linspace(0.0, 1.0, 51), starts=more,
+        interrupted=lambda: next(steps) > 300,
+    )  # fmt: skip
+    rows = {len(column) for column in columns.values()}
+    assert len(rows) == 1
+    assert complaint or rows == {51}
+    for name, column in columns.items():
+        assert np.isfinite(column).all(), (text, name)
+    motion = scene.all_parameters, asdict(scene.construction), 0.5
+    drawing, told = answer(lambda: draw_construction("Equation", *motion))
+    assert told.isprintable()
+    assert drawing is None or len(drawing.frames) > 0  # a single one for a motion at rest
