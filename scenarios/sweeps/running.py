@@ -309,11 +309,10 @@ def _executor(count: int, dask: str) -> Iterator[tuple[Executor, Callable[[], No
         with _dask_client(dask) as client:
             yield client.get_executor(), lambda: None
     elif count == 1:  # a process is not worth its start for a single worker
-        thread = ThreadPoolExecutor(1)
         try:
-            yield thread, _STOPPING.set
+            with ThreadPoolExecutor(1) as thread:
+                yield thread, _STOPPING.set
         finally:
-            thread.shutdown(cancel_futures=True)
             _STOPPING.clear()  # what comes after the sweep runs in this process, too
     else:
         receiver, sender = Pipe(duplex=False)
@@ -323,11 +322,8 @@ def _executor(count: int, dask: str) -> Iterator[tuple[Executor, Callable[[], No
             initializer=_begin_worker,
             initargs=(receiver,),
         )
-        try:
+        with sender, processes:
             yield processes, sender.close
-        finally:
-            processes.shutdown(cancel_futures=True)
-            sender.close()
 
 
 def _dask_client(address: str) -> Any:

@@ -183,6 +183,23 @@ def test_an_interrupt_waits_for_the_run_under_way_alone(monkeypatch: pytest.Monk
     assert len(running.run_chunk(plan, range(2), "process")) == 2  # of a study after it
 
 
+def test_a_further_interrupt_leaves_later_sweeps_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """While the thread of the runs ends; all later sweeps of the process ended without rows."""
+
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    executor = running._executor(1, "")
+    _, stop = executor.__enter__()
+    stop()
+    with monkeypatch.context() as patch:
+        patch.setattr(ThreadPoolExecutor, "shutdown", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            executor.__exit__(None, None, None)
+    plan = load_plan(sweep_file())
+    assert len(running.run_chunk(plan, range(2), "process")) == 2
+
+
 def test_a_run_that_an_interrupt_meets_ends_as_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
     driven, begun = runner._driven, []
 
