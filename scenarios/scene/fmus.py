@@ -202,10 +202,9 @@ class Fmu:
         declared = self.parameters()
         if not self.is_ours or extent.LENGTH not in declared:
             return {}
-        is_default = (
-            declared[extent.LENGTH].start == extent.DEFAULT_LENGTH
-        )  # not one of an `.fmu` file
-        if extent.LENGTH in parameters or extent.LENGTH in self.fixed or not is_default:
+        # an `.fmu` file may have been packed with a length of its own
+        is_named = extent.LENGTH in parameters or extent.LENGTH in self.fixed
+        if is_named or declared[extent.LENGTH].start != extent.DEFAULT_LENGTH:
             return {}
         given = {
             name: v.start for name, v in declared.items() if name.startswith(("road.", "speed"))

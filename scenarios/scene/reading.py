@@ -154,19 +154,21 @@ def _parameters(
             check_equation(checked, starts)
     if fmu.is_ours:
         try:
-            system = build(fmu.model, fmu.with_defaults(checked, duration))
+            complete = fmu.with_defaults(checked, duration)
+            system = build(fmu.model, complete)
         except (ParameterError, OverflowError, ZeroDivisionError) as error:
             about = next((name for name in checked if str(error).startswith(name)), "")
             raise RefusedError(f"parameters.{about}".strip("."), str(error)) from None
-        if "solver.method" in checked:
-            _refuse_method(str(checked["solver.method"]), system)
+        _refuse_method(str(complete["solver.method"]), system)
         for kerb in system.kerbs_without_limit(0.0):  # the start of every scene
             raise RefusedError("parameters", f"system: {kerb}")
     return checked
 
 
 def _refuse_method(method: str, system: System) -> None:
-    """Refuse a method that cannot integrate the system."""
+    """Refuse a method that cannot integrate the system; extrapolated integrates every one."""
+    if method == "extrapolated":
+        return
     from phaseplane.suspension.engine import METHODS  # noqa: PLC0415  (heavy)
 
     if why := METHODS[method].refusal(system):

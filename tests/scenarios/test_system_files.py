@@ -162,6 +162,20 @@ def test_the_fmu_of_a_scene_starts_with_its_parameters():
 
 
 @pytest.mark.slow
+def test_the_method_with_which_an_fmu_is_packed_is_refused_like_one_that_is_given():
+    """The FMU did not start, which was told on two lines."""
+    exact = 'fmu = "QuarterCar"\nduration = 0.1\n[parameters]\nsolver.method = "exact"\n'
+    written(exact, "car.toml")
+    (path, *_) = build_models(["car.toml"], Path("fmus"))
+    with pytest.raises(InputError, match=r"solver\.method = exact cannot integrate this system"):
+        phaseplane.run(path, spring={"cubic": 1e5}, duration=0.1)
+    curved = phaseplane.run(
+        path, spring={"cubic": 1e5}, solver={"method": "extrapolated"}, duration=0.1
+    )
+    assert curved.time[-1] == 0.1
+
+
+@pytest.mark.slow
 def test_a_sweep_varies_it_in_other_processes():
     fmu = find_fmu("mass.toml")
     assert pickle.loads(pickle.dumps(fmu)) == fmu
