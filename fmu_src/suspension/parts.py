@@ -120,8 +120,9 @@ def _damper(p: Mapping[str, Value], of: str) -> Characteristic:
         for side, rate in (("rebound_rate", rebound), ("bump_rate", bump)):
             if not rate > 0.0:
                 raise ParameterError(
-                    f"{of}damper.{side} = 0: must be greater than 0 N.s/m if damper.saturation_force is "
-                    "given, as the force rises from zero with this rate; give a small rate, or a table"
+                    f"{of}damper.{side} = 0: must be greater than 0 N.s/m if "
+                    f"{of}damper.saturation_force is given, as the force rises from zero with this rate; "
+                    "give a small rate, or a table"
                 )
         with blaming(f"{of}damper.saturation_force"):
             return characteristics.saturating(rebound, most, bump)

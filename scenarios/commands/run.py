@@ -208,8 +208,10 @@ def _constructed(scene: Scene, problems: list[str], progress: ProgressBar) -> Dr
         raise KeyboardInterrupt(
             "while the construction was drawn, before the run; nothing was written"
         ) from None
-    except (ArithmeticError, DrawingError) as error:
+    except ArithmeticError as error:
         problems.append(f"the construction cannot be drawn: {one_line(error)}")
+    except DrawingError as error:
+        problems.append(one_line(error))
     except InputError:
         if needed:
             raise

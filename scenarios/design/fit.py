@@ -111,7 +111,8 @@ def read_task(path: Path) -> Task:
             if not 0.0 < np.mean(np.square(x)) < np.inf:
                 raise InputError(
                     f"{path}: measured: {name}: its samples are all 0, or too large to be squared; a fit "
-                    "takes differences over their root mean square"
+                    "takes differences over their root mean square; name the signals to be fitted, "
+                    "without this one, in measured.columns"
                 )
     return Task(space, time, signals, said.search or SearchOfFit())
 

@@ -80,7 +80,7 @@ def draw_construction(
             return constructions.with_shortcuts(drawing, planes, rule, step)
         return drawing
     except ValueError as error:
-        raise DrawingError(f"construction: {error}") from None
+        raise DrawingError(f"the construction cannot be drawn: {error}") from None
 
 
 def _construct(planes: Construction, settings: Mapping[str, Any], duration: float) -> Drawing:

@@ -180,8 +180,16 @@ def test_a_diverging_run(fmu: Path) -> None:
 @pytest.mark.parametrize(
     ("settings", "problem", "rows"),
     [
-        ((*DIVERGING, "show.figures=[]"), "cannot be drawn", 19),
-        (("construction.step=1 s",), "at most a right angle", 1001),
+        (
+            (*DIVERGING, "show.figures=[]"),
+            "the construction cannot be drawn: the construction d",
+            19,
+        ),
+        (
+            ("construction.step=1 s",),
+            "the construction cannot be drawn: step = 1 s would turn",
+            1001,
+        ),
     ],
 )
 def test_a_construction_that_cannot_be_drawn_costs_only_itself(
@@ -190,7 +198,7 @@ def test_a_construction_that_cannot_be_drawn_costs_only_itself(
     result = phaseplane(*ap57_of(fmu, *settings), "--json")
     assert result.exit_code == 1
     summary = json.loads(result.stdout)
-    assert problem in summary["problems"][0]
+    assert summary["problems"][0].startswith(problem)
     assert (summary["rows"], summary["drawn"]) == (rows, None)
 
 
