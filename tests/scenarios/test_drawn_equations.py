@@ -11,7 +11,7 @@ from typing import TypeVar
 
 import numpy as np
 from command_line import written
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from phaseplane.scenarios.draw.constructions import draw_construction
 from phaseplane.scenarios.errors import InputError
@@ -24,20 +24,8 @@ LEAVES = st.sampled_from(
     ["x", "v", "t", "x", "v", "a", "0", "1", "0.5", "3", "9.81", "1e-3", "100"]
 )
 ONE = (
-    "sin",
-    "cos",
-    "tan",
-    "atan",
-    "tanh",
-    "exp",
-    "log",
-    "sqrt",
-    "asin",
-    "sinh",
-    "abs",
-    "sign",
-    "relay",
-)
+    "sin", "cos", "tan", "atan", "tanh", "exp", "log", "sqrt", "asin", "sinh", "abs", "sign", "relay",
+)  # fmt: skip
 TWO = ("min", "max", "copysign", "hypot", "atan2", "relay", "dead_zone", "backlash", "saturation")
 
 
@@ -70,6 +58,9 @@ def answer(asked: Callable[[], Found]) -> tuple[Found | None, str]:
         return None, str(error)
 
 
+@example("x^x", [(0.0, 0.0), (0.0, 0.0)], "delta")  # neither motion leaves its start
+@example("0 - exp(x*x)", [(1.0, 0.0), (0.0, 0.0)], "delta")  # one runs away
+@example("sqrt(x)", [(0.5, -3.0)], "mean_normal")  # it runs into the edge of where f is defined
 @given(EXPRESSIONS, st.lists(STARTS, min_size=1, max_size=2), st.sampled_from(sorted(RULES)))
 @settings(max_examples=40, derandomize=True)
 def test_equations_are_run_and_constructed_or_refused(
