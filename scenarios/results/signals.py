@@ -123,7 +123,10 @@ def _from_table(
     _refuse_no_outputs(columns, known)
     for column in (heading, *columns.values()):
         if column not in found:
-            raise InputError(f"{path} has no column {shown(column)}{nearest(column, found)}")
+            there = ", ".join(map(shown, found))
+            raise InputError(
+                f"{path} has no column {shown(column)}; its columns are {there}{nearest(column, found)}"
+            )
     _refuse_others("units", tables["units"], ())
     _refuse_others("offset", tables["offset"], columns)
     return {

@@ -194,9 +194,13 @@ def test_signals_of_results_need_no_units():
             r"columns: no output 'body_acc'; did you mean 'body_acceleration'\?",
         ),
         ({}, "columns is missing, and no heading is the name of an output"),
+        (
+            {"body_acceleration": "acc"},
+            r"has no column 'acc'; its columns are 'time', 'acc_z'; did you mean 'acc_z'\?",
+        ),
     ],
 )
-def test_signals_of_no_output_are_refused_in_any_kind_of_file(columns, words):
+def test_signals_that_are_not_there_are_refused_alike_in_any_kind_of_file(columns, words):
     known = {"body_acceleration": "m/s2"}
     time = np.linspace(0.0, 1.0, 5)
     for name in ("rig.csv", "rig.parquet"):
