@@ -120,10 +120,12 @@ def _without_errors(
 ) -> Grid:
     """Return the gains, zero where a finer tolerance changes them by more than half: all turns close.
 
-    So it is where motions part on one half of a turn and meet again on the other.
+    So it is where motions part on one half of a turn and meet again on the other. Gains within rounding
+    are kept: a semi-stable cycle is where they do not change their sign.
     """
     found = gain.copy()
-    doubtful = np.flatnonzero(np.abs(gain) < _DOUBTFUL * window.width)
+    sizes = np.abs(gain) / window.width
+    doubtful = np.flatnonzero((sizes > _ROUNDING) & (sizes < _DOUBTFUL))
     if len(doubtful):
         finer = _gains(system, window, x[doubtful], backwards, _FINER)
         wrong = np.abs(gain[doubtful] - finer) > 0.5 * np.abs(finer)

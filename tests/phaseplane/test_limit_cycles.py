@@ -113,6 +113,13 @@ def test_errors_that_motions_magnify_on_their_way_are_no_limit_cycles() -> None:
     assert limit_cycles(reversible, Window(-3.75, 3.75, -3.0, 3.0)) == []
 
 
+def test_a_semi_stable_cycle_that_a_start_meets_is_found() -> None:
+    """Its gain is nothing but an error of the steps, which a finer tolerance changes."""
+    (cycle,) = limit_cycles(radial(1.0, power=2), Window(-4.0, 4.0, -4.0, 4.0))
+    assert cycle.crossing == pytest.approx(1.0, abs=1e-3)
+    assert cycle.semistable
+
+
 @pytest.mark.slow
 def test_a_cycle_around_three_equilibria_is_found_once() -> None:
     """Van der Pol's damping in a double well."""
