@@ -7,8 +7,8 @@ step ends on the first guard that it meets; there the motion goes through, slide
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from math import inf, isfinite, nan, sqrt
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from math import inf, isfinite, log2, nan, sqrt
 from typing import NamedTuple
 
 from phaseplane.equations.roots import root
@@ -24,6 +24,8 @@ _COARSEST = 1e-6  # the same, where motions chatter
 _LEAST, _MOST = 0.2, 5.0  # factors by which a step may change
 _STUBBORN = 8  # steps rejected in succession
 _MOST_STEPS = 4_000_000
+# steps after which, and after each doubling, it is judged how many would follow; what has grown by then
+_FIRST_MARK, _GROWN = 8192, 1.05
 # so many switches in so small a part of the motion: it has come to rest
 _CROWD, _CROWDED = 60, 1e-6
 # of the state: velocity, and distance from the guards, of a motion that comes to rest so
@@ -31,18 +33,33 @@ _CREEP = 1e-3
 
 
 class MotionError(ArithmeticError):
-    """No step is short enough.
+    """No step is short enough, or the steps are too many.
 
     Parameters
     ----------
     time : the end of the known motion, s
+    reason : why it ends there
     """
+
+    def __init__(
+        self,
+        time: float,
+        reason: str = "no step is short enough: the acceleration is not a number there, or grows "
+        "without bound",
+    ) -> None:
+        super().__init__(reason)
+        self.time = time
+
+
+class _TooManyStepsError(MotionError):
+    """More steps would follow than are made."""
 
     def __init__(self, time: float) -> None:
         super().__init__(
-            "no step is short enough: the acceleration is not a number there, or grows without bound"
+            time,
+            f"more than {_MOST_STEPS // 10**6} million steps would be needed; take a shorter duration, "
+            "and check the signs in f if the motion should not grow",
         )
-        self.time = time
 
 
 class Step(NamedTuple):
@@ -120,8 +137,9 @@ def motion(
     end = times[-1]
     due = 0
     mode: Mode | None = None
+    longest = (end - times[0]) / 50.0
     try:
-        for step in steps(system, start, times[0], end, longest=(end - times[0]) / 50.0):
+        for step in _within_reach(steps(system, start, times[0], end, longest=longest), end):
             if mode is not None and step.mode != mode:
                 found.switches.append(step.start)
             mode = step.mode
@@ -136,6 +154,42 @@ def motion(
         x, v = start
         add(system.settled(v, x, times[0]), times[0], x, v)
     return found
+
+
+def _within_reach(steps: Iterable[Step], end: float) -> Iterator[Step]:
+    """Yield steps to an end, s; raise an error as soon as it is out of reach.
+
+    An explicit method follows what grows and becomes stiff with ever shorter steps, which would only end
+    after minutes.
+    """
+    marks: list[float] = []  # when the number of steps had doubled
+    largest = grown = (0.0, 0.0)
+    for count, step in enumerate(steps, 1):
+        yield step
+        x, v, _ = step.last
+        largest = max(largest[0], abs(x)), max(largest[1], abs(v))
+        if count != _FIRST_MARK << len(marks):
+            continue
+        marks.append(step.end)
+        grows = any(new > _GROWN * old for new, old in zip(largest, grown, strict=True))
+        if grows and len(marks) > 2 and 2.0 * _ahead(count, *marks[-3:]) < end - step.end:
+            raise _TooManyStepsError(step.end)
+        grown = largest
+
+
+def _ahead(count: int, first: float, second: float, third: float) -> float:
+    """Return how long a motion goes on until its steps are too many, s.
+
+    Parameters
+    ----------
+    count : of steps so far
+    first, second, third : when a quarter, half and all of them were made, s; from one doubling to the
+        next, the intervals change by the same ratio, with steps of one length, ever shorter ones or
+        such as a power of time
+    """
+    interval = third - second
+    ratio = interval / (second - first)
+    return sum(interval * ratio**k for k in range(1, int(log2(_MOST_STEPS / count)) + 1))
 
 
 def _acceleration(system: Switching, mode: Mode, t: float, x: float, v: float) -> float:
@@ -165,7 +219,7 @@ def steps(
 
     Raises
     ------
-    MotionError : where no step is short enough.
+    MotionError : where no step is short enough, or the steps are too many.
     """
     t, (x, v) = time, start
     least = 1e-14 * max(abs(time), abs(end))
@@ -224,7 +278,7 @@ def steps(
                 v, x = system.project(mode, v, x, t)
         a = _acceleration(system, mode, t, x, v)
         h = min(h, _first(t, x, v, a, end)) if h > 0.0 else _first(t, x, v, a, end)
-    raise MotionError(t)
+    raise _TooManyStepsError(t)
 
 
 def _gathered(

@@ -127,6 +127,7 @@ def solved_by(
     columns: Columns,
     measures: Iterable[Measure],
     also: Iterable[str] = (),
+    failure: str = "",
 ) -> Solution:
     """Return one run by any solver, with all data that the measures need.
 
@@ -135,8 +136,9 @@ def solved_by(
     solve : returns `time` and outputs at ascending times, the first of which is the start
     columns : its result at regular times
     measures, also : as in `solved`
+    failure : why it ended early, or empty
     """
-    return _refined(Solution(columns), _hidden(measures, also), solve)
+    return _refined(Solution(columns, failure=failure), _hidden(measures, also), solve)
 
 
 def _refined(

@@ -176,7 +176,7 @@ def _driven(
         )
         own = solved_by(
             lambda places: simulate.solving.solve(parameters, places, starts=starts)[0],
-            columns, measures, expected,
+            columns, measures, expected, complaint,
         )  # fmt: skip
         at = own.rows(parts)
         rows = {name: column[at] for name, column in columns.items()}

@@ -44,16 +44,17 @@ def solve(
     switching = formula_of(parameters).switching
     starts = (start_of(parameters), *starts)
 
-    def going_on(number: int, time: float) -> bool:
+    def going_on(number: int, ended: bool, time: float) -> bool:
         part = (time - times[0]) / (times[-1] - times[0])
         progress((number + part) / len(starts))
-        return number > 0 or not interrupted()
+        return ended or not interrupted()
 
     columns: dict[str, Column] = {}
     rows, complaint = len(times), ""
     for number, start in enumerate(starts):
-        # after an interrupt, the others still follow up to where the first has come
-        found = motion(switching, start, times[:rows].tolist(), partial(going_on, number))
+        # after an interrupt, the others still follow up to where the interrupted one has come
+        ended = number > 0 and bool(interrupted())
+        found = motion(switching, start, times[:rows].tolist(), partial(going_on, number, ended))
         if len(found.times) < rows:
             rows, complaint = len(found.times), found.complaint
             if complaint and len(starts) > 1:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from itertools import islice, pairwise
+from importlib import import_module
+from itertools import count, islice, pairwise
 from math import cos, exp, isnan, pi, sin, sqrt
 
 import numpy as np
@@ -256,6 +257,37 @@ def test_a_motion_that_cannot_go_on_says_until_when():
     found = motion(Formula("-v^2 - 1").switching, (0.0, 0.0), np.linspace(0, 3, 301).tolist())
     assert "grows without bound" in found.complaint
     assert found.times[-1] == pytest.approx(0.5 * pi, abs=0.011)  # x' = tan t
+
+
+@pytest.mark.parametrize(
+    ("text", "reached", "end"),
+    [
+        ("x - x^3 + (x^2 - 1)*v", 3.0, 47.0),  # x' tends to x, and the damping grows as x^2
+        pytest.param("x^2 + 0.1*v*abs(v)", 4.5, 12.0, marks=pytest.mark.slow),
+    ],
+)
+def test_a_motion_that_grows_and_becomes_stiff_ends_before_all_its_steps(text, reached, end):
+    """It took all four million, minutes, and then said that no step is short enough."""
+    made = count()
+    found = motion(
+        Formula(text).switching, (-2.0, 0.0), np.linspace(0.0, end, 101).tolist(),
+        lambda _time: next(made) < 300_000,
+    )  # fmt: skip
+    assert next(made) < 100_000
+    assert "more than 4 million steps" in found.complaint
+    assert found.times[-1] > reached
+
+
+@pytest.mark.parametrize("text", ["x - cos(t)", "x - 1e-3*v", "x + x^3 - sin(t)*t"])
+def test_a_motion_that_grows_but_does_not_become_stiff_goes_on(text):
+    """Its many steps are of one length, or as a power of time."""
+    found = motion(Formula(text).switching, (1.0, 0.0), [0.0, 1500.0])
+    assert found.complaint == ""
+
+
+def test_a_motion_of_too_many_steps_says_so(monkeypatch):
+    monkeypatch.setattr(import_module("phaseplane.equations.motion"), "_MOST_STEPS", 100)
+    assert "steps would be needed" in motion(Formula("x").switching, (1.0, 0.0), [0, 100]).complaint
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import BARE, complaint, printed, reported, settings, written
+from command_line import BARE, UNDRAWN, complaint, printed, reported, settings, written
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw import portraits
 from phaseplane.scenarios.draw.constructions import draw_construction
@@ -16,6 +16,7 @@ from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.look import FigureFile
 from phaseplane.scenarios.results.folder import read_results
 from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.simulate import runner, solving
 from phaseplane.scenarios.simulate.solving import solve
 from small_sweep import rows, sweep_file
 
@@ -255,3 +256,31 @@ def test_motions_that_do_not_leave_their_starts_have_a_row_and_a_reason() -> Non
         columns, _, why = solve(parameters, np.linspace(0.0, 1.0, 51), starts=more)
         assert {len(column) for column in columns.values()} == {1}
         assert "no step is short enough" in why
+
+
+def test_an_interrupt_ends_the_motion_from_a_further_start() -> None:
+    """Only the first motion asked for it: a long one from another start went on to its end."""
+    asked: list[float] = []
+    columns, _, why = solve(
+        {"equation": "x", "displacement_start": 1.0, "velocity_start": 0.0},
+        np.linspace(0.0, 1.0, 51), starts=[(2.0, 0.0)],
+        progress=asked.append, interrupted=lambda: bool(asked) and asked[-1] > 0.75,
+    )  # fmt: skip
+    assert why == "interrupted"
+    assert {len(column) for column in columns.values()} == {len(columns["time"])}
+    assert columns["time"][-1] == pytest.approx(0.5, abs=0.03)
+
+
+def test_a_motion_that_has_failed_is_not_solved_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its peaks were sought between the rows, which took as long again, even after an interrupt."""
+    made = []
+
+    def counted(*given: object, **more: object) -> object:
+        made.append(given)
+        return solve(*given, **more)
+
+    monkeypatch.setattr(solving, "solve", counted)
+    changes = ["equation=-v^2 - x", "duration=4 s", "velocity_start=1"]
+    scene = load_scene("van_der_pol", [*UNDRAWN, *changes], expect=False)
+    assert "no step is short enough" in runner.solve(scene).stopped["reason"]
+    assert len(made) == 1
