@@ -35,7 +35,7 @@ Pixels = npt.NDArray[np.uint8]
 
 MOVING = (".gif", ".mp4")
 _DPI = 84
-_NARROWEST, _LOWEST = 1.6, 1.0  # inches of a picture of a storyboard
+_NARROWEST, _LOWEST = 1.6, 1.0  # inches of a picture of a storyboard; the height is that of a plane
 _GAP = 0.2  # inches between such pictures
 _LINE, _ROW = 0.125, 0.155  # inches of a line of a small and of a large caption
 _SLENDER = 0.2  # least width over height of the sheet, for its heading and the arm below it
@@ -100,7 +100,8 @@ def storyboard(
     stages = drawing.schemes[chosen.scheme].stages
     width = look.inches or 11.0
     slope = view.half.imag / view.half.real
-    columns = max(1, min(3, int(width / max(_NARROWEST, _LOWEST / slope))))
+    lowest = _LOWEST * len(drawing.planes)
+    columns = max(1, min(3, int(width / max(_NARROWEST, lowest / slope))))
     rows = -(-len(stages) // columns)
     cell = width / columns
     wide = cell - _GAP

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+from dataclasses import asdict
 from itertools import pairwise
 from pathlib import Path
 
@@ -11,6 +12,8 @@ import numpy as np
 import pytest
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from phaseplane.scenarios.draw.constructions import draw_construction
+from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.suspension.roads import bump
 from PIL import Image
 from worked_example import STEP, ap57
@@ -181,6 +184,18 @@ def test_pictures_of_a_wide_construction_are_high_enough(width: float | None, co
     *pictures, _ = figure.axes
     assert len({round(axes.bbox.x0) for axes in pictures}) == columns
     assert all(axes.bbox.height > 0.9 * figure.dpi for axes in pictures)
+
+
+@pytest.mark.slow
+def test_no_letter_of_four_planes_is_left_out_of_a_narrow_storyboard() -> None:
+    """In two columns each plane was 15 mm high, and half the letters had no place."""
+    scene = load_scene("half_car_pitch")
+    made = draw_construction("HalfCar", scene.all_parameters, asdict(scene.construction), 0.16)
+    figure = storyboard(made, 61, look=Look(width=0.085))
+    *pictures, _ = figure.axes
+    assert len({round(axes.bbox.x0) for axes in pictures}) == 1
+    texts = {text.get_text() for axes in pictures for text in axes.texts}
+    assert {f"{name}{number}" for name in ("Hₘ", "G", "K") for number in ("₁₁", "₂₁")} <= texts
 
 
 @pytest.mark.slow
