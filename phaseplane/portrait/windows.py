@@ -256,9 +256,10 @@ def _within(system: PhaseSystem, domain: tuple[float, float], starts: Grid, reac
     height = _ROOM * sqrt(2.0 * (highest + spare - float(energy[seen].min(initial=lowest))))
     height = height or 0.5 * (right - left)  # without any force
     margin = 0.5 * (_ROOM - 1.0) * (right - left)
-    return Window(
-        max(left - margin, low + 0.5 * near) if low > -_ROOM * reach else left - margin,
-        min(right + margin, high - 0.5 * far) if high < _ROOM * reach else right + margin,
-        -height,
-        height,
-    )
+    # up to a pole, but with a start that is closer to it
+    before, beyond = left - margin, right + margin
+    if low > -_ROOM * reach:
+        before = max(before, min(left, low + 0.5 * near))
+    if high < _ROOM * reach:
+        beyond = min(beyond, max(right, high - 0.5 * far))
+    return Window(before, beyond, -height, height)

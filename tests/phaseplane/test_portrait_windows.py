@@ -33,6 +33,14 @@ def test_a_window_around_rest_at_the_edge_of_where_f_is_defined(size: float) -> 
     assert window_of(of(lambda v, x: size + np.sqrt(x)), 3.0, [(0.0, 0.0)]).right > 1.0
 
 
+@pytest.mark.parametrize("start", [1.5, -1.5])
+def test_a_window_holds_a_start_beside_a_pole(start: float) -> None:
+    """It ended a fortieth of the distance between the poles before them, and the start was outside."""
+    window = window_of(of(lambda v, x: np.tan(x)), 3.0, [(start, 0.0)])
+    assert window.left <= start <= window.right
+    assert window.width < pi
+
+
 @pytest.mark.slow
 def test_a_window_ends_before_a_pole_and_holds_the_motions_from_its_starts() -> None:
     planet = of(lambda v, x: 1.0 / x**2 - 0.75 / x**3)
