@@ -99,6 +99,7 @@ class Elements:
             element_row.append(rows.index(key))
         self.rows, self.count = len(rows), len(element_row)
         self.row_direction = memory.doubles(x for row in rows for x in row[0])
+        self.row_response = memory.zeros(max(self.rows, 1) * self.n)  # M^-1 b, set by the network
         self.row_signal = memory.integers(row[1] for row in rows)
         self.row_of = memory.integers(element_row)
         rubbing = [e for e in system.elements if e.friction]

@@ -78,9 +78,7 @@ class Network:
         self.modes, self.modes2 = memory.zeros(n * n), memory.zeros(n * n)
         self.mass, self.mass_factor = memory.zeros(n * n), memory.zeros(n * n)
         self.flexibility = memory.zeros(n * n)
-        # of each row: M^-1 b, and b' M^-1 b, 1/kg
-        self.response = memory.zeros(n * max(self.elements.rows, 1))
-        self.mobility = memory.zeros(max(self.elements.rows, 1))
+        self.mobility = memory.zeros(max(self.elements.rows, 1))  # b' M^-1 b of each row, 1/kg
         if any(len(row) != n for row in system.mass):
             raise ValueError("mass matrix and directions must have one entry per coordinate")
         mass = system.mass
@@ -170,7 +168,7 @@ class Network:
                 response = 0.0
                 for k in range(n):
                     response += self.flexibility[n * k + i] * b[n * r + k]
-                self.response[n * r + i] = response
+                self.elements.row_response[n * r + i] = response
                 self.mobility[r] += b[n * r + i] * response
         return 0
 

@@ -203,7 +203,8 @@ class Knots:
         self.way = rate * h
         most = 0.0
         for i in range(n):
-            most = max(most, fabs(self.net.response[n * r + i]) * self.errors.velocity_scale[i])
+            response = fabs(self.elements.row_response[n * r + i])
+            most = max(most, response * self.errors.velocity_scale[i])
         if self.elements.modulated[e]:
             most *= self._factor(e, kind, row, 8 * r)
         return _MISSED_JUMP * h * h * h * rate * rate * most
