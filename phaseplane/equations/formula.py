@@ -56,7 +56,7 @@ _MOST_PERIODS = 100  # of the slowest term of the forcing, until all terms have 
 _NUMBERS: dict[str, Any] = {
     "__builtins__": {},
     **{name: getattr(math, name) for name in SMOOTH},
-    "abs": abs,
+    "abs": math.fabs,  # of complex numbers it has no value, as all others have none
     "copysign": math.copysign,
     "max": max,
     "min": min,
@@ -101,14 +101,12 @@ class Formula:
                 case ast.Call(ast.Name(name), [_, width]) if name in _WIDE:
                     if any(mentions(width, variable) for variable in self.variables):
                         continue
-                    try:
-                        value = _guarded(self._made(width, (), _NUMBERS))()
-                    except OverflowError:
-                        value = math.inf
+                    value = self._value(width)
                     if not 0.0 <= value < math.inf:
+                        known = f"is {value:g}" if math.isfinite(value) else "has no finite value"
                         raise ValueError(
-                            f"equation = {self.text!r}: the second value of {name} is {value:g}; it must "
-                            "be at least 0 and finite"
+                            f"equation = {self.text!r}: the second value of {name} {known}; it must be "
+                            "at least 0 and finite"
                         )
 
     @cached_property
@@ -136,7 +134,7 @@ class Formula:
 
     @cached_property
     def function(self) -> Function:
-        """f(v, x, t) of three numbers; NaN outside the domain of f."""
+        """f(v, x, t) of three numbers; NaN where f is undefined or too large."""
         return _guarded(self._made(self._tree, VARIABLES, _NUMBERS))
 
     def of(self, *names: str) -> Callable[..., float]:
@@ -152,7 +150,7 @@ class Formula:
     @cached_property
     def switching(self) -> Switching:
         """f with its switches, see `Switching`."""
-        pieces = Pieces(self.parameters)
+        pieces = Pieces(self.parameters, self._value)
         smooth = pieces.visit(copied(self._tree))
         function, *guards = (
             _guarded(self._made(part, (*VARIABLES, "s"), {**_NUMBERS, BEYOND: at_least_zero}))
@@ -176,7 +174,7 @@ class Formula:
         ------
         ValueError : if a function has no equivalent.
         """
-        pieces = Pieces(self.parameters)
+        pieces = Pieces(self.parameters, self._value)
         tree = pieces.visit(copied(self._tree))
         values = {**self.parameters, "t": 0.0}
         return spelled(tree, {"v": v, "x": x}, values, signs)
@@ -189,6 +187,10 @@ class Formula:
         function of v and x, with commensurable frequencies.
         """
         return _period(self._tree, {**_NUMBERS, **self.parameters})
+
+    def _value(self, constant: ast.expr) -> float:
+        """Return the value of an expression without variables."""
+        return _guarded(self._made(constant, (), _NUMBERS))()
 
     def _made(
         self, body: ast.expr, arguments: Sequence[str], scope: Mapping[str, Any]
@@ -222,7 +224,7 @@ def _guarded(made: Callable[..., Any]) -> Callable[..., float]:
     def function(*values: Any) -> float:
         try:
             return float(made(*values))
-        except (ValueError, ZeroDivisionError, TypeError):  # outside the domain of f
+        except (ValueError, ArithmeticError, TypeError):  # outside the domain of f, or too large
             return math.nan
 
     return function

@@ -8,7 +8,7 @@ step ends on the first guard that it meets; there the motion goes through, slide
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from math import inf, isfinite, log2, nan, sqrt
+from math import inf, isfinite, isnan, log2, sqrt
 from typing import NamedTuple
 
 from phaseplane.equations.roots import root
@@ -92,6 +92,12 @@ class Step(NamedTuple):
         """Return x' at a time within the step."""
         return self.at(time)[1]
 
+    def acceleration(self, time: float) -> float:
+        """Return x'' between those at both ends, for where `at` is beyond f's domain by its error."""
+        h = self.end - self.start
+        part = (time - self.start) / h if h > 0.0 else 1.0
+        return self.first[2] + part * (self.last[2] - self.first[2])
+
 
 class Motion(NamedTuple):
     """A motion at given times.
@@ -129,8 +135,7 @@ def motion(
     """
     found = Motion([], [], [], [], [])
 
-    def add(mode: Mode, t: float, x: float, v: float) -> None:
-        values = (t, x, v, _acceleration(system, mode, t, x, v))
+    def add(*values: float) -> None:
         for column, value in zip(found[:4], values, strict=True):
             column.append(value)
 
@@ -144,7 +149,9 @@ def motion(
                 found.switches.append(step.start)
             mode = step.mode
             while due < len(times) and times[due] <= step.end:
-                add(mode, times[due], *step.at(times[due]))
+                x, v = step.at(times[due])
+                a = system.acceleration(mode, v, x, times[due])
+                add(times[due], x, v, step.acceleration(times[due]) if isnan(a) else a)
                 due += 1
             if not going_on(step.end):
                 break
@@ -152,7 +159,7 @@ def motion(
         found = found._replace(complaint=str(error))
     if not found.times:  # it did not leave its start, or was not to
         x, v = start
-        add(system.settled(v, x, times[0]), times[0], x, v)
+        add(times[0], x, v, -system.value(v, x, times[0]))
     return found
 
 
@@ -192,13 +199,6 @@ def _ahead(count: int, first: float, second: float, third: float) -> float:
     return sum(interval * ratio**k for k in range(1, int(log2(_MOST_STEPS / count)) + 1))
 
 
-def _acceleration(system: Switching, mode: Mode, t: float, x: float, v: float) -> float:
-    try:
-        return system.acceleration(mode, v, x, t)
-    except OverflowError:
-        return nan
-
-
 def steps(
     system: Switching,
     start: tuple[float, float],
@@ -231,7 +231,7 @@ def steps(
     rejected = 0  # steps in succession
     left: int | None = None  # the guard at which the mode has just begun
     rounding = _ROUNDING
-    a = _acceleration(system, mode, t, x, v)
+    a = system.acceleration(mode, v, x, t)
     largest = abs(x), max(abs(v), sqrt(abs(x * a)) if isfinite(a) else 0.0)
     h = min(h, _first(t, x, v, a, end))
     for _ in range(_MOST_STEPS):
@@ -246,7 +246,7 @@ def steps(
             if met is not None:
                 made = _step(system, mode, t, x, v, a, met[1])
                 step = _ended(system, mode, t, (x, v, a), made, met[1])
-            elif end - t <= h * (1.0 + 1e-12):
+            if end - step.end <= max(1e-12 * h, least):
                 step = step._replace(end=end)
             if not system.is_defined(mode, step.last[1], step.last[0], step.end):
                 error, h = inf, step.end - t
@@ -276,7 +276,7 @@ def steps(
             mode = system.settled(v, x, t, [left], mode)
             if 0 in mode:
                 v, x = system.project(mode, v, x, t)
-        a = _acceleration(system, mode, t, x, v)
+        a = system.acceleration(mode, v, x, t)
         h = min(h, _first(t, x, v, a, end)) if h > 0.0 else _first(t, x, v, a, end)
     raise _TooManyStepsError(t)
 
@@ -319,7 +319,7 @@ def _ended(
     x, v = made[:2]
     if 0 in mode:
         v, x = system.project(mode, v, x, t + h)
-    last = (x, v, _acceleration(system, mode, t + h, x, v))
+    last = (x, v, system.acceleration(mode, v, x, t + h))
     return Step(t, t + h, first, last, mode)
 
 
@@ -335,28 +335,25 @@ def _step(
 ) -> tuple[float, float, float, float]:
     """Return x and x' after a step by h, and their errors."""
     f = system.acceleration
-    try:
-        v2 = v + h * 0.2 * a
-        a2 = f(mode, v2, x + h * 0.2 * v, t + 0.2 * h)
-        v3 = v + h * (3 / 40 * a + 9 / 40 * a2)
-        a3 = f(mode, v3, x + h * (3 / 40 * v + 9 / 40 * v2), t + 0.3 * h)
-        v4 = v + h * (44 / 45 * a - 56 / 15 * a2 + 32 / 9 * a3)
-        a4 = f(mode, v4, x + h * (44 / 45 * v - 56 / 15 * v2 + 32 / 9 * v3), t + 0.8 * h)
-        v5 = v + h * (19372 / 6561 * a - 25360 / 2187 * a2 + 64448 / 6561 * a3 - 212 / 729 * a4)
-        x5 = x + h * (19372 / 6561 * v - 25360 / 2187 * v2 + 64448 / 6561 * v3 - 212 / 729 * v4)
-        a5 = f(mode, v5, x5, t + 8 / 9 * h)
-        v6 = v + h * (9017 / 3168 * a - 355 / 33 * a2 + 46732 / 5247 * a3 + 49 / 176 * a4
-                      - 5103 / 18656 * a5)  # fmt: skip
-        x6 = x + h * (9017 / 3168 * v - 355 / 33 * v2 + 46732 / 5247 * v3 + 49 / 176 * v4
-                      - 5103 / 18656 * v5)  # fmt: skip
-        a6 = f(mode, v6, x6, t + h)
-        v7 = v + h * (35 / 384 * a + 500 / 1113 * a3 + 125 / 192 * a4 - 2187 / 6784 * a5
-                      + 11 / 84 * a6)  # fmt: skip
-        x7 = x + h * (35 / 384 * v + 500 / 1113 * v3 + 125 / 192 * v4 - 2187 / 6784 * v5
-                      + 11 / 84 * v6)  # fmt: skip
-        a7 = f(mode, v7, x7, t + h)
-    except OverflowError:
-        return nan, nan, nan, nan
+    v2 = v + h * 0.2 * a
+    a2 = f(mode, v2, x + h * 0.2 * v, t + 0.2 * h)
+    v3 = v + h * (3 / 40 * a + 9 / 40 * a2)
+    a3 = f(mode, v3, x + h * (3 / 40 * v + 9 / 40 * v2), t + 0.3 * h)
+    v4 = v + h * (44 / 45 * a - 56 / 15 * a2 + 32 / 9 * a3)
+    a4 = f(mode, v4, x + h * (44 / 45 * v - 56 / 15 * v2 + 32 / 9 * v3), t + 0.8 * h)
+    v5 = v + h * (19372 / 6561 * a - 25360 / 2187 * a2 + 64448 / 6561 * a3 - 212 / 729 * a4)
+    x5 = x + h * (19372 / 6561 * v - 25360 / 2187 * v2 + 64448 / 6561 * v3 - 212 / 729 * v4)
+    a5 = f(mode, v5, x5, t + 8 / 9 * h)
+    v6 = v + h * (9017 / 3168 * a - 355 / 33 * a2 + 46732 / 5247 * a3 + 49 / 176 * a4
+                  - 5103 / 18656 * a5)  # fmt: skip
+    x6 = x + h * (9017 / 3168 * v - 355 / 33 * v2 + 46732 / 5247 * v3 + 49 / 176 * v4
+                  - 5103 / 18656 * v5)  # fmt: skip
+    a6 = f(mode, v6, x6, t + h)
+    v7 = v + h * (35 / 384 * a + 500 / 1113 * a3 + 125 / 192 * a4 - 2187 / 6784 * a5
+                  + 11 / 84 * a6)  # fmt: skip
+    x7 = x + h * (35 / 384 * v + 500 / 1113 * v3 + 125 / 192 * v4 - 2187 / 6784 * v5
+                  + 11 / 84 * v6)  # fmt: skip
+    a7 = f(mode, v7, x7, t + h)
     return x7, v7, _lack(h, v, v3, v4, v5, v6, v7), _lack(h, a, a3, a4, a5, a6, a7)
 
 

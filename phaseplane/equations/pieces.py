@@ -10,7 +10,9 @@ from __future__ import annotations
 import ast
 import functools
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+
+from phaseplane.equations.reading import PIECES
 
 VARIABLES = ("v", "x", "t")
 """The variables of a formula: v = x', x and the time t."""
@@ -30,18 +32,22 @@ class Pieces(ast.NodeTransformer):
     Parameters
     ----------
     parameters : values of the named parameters
+    value : returns the value of an expression without variables
     """
 
-    def __init__(self, parameters: Mapping[str, float]) -> None:
+    def __init__(self, parameters: Mapping[str, float], value: Callable[[ast.expr], float]) -> None:
         self.guards: list[ast.expr] = []
         self.jumps = False
         self._parameters = parameters
+        self._value = value
         # number of a guard, and the sign of its constant factors, by its other factors
         self._numbers: dict[tuple[str, ...], tuple[int, float]] = {}
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         """Replace a call of a piece; its arguments first."""
         name = node.func.id  # type: ignore[attr-defined]
+        if name in PIECES and not _varies(node):
+            return _number(self._value(node))
         self.jumps = self.jumps or name in ("sign", "relay", "copysign")
         given = [copied(argument) for argument in node.args]
         arguments = [self.visit(argument) for argument in node.args]
@@ -51,7 +57,8 @@ class Pieces(ast.NodeTransformer):
             case "abs", [u]:
                 return self._size(u)
             case "copysign", [a, b]:
-                return _product(self._size(a), self._sign(b))
+                sense = self._sign(b) if _varies(node.args[1]) else _number(self._value(_sense(b)))
+                return _product(self._size(a), sense)
             case "max" | "min", [first, *others]:
                 larger = functools.partial(self._larger, name)
                 return functools.reduce(larger, others, first)
@@ -80,7 +87,7 @@ class Pieces(ast.NodeTransformer):
         return ast.BinOp(base, node.op, exponent)
 
     def _sign(self, u: ast.expr) -> ast.expr:
-        if not any(mentions(u, name) for name in VARIABLES):
+        if not _varies(u):
             # a number, or one that follows from the signs of other guards
             return ast.Call(ast.Name("sign", ast.Load()), [u], [])
         sense, factors = self._factors(u)
@@ -195,6 +202,21 @@ def _is_never_negative(u: ast.expr) -> bool:
         case ast.Call(ast.Name("sqrt" | "exp" | "cosh" | "hypot")):
             return True
     return False
+
+
+def _varies(node: ast.expr) -> bool:
+    """Return whether an expression contains one of the variables."""
+    return any(mentions(node, name) for name in VARIABLES)
+
+
+def _number(value: float) -> ast.expr:
+    size = ast.Constant(abs(value))
+    return ast.UnaryOp(ast.USub(), size) if value < 0.0 else size
+
+
+def _sense(b: ast.expr) -> ast.expr:
+    """Return copysign(1, b): 1 at 0, unlike the sign."""
+    return ast.Call(ast.Name("copysign", ast.Load()), [ast.Constant(1.0), b], [])
 
 
 def _product(a: ast.expr, b: ast.expr) -> ast.expr:

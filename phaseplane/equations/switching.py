@@ -73,12 +73,7 @@ class Switching:
         return self.function(v, x, t, self.signs(v, x, t))
 
     def acceleration(self, mode: Mode, v: float, x: float, t: float) -> float:
-        """Return x'' in a mode; between the accelerations of both sides on a guard, 0 at rest.
-
-        Raises
-        ------
-        OverflowError : as from f.
-        """
+        """Return x'' in a mode; between the accelerations of both sides on a guard, 0 at rest."""
         zeros = mode.count(0)
         if zeros == 0:
             return -self.function(v, x, t, mode)

@@ -144,7 +144,7 @@ def _steps(
         yield from islice(
             steps(switching, (x, v), 0.0, 1e6, longest=longest, tolerance=tolerance), most
         )
-    except (MotionError, OverflowError):
+    except MotionError:
         return
 
 

@@ -83,7 +83,7 @@ def portrait(
     InputError : if the scene has no portrait, or the coordinate or the window is not valid.
     """
     scene = load_scene(reference, overrides, expect=False)
-    with blaming(f"portrait of {scene.name}", (ValueError, OverflowError)):
+    with blaming(f"portrait of {scene.name}", ValueError):
         subject = _of_scene(scene, coordinate, period)
         system = subject.system
         with np.errstate(all="ignore"):  # motions that diverge, forces beyond the largest number

@@ -146,13 +146,8 @@ def check_equation(
     given = {v.name: v.start for v in _variables("1")} | dict(parameters)
     formula = formula_of(given)
     for x, v in (start_of(given), *starts):
-        try:
-            value = formula.function(v, x, 0.0)
-        except OverflowError:
-            value = math.inf
-        if not math.isfinite(value):
-            what = "not a number" if math.isnan(value) else "infinite"
+        if not math.isfinite(formula.function(v, x, 0.0)):
             raise ValueError(
-                f"equation = {formula.text!r}: f is {what} at the start x = {x:g}, v = {v:g}; give a "
-                "start where it is finite"
+                f"equation = {formula.text!r}: f has no finite value at the start x = {x:g}, v = {v:g}; "
+                "give a start where it has one"
             )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, isfinite
+from math import isfinite
 from typing import TYPE_CHECKING
 
 from phaseplane.suspension.session import Session, SimulationError
@@ -31,12 +31,11 @@ def driven(session: Session, time: Column, controller: Controller) -> Iterator[t
 
     def evaluate() -> None:
         for name, (law, read) in laws.items():
-            try:
-                value = law(session.time, *(float(session.value(one)) for one in read))
-            except OverflowError:
-                value = inf
+            value = law(session.time, *(float(session.value(one)) for one in read))
             if not isfinite(value):
-                raise SimulationError(f"controller.{name} is {value} at {session.time:.6g} s")
+                raise SimulationError(
+                    f"controller.{name} has no finite value at {session.time:.6g} s"
+                )
             session.set_input(name, value)
 
     evaluate()

@@ -88,5 +88,5 @@ def test_negative_widths_are_refused(text: str):
 
 @pytest.mark.parametrize("width", ["10^400", "exp(1000)", "d/0"])
 def test_widths_beyond_all_numbers_are_refused(width: str):
-    with pytest.raises(ValueError, match=r"value of saturation is (inf|nan); it must be .* finite"):
+    with pytest.raises(ValueError, match=r"value of saturation has no finite value; it must"):
         Formula(f"saturation(x, {width})", {"d": 0.1})

@@ -152,7 +152,7 @@ def test_an_equation_has_no_controller():
 
 def test_a_force_that_is_no_number_from_the_start_is_no_run():
     with pytest.raises(
-        RunError, match=r"could not start: .*controller.actuator_force is nan at 0 s"
+        RunError, match=r"could not start: .*controller.actuator_force has no finite value at 0 s"
     ):
         phaseplane.run(with_controller(actuator_force="sqrt(-1)"))
 
@@ -167,7 +167,7 @@ def test_a_force_beyond_all_numbers_ends_the_run():
     run = phaseplane.run(
         with_controller(actuator_force="exp(1e5 * max(t - 0.05, 0)) - 1", period=0.01)
     )
-    assert "controller.actuator_force is inf at 0.06 s" in run.failure
+    assert "controller.actuator_force has no finite value at 0.06 s" in run.failure
 
 
 def test_a_force_set_at_the_lift_off_itself_does_not_count_it_twice():
