@@ -1,8 +1,11 @@
 """Pieces of a formula: |u|, max, relay, ... as smooth expressions of the signs of their guards.
 
-|u| = u s(u)                                 max(a, b) = (a + b + (a - b) s(a - b)) / 2
-relay(u, d) = (s(u - d) + s(u + d)) / 2      saturation(u, l) = (|u + l| - |u - l|) / 2
-dead_zone(u, d) = u - saturation(u, d)       backlash(u, g) = dead_zone(u, g / 2)
+|u| = u s(u)                              max(a, b) = (a (1 + s) + b (1 - s)) / 2 with s = s(a - b)
+relay(u, d) = (s(u - d) + s(u + d)) / 2   saturation(u, l) = (u (s - r) + l (s + r)) / 2
+dead_zone(u, d) = u - saturation(u, d)    with s = s(u + l) and r = s(u - l)
+backlash(u, g) = dead_zone(u, g / 2)      copysign(a, b) = |a| s(b)
+
+Each is exactly the branch that holds: as (a + b + |a - b|) / 2, a large b would leave no digits of a.
 """
 
 from __future__ import annotations
@@ -21,6 +24,7 @@ BEYOND = "_at_least_zero"
 """The function of `at_least_zero`; no name of a formula begins with _."""
 
 _MOST_SWITCHES = 40
+_ONE = ast.Constant(1.0)
 
 
 class Pieces(ast.NodeTransformer):
@@ -57,7 +61,9 @@ class Pieces(ast.NodeTransformer):
             case "abs", [u]:
                 return self._size(u)
             case "copysign", [a, b]:
-                sense = self._sign(b) if _varies(node.args[1]) else _number(self._value(_sense(b)))
+                sense = self._sign(b)
+                if isinstance(sense, ast.Constant | ast.Call):  # no guard's: 0 counts as positive
+                    sense = _sign(_sum(_product(ast.Constant(2.0), sense), _ONE))
                 return _product(self._size(a), sense)
             case "max" | "min", [first, *others]:
                 larger = functools.partial(self._larger, name)
@@ -89,7 +95,7 @@ class Pieces(ast.NodeTransformer):
     def _sign(self, u: ast.expr) -> ast.expr:
         if not _varies(u):
             # a number, or one that follows from the signs of other guards
-            return ast.Call(ast.Name("sign", ast.Load()), [u], [])
+            return _sign(u)
         sense, factors = self._factors(u)
         if sense == 0.0:  # a guard that is zero everywhere would hold every motion
             return ast.Constant(0.0)
@@ -131,16 +137,21 @@ class Pieces(ast.NodeTransformer):
                 return float((value > 0.0) - (value < 0.0)), []
         return 1.0, [u]
 
+    def _sense(self, u: ast.expr) -> ast.expr:
+        """Return the sign of an expression, 1 of one that is never negative."""
+        return _ONE if _is_never_negative(u) else self._sign(u)
+
     def _size(self, u: ast.expr) -> ast.expr:
         return u if _is_never_negative(u) else _product(u, self._sign(u))
 
     def _larger(self, name: str, a: ast.expr, b: ast.expr) -> ast.expr:
-        size = self._size(_difference(a, b))
-        return _half(_sum(_sum(a, b), size) if name == "max" else _difference(_sum(a, b), size))
+        s = self._sense(_difference(a, b))
+        larger, smaller = (a, b) if name == "max" else (b, a)
+        return _half(_sum(_product(larger, _sum(_ONE, s)), _product(smaller, _difference(_ONE, s))))
 
     def _saturation(self, u: ast.expr, limit: ast.expr) -> ast.expr:
-        above, below = self._size(_sum(u, limit)), self._size(_difference(u, limit))
-        return _half(_difference(above, below))
+        s, r = self._sense(_sum(u, limit)), self._sense(_difference(u, limit))
+        return _half(_sum(_product(u, _difference(s, r)), _product(limit, _sum(s, r))))
 
 
 def _simplest(
@@ -214,9 +225,8 @@ def _number(value: float) -> ast.expr:
     return ast.UnaryOp(ast.USub(), size) if value < 0.0 else size
 
 
-def _sense(b: ast.expr) -> ast.expr:
-    """Return copysign(1, b): 1 at 0, unlike the sign."""
-    return ast.Call(ast.Name("copysign", ast.Load()), [ast.Constant(1.0), b], [])
+def _sign(u: ast.expr) -> ast.expr:
+    return ast.Call(ast.Name("sign", ast.Load()), [u], [])
 
 
 def _product(a: ast.expr, b: ast.expr) -> ast.expr:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from drawn_formulas import FORMULAS
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from phaseplane.equations import Formula
 
 number = st.floats(-3.0, 3.0)
+part = st.integers(-4000, 4000).map(lambda thousandths: 1e-3 * thousandths)
 
 
 @given(number, number, st.floats(0.0, 3.0))
@@ -29,6 +31,7 @@ def test_pieces_are_what_they_are_called(x, v, d):
     st.sampled_from([
         "relay(x, 0.5)*v + saturation(v, 1)", "max(x, v, 0.1) - min(x, 2*v)", "abs(x)*abs(v)",
         "dead_zone(x - abs(v), 0.3)", "copysign(x, v) + sign(sign(x) + 0.5*v)", "backlash(x, 1)^3",
+        "copysign(x, 0) + copysign(x, relay(v, 1))",
     ]),
     number, number,
 )  # fmt: skip
@@ -41,6 +44,22 @@ def test_pieces_by_their_signs_are_the_pieces(text, x, v):
     assert formula.on_arrays(np.array([v]), np.array([x]), np.array([0.0])) == pytest.approx(
         formula.function(v, x, 0.0), rel=1e-12, abs=1e-12
     )
+
+
+@example("min(x, exp(100))", 0.5, 0.0, 0.0)  # a large number leaves no digits of x in a sum
+@example("x^dead_zone(t, 9.81)", 0.0, 0.0, 2.3)  # exactly 0
+@given(FORMULAS, part, part, part)
+def test_drawn_formulas_by_their_signs_are_the_formulas(text, x, v, t):
+    try:
+        formula = Formula(text, {"a": -0.7})
+    except ValueError:
+        return
+    switching = formula.switching
+    signs = switching.signs(v, x, t)
+    assume(all(abs(g(v, x, t, signs)) > 1e-9 for g in switching.guards))  # on one, f may jump
+    assume("copysign" not in text)  # which goes by the sign of zero
+    value = formula.function(v, x, t)
+    assert switching.value(v, x, t) == pytest.approx(value, rel=1e-8, abs=1e-8, nan_ok=True)
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from typing import TypeVar
 
 import numpy as np
 from command_line import written
+from drawn_formulas import FORMULAS
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from phaseplane.scenarios.draw.constructions import draw_construction
@@ -20,29 +21,6 @@ from phaseplane.scenarios.scene.sections import RULES
 from phaseplane.scenarios.simulate.solving import solve
 
 Found = TypeVar("Found")
-LEAVES = st.sampled_from(
-    ["x", "v", "t", "x", "v", "a", "0", "1", "0.5", "3", "9.81", "1e-3", "100"]
-)
-ONE = (
-    "sin", "cos", "tan", "atan", "tanh", "exp", "log", "sqrt", "asin", "sinh", "abs", "sign", "relay",
-)  # fmt: skip
-TWO = ("min", "max", "copysign", "hypot", "atan2", "relay", "dead_zone", "backlash", "saturation")
-
-
-def combined(parts: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
-    """Larger expressions made of others."""
-    return st.one_of(
-        st.tuples(parts, st.sampled_from(["+", "-", "*", "/", "^"]), parts).map(
-            lambda found: f"({' '.join(found)})"
-        ),
-        st.tuples(st.sampled_from(ONE), parts).map(lambda found: f"{found[0]}({found[1]})"),
-        st.tuples(st.sampled_from(TWO), parts, parts).map(
-            lambda found: f"{found[0]}({found[1]}, {found[2]})"
-        ),
-    )
-
-
-EXPRESSIONS = st.recursive(LEAVES, combined, max_leaves=8)
 STARTS = st.tuples(
     st.sampled_from([0.0, 0.5, 1.0, -2.0, 1e-3, 10.0]), st.sampled_from([0.0, 1.0, -3.0])
 )
@@ -69,7 +47,7 @@ def answer(asked: Callable[[], Found]) -> tuple[Found | None, str]:
 @example("sqrt(v + 1e-3)", [(0.0, 0.0)], "delta")  # interpolated beyond that edge
 @example("abs(x^a)", [(-2.0, 0.0)], "delta")  # the size of a complex number
 @example("hypot(0.5, v^x)/hypot(v^x, 1)", [(-2.0, 1.0)], "delta")  # ends short of the last row
-@given(EXPRESSIONS, st.lists(STARTS, min_size=1, max_size=2), st.sampled_from(sorted(RULES)))
+@given(FORMULAS, st.lists(STARTS, min_size=1, max_size=2), st.sampled_from(sorted(RULES)))
 @settings(max_examples=40)
 def test_equations_are_run_and_constructed_or_refused(
     text: str, starts: list[tuple[float, float]], rule: str
