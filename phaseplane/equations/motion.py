@@ -22,6 +22,9 @@ _SAMPLES = (0.2, 0.4, 0.6, 0.8, 1.0)  # parts of a step at which guards are read
 _ROUNDING = 1e-13  # of the state: margins no further below zero do not end a mode
 _COARSEST = 1e-6  # the same, where motions chatter
 _LEAST, _MOST = 0.2, 5.0  # factors by which a step may change
+_ULPS = 2.0**-50  # of the ends of a step: what rounding may move them
+_APART = 1e-3  # of the state: beyond this, a guard has not become zero but jumped
+_BEYOND = 1e-6  # of a step: how far beyond a jump the guards are read
 _STUBBORN = 8  # steps rejected in succession
 _MOST_STEPS = 4_000_000
 # steps after which, and after each doubling, it is judged how many would follow; what has grown by then
@@ -78,14 +81,18 @@ class Step(NamedTuple):
             return self.last[:2]
         s = (time - self.start) / h
         (x0, v0, a0), (x1, v1, a1) = self.first, self.last
-        rise = x1 - x0 - h * (v0 + 0.5 * h * a0)
-        turn = h * (v1 - v0 - h * a0)
-        bend = h * h * (a1 - a0)
-        c3 = 10.0 * rise - 4.0 * turn + 0.5 * bend
-        c4 = -15.0 * rise + 7.0 * turn - bend
-        c5 = 6.0 * rise - 3.0 * turn + 0.5 * bend
-        x = x0 + h * s * (v0 + 0.5 * h * s * a0) + s**3 * (c3 + s * (c4 + s * c5))
-        v = v0 + h * s * a0 + s * s * (3.0 * c3 + s * (4.0 * c4 + 5.0 * s * c5)) / h
+        # x' is the cubic of its own ends and slopes, and a hump that leads x to its end
+        turn, bend = v1 - v0 - h * a0, h * (a1 - a0)
+        c2, c3 = 3.0 * turn - bend, bend - 2.0 * turn
+        lack = (x1 - x0) / h - (v0 + h * (0.5 * a0) + c2 / 3.0 + c3 / 4.0)
+        if abs(lack) * h <= _ULPS * (abs(x0) + abs(v0 * self.start)):
+            lack = 0.0  # in a step so short, the rounding of its ends
+        hump = 30.0 * lack
+        v = v0 + s * (h * a0 + s * (c2 + s * c3 + (1.0 - s) ** 2 * hump))
+        x = x0 + h * s * (
+            v0 + s * (0.5 * h * a0 + s * (c2 / 3.0 + s * c3 / 4.0
+                                          + (1.0 / 3.0 - s * (0.5 - 0.2 * s)) * hump))
+        )  # fmt: skip
         return x, v
 
     def velocity(self, time: float) -> float:
@@ -273,12 +280,28 @@ def steps(
             recent = []
         else:
             left = met[0]
-            mode = system.settled(v, x, t, [left], mode)
+            mode = _mode_after(system, step, left, _BEYOND * h)
             if 0 in mode:
                 v, x = system.project(mode, v, x, t)
         a = system.acceleration(mode, v, x, t)
         h = min(h, _first(t, x, v, a, end)) if h > 0.0 else _first(t, x, v, a, end)
     raise _TooManyStepsError(t)
+
+
+def _mode_after(system: Switching, step: Step, k: int, ahead: float) -> Mode:
+    """Return the mode in which a motion goes on after a step that has ended on the guard k.
+
+    Parameters
+    ----------
+    ahead : how much later the guards are read after a jump, such as a pole, s: by rounding, the end of
+        the step may still be before it
+    """
+    (x, v, a), t = step.last, step.end
+    if step.mode[k] and abs(system.guards[k](v, x, t, step.mode)) > _APART * (
+        1.0 + abs(v) + abs(x)
+    ):
+        return system.settled(v + ahead * a, x + ahead * v, t + ahead)
+    return system.settled(v, x, t, [k], step.mode)
 
 
 def _gathered(
@@ -411,5 +434,6 @@ def _first_end(
             later = [(part, k) for part, k in ends if k != left or part * h > _ROUNDING * size]
             part, k = min(later or ends)
             return k, part * h
-        before, low = here, high
+        before = [b if isnan(m) else m for b, m in zip(before, here, strict=True)]  # at a pole
+        low = high
     return None

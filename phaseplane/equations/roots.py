@@ -22,8 +22,8 @@ def root(function: Callable[[float], float], low: float, high: float) -> float:
     least = _ROUNDING * max(abs(low), abs(high))
     while high - low > least:
         middle = 0.5 * (low + high)
-        if sign * function(middle) >= 0.0:
-            low = middle
-        else:
+        if sign * function(middle) < 0.0:
             high = middle
+        else:  # or where it has no value, as at a pole
+            low = middle
     return high

@@ -111,14 +111,10 @@ class Switching:
     ) -> tuple[float, float, float]:
         """Return the derivatives of a guard with respect to v, x and t."""
         guard = self.guards[k]
-        dv, dx, dt = (_NEAR * (1.0 + abs(at)) for at in (v, x, t))
-        by_t = 0.0
-        if not self.autonomous:
-            by_t = (guard(v, x, t + dt, signs) - guard(v, x, t - dt, signs)) / (2.0 * dt)
         return (
-            (guard(v + dv, x, t, signs) - guard(v - dv, x, t, signs)) / (2.0 * dv),
-            (guard(v, x + dx, t, signs) - guard(v, x - dx, t, signs)) / (2.0 * dx),
-            by_t,
+            _slope(lambda v: guard(v, x, t, signs), v),
+            _slope(lambda x: guard(v, x, t, signs), x),
+            0.0 if self.autonomous else _slope(lambda t: guard(v, x, t, signs), t),
         )
 
     def margins(self, mode: Mode, v: float, x: float, t: float) -> list[float]:
@@ -262,6 +258,16 @@ class Switching:
             if abs(above - below) > 1e-12 * (1.0 + abs(above)):
                 return 0
         return before[k] if before and before[k] else 1
+
+
+def _slope(of: Callable[[float], float], at: float) -> float:
+    """Return a derivative; one-sided at the edge of where the function is defined."""
+    d = _NEAR * (1.0 + abs(at))
+    below, above = of(at - d), of(at + d)
+    if isfinite(above - below):
+        return (above - below) / (2.0 * d)
+    here = of(at)
+    return (above - here) / d if isfinite(above) else (here - below) / d
 
 
 def _with(mode: Mode, k: int, side: int) -> Mode:

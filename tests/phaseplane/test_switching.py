@@ -15,7 +15,7 @@ from phaseplane.constructions import (
     EquationPlane,
     construct_motion,
 )
-from phaseplane.equations import Formula, motion, steps
+from phaseplane.equations import Formula, Step, motion, steps
 
 
 @pytest.mark.parametrize(
@@ -317,3 +317,42 @@ def test_a_mass_rests_only_where_a_force_holds_it() -> None:
     dry = Formula("x + 0.3*sign(v)").switching
     assert dry.rests((0,), 0.2, 0.0)
     assert not dry.rests((0,), 0.4, 0.0)
+
+
+def test_a_row_at_a_switch_is_not_of_a_step_that_is_all_rounding():
+    """The step from 0.5 s to the next number had a velocity of differences of its ends."""
+    times = np.linspace(0.0, 2.0, 21)
+    found = motion(Formula("saturation(0.5, t)").switching, (0.0, 0.0), times.tolist())
+    expected = np.where(times < 0.5, -0.5 * times**2, 0.125 - 0.5 * times)
+    assert found.velocities == pytest.approx(expected, rel=1e-10, abs=1e-15)
+
+
+def test_between_its_ends_a_step_is_the_polynomial_of_fifth_degree():
+    x = np.polynomial.Polynomial([0.3, -1.0, 0.5, 2.0, -0.7, 0.9])
+    v, a = x.deriv(), x.deriv(2)
+    step = Step(0.2, 0.7, *((float(x(t)), float(v(t)), float(a(t))) for t in (0.2, 0.7)), ())
+    for t in (0.2, 0.33, 0.6, 0.7):
+        assert step.at(t) == pytest.approx((x(t), v(t)), rel=1e-13)
+
+
+@pytest.mark.parametrize("after", [0.7, 0.65])
+def test_a_guard_changes_its_sign_through_a_pole_too(after: float):
+    # x'' = 1 until then, -1 after it
+    system = Formula(f"saturation(1, 1/(t - {after}))").switching
+    found = motion(system, (0.0, 0.0), [0.0, after, 1.5])
+    assert found.switches == pytest.approx([after], rel=1e-12)
+    assert found.velocities == pytest.approx([0.0, after, 2.0 * after - 1.5], rel=1e-9)
+    assert not found.complaint
+
+
+def test_a_guard_changes_its_sign_through_a_pole_of_the_velocity():
+    found = motion(Formula("max(5, saturation(tan(v), 3))").switching, (0.0, 0.0), [0.0, 1.5])
+    assert not found.complaint
+    assert found.velocities == pytest.approx([0.0, -7.5], rel=1e-9)
+
+
+def test_a_guard_has_a_slope_at_the_edge_of_where_it_is_defined():
+    """At t = 0 the play sqrt(t) begins to grow around a mass at rest."""
+    found = motion(Formula("backlash(v, sqrt(t))").switching, (0.5, 0.0), [0.0, 1.0])
+    assert not found.complaint
+    assert found.displacements == [0.5, 0.5]
