@@ -29,6 +29,7 @@ _STUBBORN = 8  # steps rejected in succession
 _MOST_STEPS = 4_000_000
 # steps after which, and after each doubling, it is judged how many would follow; what has grown by then
 _FIRST_MARK, _GROWN = 8192, 1.05
+_STANDING = 1e-6  # of the largest state: so little of a way between two marks is none
 # so many switches in so small a part of the motion: it has come to rest
 _CROWD, _CROWDED = 60, 1e-6
 # of the state: velocity, and distance from the guards, of a motion that comes to rest so
@@ -174,10 +175,11 @@ def _within_reach(steps: Iterable[Step], end: float) -> Iterator[Step]:
     """Yield steps to an end, s; raise an error as soon as it is out of reach.
 
     An explicit method follows what grows and becomes stiff with ever shorter steps, which would only end
-    after minutes.
+    after minutes, and creeps up to where f ends with steps that do not move x.
     """
     marks: list[float] = []  # when the number of steps had doubled
     largest = grown = (0.0, 0.0)
+    place = inf, inf
     for count, step in enumerate(steps, 1):
         yield step
         x, v, _ = step.last
@@ -185,10 +187,13 @@ def _within_reach(steps: Iterable[Step], end: float) -> Iterator[Step]:
         if count != _FIRST_MARK << len(marks):
             continue
         marks.append(step.end)
-        grows = any(new > _GROWN * old for new, old in zip(largest, grown, strict=True))
-        if grows and len(marks) > 2 and 2.0 * _ahead(count, *marks[-3:]) < end - step.end:
-            raise _TooManyStepsError(step.end)
-        grown = largest
+        if len(marks) > 2 and 2.0 * _ahead(count, *marks[-3:]) < end - step.end:
+            if any(new > _GROWN * old for new, old in zip(largest, grown, strict=True)):
+                raise _TooManyStepsError(step.end)
+            ways = abs(x - place[0]), abs(v - place[1])
+            if all(way <= _STANDING * most for way, most in zip(ways, largest, strict=True)):
+                raise MotionError(step.end)
+        grown, place = largest, (x, v)
 
 
 def _ahead(count: int, first: float, second: float, third: float) -> float:

@@ -285,6 +285,17 @@ def test_a_motion_that_grows_but_does_not_become_stiff_goes_on(text):
     assert found.complaint == ""
 
 
+def test_a_motion_at_the_end_of_where_f_is_known_does_not_creep():
+    """Steps too short to move x, of which each is made, went on for minutes."""
+    made = count()
+    found = motion(
+        Formula("asin(x)*(1 + 99/x^2)").switching, (1.0, 1.0), [0.0, 1.0],
+        lambda _time: next(made) < 300_000,
+    )  # fmt: skip
+    assert next(made) < 40_000
+    assert "the acceleration is not a number there" in found.complaint
+
+
 def test_a_motion_of_too_many_steps_says_so(monkeypatch):
     monkeypatch.setattr(import_module("phaseplane.equations.motion"), "_MOST_STEPS", 100)
     assert "steps would be needed" in motion(Formula("x").switching, (1.0, 0.0), [0, 100]).complaint
