@@ -167,7 +167,8 @@ def motion(
         found = found._replace(complaint=str(error))
     if not found.times:  # it did not leave its start, or was not to
         x, v = start
-        add(times[0], x, v, -system.value(v, x, times[0]))
+        a = system.acceleration(system.settled(v, x, times[0]), v, x, times[0])
+        add(times[0], x, v, -system.value(v, x, times[0]) if isnan(a) else a)
     return found
 
 
@@ -258,10 +259,10 @@ def steps(
             if met is not None:
                 made = _step(system, mode, t, x, v, a, met[1])
                 step = _ended(system, mode, t, (x, v, a), made, met[1])
-            if end - step.end <= max(1e-12 * h, least):
-                step = step._replace(end=end)
             if not system.is_defined(mode, step.last[1], step.last[0], step.end):
                 error, h = inf, step.end - t
+            elif end - step.end <= max(1e-12 * h, least):
+                step = step._replace(end=end)
         rejected = 0 if error <= 1.0 else rejected + 1
         if rejected == _STUBBORN:
             # what moves is the rounding of large forces in balance: errors relative to 1 will do

@@ -45,6 +45,8 @@ def answer(asked: Callable[[], Found]) -> tuple[Found | None, str]:
 @example("relay(x, asin(3))", [(0.5, 0.0)], "delta")
 @example("relay(x, x^0.5)", [(0.0, 0.0)], "delta")  # rest at the edge of where f is defined
 @example("sqrt(v + 1e-3)", [(0.0, 0.0)], "delta")  # interpolated beyond that edge
+@example("min(sinh(t)/(1 - t), 2*t)", [(0.0, -3.0)], "delta")  # one has a pole at the end
+@example("copysign(a, x)^a", [(0.0, 0.0)], "delta")  # the same, of a jump
 @example("abs(x^a)", [(-2.0, 0.0)], "delta")  # the size of a complex number
 @example("hypot(0.5, v^x)/hypot(v^x, 1)", [(-2.0, 1.0)], "delta")  # ends short of the last row
 @given(FORMULAS, st.lists(STARTS, min_size=1, max_size=2), st.sampled_from(sorted(RULES)))
