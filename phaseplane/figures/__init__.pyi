@@ -20,6 +20,8 @@ from .published import figure13 as figure13
 from .published import figure14 as figure14
 from .published import figure15 as figure15
 from .published import figure16 as figure16
+from .requirements import REQUIREMENTS as REQUIREMENTS
+from .requirements import refuse_unsuited as refuse_unsuited
 from .schematics import figure1 as figure1
 from .schematics import figure5 as figure5
 from .schematics import figure6 as figure6

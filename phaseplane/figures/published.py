@@ -27,8 +27,9 @@ from phaseplane.picture.text import format_time
 from phaseplane.picture.views import frame_at, motion_points, telling_frame
 
 from .canvas import as_figure, new_page
-from .histories import has_histories, time_histories
+from .histories import time_histories
 from .planes import construction_sheet, distances, format_step, step_page
+from .requirements import REQUIREMENTS, refuse_unsuited
 from .style import PLAIN, Look
 
 _ELASTIC = (r"$\dfrac{c_2/c_1}{r + c_2/c_1}\,l$", r"$\dfrac{\kappa}{r + \kappa}\,l$")
@@ -44,7 +45,7 @@ Length = tuple[str, str, str]
 @as_figure
 def figure7(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw one step in two planes with elastic coupling, with letters and dimensions (AP57 figure 7)."""
-    needs(drawing, "figure 7 shows two planes with elastic coupling", "ap57_figure13", letter="B2")
+    refuse_unsuited("figure7", drawing)
     chosen = _step_in(CONTACT, drawing, frame, "figure 7")
     page = _dimensioned(drawing, chosen, look, _ELASTIC, [("A2*", "B2", r"$b\,h_2/c_2$")])
     return page, f"Elastic coupling: {format_step(chosen).lower()}"
@@ -53,7 +54,7 @@ def figure7(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[
 @as_figure
 def figure10(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw one step with the wheel off the road, with letters and dimensions (AP57 figure 10)."""
-    needs(drawing, "figure 10 shows two planes with elastic coupling", "ap57", letter="B2")
+    refuse_unsuited("figure10", drawing)
     chosen = _step_in(FLIGHT, drawing, frame, "figure 10")
     lengths = [("Q2", "B0", r"$b\,x_{2st}$"), ("A1*", "D1", r"$a\,Mg/c_1$")]
     page = _dimensioned(drawing, chosen, look, _ELASTIC, lengths)
@@ -82,8 +83,7 @@ def _step_in(mode: str, drawing: Drawing, index: int | None, figure: str) -> Fra
 @as_figure
 def figure12(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw one step in two planes with inertial coupling, with letters and dimensions (AP57 fig. 12)."""
-    shown, scene = "figure 12 shows two planes with inertial coupling", "half_car_rigid_tyres"
-    needs(drawing, shown, scene, letter="H1")
+    refuse_unsuited("figure12", drawing)
     chosen = frame_at(drawing, frame)
     one, two = (plane.displacement.scale for plane in drawing.planes)
     lengths = [(f"D{n}", f"H{n}", rf"$a\,\ddot{{\xi}}_{n}/\Omega_{n}^2$") for n in "12"]
@@ -121,7 +121,7 @@ def figure9(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
     The length of B2Q2 is b x2st in U and, with contact by force, in V (AP57 eq. 28). With contact by
     gap the unloaded tyre meets the road in V, x2 - xi = x2st.
     """
-    needs(drawing, "figure 9 shows two planes with elastic coupling", "ap57", letter="B2")
+    refuse_unsuited("figure9", drawing)
     frames = {frame.event: frame for frame in reversed(drawing.frames) if frame.event}
     if LIFT_OFF not in frames:
         raise ValueError(
@@ -176,10 +176,11 @@ def figure13(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure
     return construction_sheet(drawing, through=True, title=title, look=look)
 
 
-def _history(number: int, what: str, *endings: str) -> Callable[..., Figure]:
+def _history(number: int, *endings: str) -> Callable[..., Figure]:
     """Return a function that draws readings over time, with every point of a construction marked."""
 
     def figure(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
+        refuse_unsuited(f"figure{number}", drawing)
         frames = drawing.instants
         names = [
             n for n in frames[0].readings if n.endswith(endings) and not n.startswith("control")
@@ -188,37 +189,14 @@ def _history(number: int, what: str, *endings: str) -> Callable[..., Figure]:
         columns = {"time": times, **dict(zip(names, read.T, strict=True))}
         if any(f.event == LIFT_OFF for f in frames):
             columns["airborne"] = np.array([f.scheme.startswith(FLIGHT) for f in frames], float)
-        if not has_histories(columns):
-            raise ValueError(
-                f"figure {number} shows {what}, which '{drawing.title}' has not; "
-                "try the scene ap57_figure13"
-            )
         heading = "\n".join(filter(None, (title, f"Read off the planes: {drawing.title}")))
         return time_histories(columns, title=heading, look=look, points=True)
 
-    figure.__doc__ = f"Draw {what}, read off the planes (AP57 figure {number})."
+    shown = REQUIREMENTS[f"figure{number}"].shows
+    figure.__doc__ = f"Draw {shown}, read off the planes (AP57 figure {number})."
     return figure
 
 
-figure14 = _history(
-    14, "displacements of body, wheel, suspension and road",
-    "_displacement", "suspension_deflection", "_elevation",
-)  # fmt: skip
-figure15 = _history(15, "velocities of body, wheel and suspension", "_velocity", "_deflection_rate")
-figure16 = _history(16, "accelerations of body, wheel and suspension", "_acceleration")
-
-
-def needs(
-    drawing: Drawing,
-    shown: str,
-    scene: str,
-    *,
-    planes: int = 0,
-    letter: str = "",
-    without: str = "",
-) -> None:
-    """Raise ValueError unless a construction has so many planes, one letter and not another."""
-    letters = {mark.point for scheme in drawing.schemes.values() for mark in scheme.marks}
-    fits = planes in (0, len(drawing.planes)) and (not letter or letter in letters)
-    if not fits or without in letters:
-        raise ValueError(f"{shown}, which '{drawing.title}' is not; try the scene {scene}")
+figure14 = _history(14, "_displacement", "suspension_deflection", "_elevation")
+figure15 = _history(15, "_velocity", "_deflection_rate")
+figure16 = _history(16, "_acceleration")

@@ -14,7 +14,7 @@ from phaseplane.picture.page import Page, Text
 from phaseplane.picture.paper import Box
 
 from .canvas import as_figure, new_page
-from .published import needs
+from .requirements import refuse_unsuited
 from .style import Look
 
 _TYPE, _SMALLEST = 1.5, 0.67  # of the letters, em
@@ -28,14 +28,14 @@ _STRUT, _TYRE = 0.075, 0.055  # heights of strut and tyre above the road
 @as_figure
 def figure1(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
     """Draw the car as a half car on two axles with tyres, of four degrees of freedom (AP57 figure 1)."""
-    needs(drawing, "figure 1 shows a half car with tyres", "half_car_pitch", planes=4)
+    refuse_unsuited("figure1", drawing)
     return _system(drawing, look, "12", wheels=True), "Half car: body, two axles and their tyres"
 
 
 @as_figure
 def figure6(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
     """Draw the quarter car with elastic coupling, of two degrees of freedom (AP57 figure 6)."""
-    needs(drawing, "figure 6 shows a quarter car", "ap57", planes=2, letter="A2*", without="H1")
+    refuse_unsuited("figure6", drawing)
     page = _system(drawing, look, [""], wheels=True)
     return page, "Quarter car: elastic coupling of body and axle"
 
@@ -43,8 +43,7 @@ def figure6(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
 @as_figure
 def figure11(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
     """Draw the half car on rigid tyres with inertial coupling (AP57 figure 11)."""
-    shown, scene = "figure 11 shows a half car on rigid tyres", "half_car_rigid_tyres"
-    needs(drawing, shown, scene, planes=2, letter="H1")
+    refuse_unsuited("figure11", drawing)
     page = _system(drawing, look, "12", wheels=False)
     return page, "Half car on rigid tyres: inertial coupling of its ends"
 
@@ -52,8 +51,9 @@ def figure11(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
 @as_figure
 def figure5(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
     """Draw the obstacle of three sections of constant acceleration (AP57 figure 5, eqs. 9 and 10)."""
+    refuse_unsuited("figure5", drawing)
     times = np.array([frame.time for frame in drawing.instants])
-    read = [frame.readings.get("road_elevation", 0.0) for frame in drawing.instants]
+    read = [frame.readings["road_elevation"] for frame in drawing.instants]
     height, peak = np.array(read), max(read)
     over, middle = np.flatnonzero(height > 1e-9), times[int(height.argmax())]
     spans: npt.ArrayLike = []

@@ -21,7 +21,7 @@ from phaseplane.picture.views import frame_at, motion_points, name_room
 
 from .canvas import as_figure, new_page
 from .planes import step_page
-from .published import needs
+from .requirements import refuse_unsuited
 from .style import Look
 
 Named = tuple[str, str]
@@ -36,7 +36,7 @@ _SLENDER = 0.5  # least width over height of a close-up, for a column of text
 def figure4a(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw P' on the tangent, at a distance given by the mean of both normals (AP57 figure 4a)."""
     letters = (*_STEP, *_PREDICTED)
-    page, one, plane = _close_up(drawing, "figure 4a", "mean_normal", letters, frame, look)
+    page, one, plane = _close_up(drawing, "figure4a", letters, frame, look)
     p, _, p_new, ahead, foot = _points(one, plane, letters)
     page.lines("construction", [[p, ahead], [foot, ahead]])
     page.lines("successor", [[p, p_new]])
@@ -49,7 +49,7 @@ def figure4a(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple
 def figure4b(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw P' on the osculating circle about S, at the turn angle seen from D (AP57 figure 4b)."""
     letters = (*_STEP, *_PREDICTED, ("S{n}", "construction"))
-    page, one, plane = _close_up(drawing, "figure 4b", "osculating_circle", letters, frame, look)
+    page, one, plane = _close_up(drawing, "figure4b", letters, frame, look)
     p, d, p_new, ahead, foot, centre = _points(one, plane, letters)
     page.lines("construction", [[p, ahead], [foot, ahead], [d, p_new]])
     page.lines("foot", [[centre, p], [centre, ahead]])
@@ -61,9 +61,7 @@ def figure4b(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple
 @as_figure
 def figure8(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw the normals turned, each in the sense of its plane (AP57 figure 8)."""
-    if len(drawing.planes) < 2:
-        raise ValueError(f"figure 8 needs at least two planes; '{drawing.title}' has one")
-    _needs(drawing, "figure 8", "tangent")
+    refuse_unsuited("figure8", drawing)
     one, _ = _clearest(drawing, _STEP, frame, together=True)
     points = np.append(
         motion_points(drawing), [_points(one, plane, _STEP) for plane in drawing.planes]
@@ -99,12 +97,6 @@ def _fit(template: str, plane: Plane) -> str:
     return template.format(n=plane.number, d=plane.foot[0])
 
 
-def _needs(drawing: Drawing, figure: str, rule: str) -> None:
-    """Raise ValueError unless the construction uses the rule."""
-    if f"rule {rule.replace('_', ' ')}," not in drawing.title:
-        raise ValueError(f"{figure} needs the rule {rule}; given: '{drawing.title}'")
-
-
 def _clearest(
     drawing: Drawing, named: Sequence[Named], index: int | None, *, together: bool = False
 ) -> tuple[Frame, Plane]:
@@ -124,15 +116,16 @@ def _clearest(
 
 
 def _close_up(
-    drawing: Drawing, figure: str, rule: str, named: Sequence[Named], index: int | None, look: Look
+    drawing: Drawing, figure: str, named: Sequence[Named], index: int | None, look: Look
 ) -> tuple[Page, Frame, Plane]:
     """Return a page of one step only, with its y axis and its normal, the step and the plane."""
-    _needs(drawing, figure, rule)
+    refuse_unsuited(figure, drawing)
     frame, plane = _clearest(drawing, named, index)
     p, d, p_new, *others = _points(frame, plane, named)
     if p in (d, p_new):
         when = format_time(frame.time)
-        raise ValueError(f"{figure} shows a normal; at rest, as at {when}, there is none")
+        name = figure.replace("figure", "figure ")
+        raise ValueError(f"{name} shows a normal; at rest, as at {when}, there is none")
     view = around(np.array([p, d, p_new, *others]), 0.12)
     page = new_page(drawing, view.widened(_SLENDER), look)
     draw_y_axis(page, plane)
@@ -166,7 +159,7 @@ def _lettered(
 @as_figure
 def figure2(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw one step in a single plane, from P over A to D, with the excitation (AP57 figure 2)."""
-    needs(drawing, "figure 2 shows one plane", "ap57_obstacle", planes=1)
+    refuse_unsuited("figure2", drawing)
     chosen = frame_at(drawing, frame)
     page = step_page(drawing, chosen, look)
     d = chosen.points["D"]
@@ -184,7 +177,7 @@ def figure3(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[
     The triangle of dy = QP dtau and dy-bar = QD dtau is similar to the triangle QPD.
     """
     letters = (*_STEP, ("Q{n}", "foot"))
-    page, one, plane = _close_up(drawing, "figure 3", "tangent", letters, frame, look)
+    page, one, plane = _close_up(drawing, "figure3", letters, frame, look)
     p, d, p_new, q = _points(one, plane, letters)
     page.lines("foot", [[p, q]])
     page.lines("construction", [[d, p_new]])

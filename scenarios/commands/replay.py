@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 import click
 from phaseplane.suspension.units import counted
 
-from phaseplane import recording
+from phaseplane import figures, recording
 
 from ..draw.constructions import draw_scene, drawing_summary, overlay_run
 from ..draw.live import show_in
-from ..draw.pictures import RULES_SHOWN, draw
+from ..draw.pictures import RULES_SHOWN, draw, refuse_choice
 from ..draw.recording_content import of_results, of_scene
 from ..errors import MOVING, InputError, RunError, blaming, check_recording
 from ..look import FigureFile
@@ -41,6 +41,8 @@ from .viewing import (
 if TYPE_CHECKING:
     from phaseplane.constructions.primitives import Drawing
     from phaseplane.recording import Content
+
+    from ..draw.constructions import Check
 
 _KIND = "phase_planes"  # of a figure
 
@@ -150,13 +152,22 @@ def replay_construction(
     with blaming(f"--kind {kind!r}"):
         one_of(CONSTRUCTION_FIGURES).read(kind)
     started = perf_counter()
-    if figure is not None and kind in RULES_SHOWN:
-        overrides = (Setting("construction.rule", RULES_SHOWN[kind], "--kind"), *overrides)
+    if figure is not None:
+        with blaming(f"--kind {kind}"):
+            refuse_choice(kind, step=at_step, moving=figure.path.suffix in MOVING)
+        if kind in RULES_SHOWN:
+            overrides = (Setting("construction.rule", RULES_SHOWN[kind], "--kind"), *overrides)
+
+    def check(first: Drawing) -> None:
+        if figure is not None:
+            with blaming(f"--kind {kind}"):
+                figures.refuse_unsuited(kind, first)
+
     folder = _results_folder(Path(what)) if over is None else None
     if folder is not None:
-        title, drawing, content_of = _over_run(folder, overrides)
+        title, drawing, content_of = _over_run(folder, overrides, check)
     else:
-        title, drawing, content_of = _of_scene(what, overrides, over)
+        title, drawing, content_of = _of_scene(what, overrides, over, check)
     with blaming(what):
         if save is not None or viewer:
             content = content_of()
@@ -175,7 +186,7 @@ def replay_construction(
 
 
 def _over_run(
-    folder: Path, overrides: Sequence[str | Setting]
+    folder: Path, overrides: Sequence[str | Setting], check: Check
 ) -> tuple[str, Drawing, Callable[[], Content]]:
     """Return the construction over the results of a run: title, drawing, and content of a recording."""
     results = read_results(folder)
@@ -183,12 +194,12 @@ def _over_run(
     if not run.keys() >= {"construction", "model", "parameters"}:
         raise InputError(f"{folder}: {DAMAGED}")
     settings = construction_settings(run["construction"], overrides)
-    drawing = overlay_run(results.columns, run["model"], run["parameters"], settings)
+    drawing = overlay_run(results.columns, run["model"], run["parameters"], settings, check)
     return run["title"] or run["scene"], drawing, partial(of_results, results, drawing, Show())
 
 
 def _of_scene(
-    what: str, overrides: Sequence[str | Setting], over: Path | None
+    what: str, overrides: Sequence[str | Setting], over: Path | None, check: Check
 ) -> tuple[str, Drawing, Callable[[], Content]]:
     """Return the construction of a scene as `_over_run`; over the motion in a table, if one is given."""
     scene = load_scene(_scene_or_folder(what), overrides, expect=False)
@@ -196,10 +207,11 @@ def _of_scene(
     try:
         if columns is None:
             scene.check_construction()
-            drawing = draw_scene(scene)
+            drawing = draw_scene(scene, check)
         else:
             settings = asdict(scene.construction)
-            drawing = overlay_run(columns, scene.fmu.model, scene.all_parameters, settings)
+            model, parameters = scene.fmu.model, scene.all_parameters
+            drawing = overlay_run(columns, model, parameters, settings, check)
     except ArithmeticError as error:
         raise RunError(f"the construction cannot be drawn: {error}") from None
     return scene.title or scene.name, drawing, partial(of_scene, scene, drawing, columns)

@@ -8,15 +8,16 @@ import os
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from phaseplane import recording
+from phaseplane import figures, recording
 
 from ..draw.constructions import draw_scene
-from ..draw.pictures import RULES_SHOWN, draw, figure_of
+from ..draw.pictures import RULES_SHOWN, draw, figure_of, refuse_choice
 from ..draw.recording_content import of_scene
 from ..look import look_of
 from ..scene.layers import Setting
@@ -78,12 +79,15 @@ def show(
     ValueError : if the construction lacks what the figure shows.
     """
     printed = look_of(**look)
+    if kind != "recording":
+        moving = kind == "animation"
+        refuse_choice("phase_planes" if moving else kind, step=at_step, moving=moving)
     given = settings(changes, {}, "show()")
     if kind in RULES_SHOWN:
         given.insert(0, Setting("construction.rule", RULES_SHOWN[kind], "kind"))
     found = load_scene(os.fspath(scene), given, expect=False)
     found.check_construction()
-    drawing = draw_scene(found)
+    drawing = draw_scene(found, partial(figures.refuse_unsuited, kind))
     title = found.title or found.name
     if kind == "animation":
         path = Path(_open.enter_context(TemporaryDirectory())) / f"{found.name}.gif"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, replace
 from itertools import pairwise
 from math import ceil, inf
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from ..scene.schema import Scene
 
     ReadAt = Callable[[Sequence[float], Sequence[str]], Columns]
+    Check = Callable[[Drawing], None]
 
 _SPARSE = 0.5  # of the distance between planes: motions that need less are too small to be seen
 _PARTS = 24  # of a step over a known motion: the most by which its way is drawn
@@ -37,10 +39,10 @@ class Begin(NamedTuple):
     states: tuple[tuple[float, float], ...]  # y and y' / Omega of each plane, m
 
 
-def draw_scene(scene: Scene) -> Drawing:
+def draw_scene(scene: Scene, check: Check | None = None) -> Drawing:
     """Return the graphical construction of a scene, without its controller; see `draw_construction`."""
     settings, duration = asdict(scene.construction), scene.construction_time
-    drawing = draw_construction(scene.fmu.model, scene.all_parameters, settings, duration)
+    drawing = draw_construction(scene.fmu.model, scene.all_parameters, settings, duration, check)
     return of_model_alone(drawing, scene)
 
 
@@ -52,7 +54,11 @@ def of_model_alone(drawing: Drawing, scene: Scene) -> Drawing:
 
 
 def draw_construction(
-    model: str, parameters: Mapping[str, Value], settings: Mapping[str, Any], duration: float
+    model: str,
+    parameters: Mapping[str, Value],
+    settings: Mapping[str, Any],
+    duration: float,
+    check: Check | None = None,
 ) -> Drawing:
     """Return the graphical construction, stepped from its initial state or from a later one.
 
@@ -61,6 +67,7 @@ def draw_construction(
     parameters : all parameters of the model, SI
     settings : rule, step (s), plane_distance (m), plane_scales, shortcut, begin
     duration : time to construct, s
+    check : refuses, by InputError, a construction of which it is given the first step
 
     Raises
     ------
@@ -70,7 +77,11 @@ def draw_construction(
     """
     planes = planes_of(model, parameters, settings)
     rule, step = constructions.rule_named(settings["rule"]), settings["step"]
-    try:
+    if check is not None:
+        with _drawn():
+            first = _construct(planes, settings, min(step, duration))
+        check(first)
+    with _drawn():
         drawing = _construct(planes, settings, duration)
         distance = _distance_needed(drawing)
         if distance and settings.get("plane_distance") is None:
@@ -79,6 +90,13 @@ def draw_construction(
         if settings.get("shortcut"):
             return constructions.with_shortcuts(drawing, planes, rule, step)
         return drawing
+
+
+@contextmanager
+def _drawn() -> Iterator[None]:
+    """Report a construction that cannot be drawn."""
+    try:
+        yield
     except ValueError as error:
         raise DrawingError(f"the construction cannot be drawn: {error}") from None
 
@@ -107,7 +125,11 @@ def _start(planes: Construction, begin: Begin | None) -> constructions.Start | N
 
 
 def overlay_run(
-    columns: Columns, model: str, parameters: Mapping[str, Value], settings: Mapping[str, Any]
+    columns: Columns,
+    model: str,
+    parameters: Mapping[str, Value],
+    settings: Mapping[str, Any],
+    check: Check | None = None,
 ) -> Drawing:
     """Return the graphical construction with the state points of a known motion.
 
@@ -118,6 +140,7 @@ def overlay_run(
     model, parameters : the model of the motion, and its parameters in SI
     settings : as for `draw_construction`, and duration (s); rows closer than `step` are skipped,
         except at lift-off and touchdown
+    check : as for `draw_construction`
 
     Raises
     ------
@@ -134,18 +157,24 @@ def overlay_run(
         )
     flying = [name for name in columns if name.endswith("airborne")]
     rows = list(_rows(columns, flying, settings["step"], settings.get("duration")))
-    wheels = [columns[name][rows].astype(bool).tolist() for name in flying]
+    time = columns["time"]
 
-    def laid(planes: Construction) -> Drawing:
+    def laid(planes: Construction, rows: Sequence[int] = rows) -> Drawing:
+        wheels = [columns[name][rows].astype(bool).tolist() for name in flying]
         drawing = constructions.overlay(
             planes,
-            columns["time"][rows].tolist(),
+            time[rows].tolist(),
             *(columns[name][rows].tolist() for name in shown),
             rule=constructions.rule_named(settings["rule"]),
             airborne=list(zip(*wheels, strict=True)) if wheels else None,
         )
         return replace(drawing, ways=tuple(_ways(drawing, columns, rows)))
 
+    if check is not None:
+        until = next((k for k, row in enumerate(rows) if time[row] > time[rows[0]]), len(rows))
+        with blaming("construction", (ArithmeticError, ValueError)):
+            first = laid(planes, rows[: until + 1])
+        check(first)
     with blaming("construction", (ArithmeticError, ValueError)):
         drawing = laid(planes)
         distance = _distance_needed(drawing)

@@ -30,12 +30,7 @@ if TYPE_CHECKING:
     from ..scene.schema import Scene
 
 RECORDING = "construction.rrd"
-RULES_SHOWN = {
-    "figure3": "tangent",
-    "figure4a": "mean_normal",
-    "figure4b": "osculating_circle",
-    "figure8": "tangent",
-}
+RULES_SHOWN = {name: need.rule for name, need in figures.REQUIREMENTS.items() if need.rule}
 """The step rule of each figure that shows a single rule."""
 
 
@@ -112,15 +107,31 @@ def draw(
     ValueError : if the construction lacks what the picture shows.
     """
     if path.suffix in MOVING:
-        if name != "phase_planes":
-            raise ValueError(f"only phase_planes can be animated; write {', '.join(PICTURES)}")
-        if step is not None:
-            raise ValueError("an animation chooses its steps; leave --at-step out")
         assert drawing is not None
         figures.animation(drawing, path, title=title, look=look)
         return
     figure = figure_of(name, drawing, results, title=title, look=look, step=step)
     figures.save(figure, path)
+
+
+def refuse_choice(name: str, *, step: int | None, moving: bool = False) -> None:
+    """Reject an unknown picture, or one that is not animated or does not show a single step.
+
+    Raises
+    ------
+    InputError : if there is no picture of that name.
+    ValueError : the message says what to do instead.
+    """
+    if name not in FIGURES:
+        raise InputError(
+            f"no picture {shown(name)}; pictures are {', '.join(FIGURES)}{nearest(name, FIGURES)}"
+        )
+    if moving and name != "phase_planes":
+        raise ValueError(f"only phase_planes can be animated; write {', '.join(PICTURES)}")
+    if moving and step is not None:
+        raise ValueError("an animation chooses its steps; leave --at-step out")
+    if step is not None and "frame" not in signature(getattr(figures, name)).parameters:
+        raise ValueError(f"{name} shows no single step; leave --at-step out")
 
 
 def figure_of(
@@ -139,20 +150,14 @@ def figure_of(
     InputError : if there is no picture of that name.
     ValueError : if the construction or the results lack what the picture shows.
     """
-    if name not in FIGURES:
-        raise InputError(
-            f"no picture {shown(name)}; pictures are {', '.join(FIGURES)}{nearest(name, FIGURES)}"
-        )
+    refuse_choice(name, step=step)
     printed = look or figures.Look()
     if name == "time_histories":
         if results is None:
             raise ValueError("time_histories shows a run, and not a construction")
         return _time_histories(results, title, printed)
-    draws = getattr(figures, name)
-    if step is not None and "frame" not in signature(draws).parameters:
-        raise ValueError(f"{name} shows no single step; leave --at-step out")
     chosen = {} if step is None else {"frame": step}
-    return draws(drawing, **chosen, title=title, look=printed)
+    return getattr(figures, name)(drawing, **chosen, title=title, look=printed)
 
 
 def _time_histories(results: Results, title: str, look: figures.Look) -> Figure:

@@ -6,6 +6,7 @@ import dataclasses
 import json
 from math import isnan, pi
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -32,6 +33,7 @@ from phaseplane.suspension.systems import Axle, Element, System, damper_family
 from phaseplane.suspension.variables import checked_parameters
 
 from phaseplane.constructions import RULES, QuarterCarPlanes, construct_motion
+from phaseplane.constructions.primitives import Drawing
 from phaseplane.equations import Formula
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
@@ -552,3 +554,50 @@ def test_a_motion_along_one_axis_has_room_for_its_letters():
     drawing = draw_construction("Equation", scene.all_parameters, SETTINGS, 0.01)
     view = view_of(drawing, [drawing.frames[0]], turn=False)
     assert view.half.imag >= 0.25 * view.half.real
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("half_car_pitch --kind figure7", "figure 7 shows two planes with elastic coupling, which"),
+        ("half_car_pitch --kind figure12", "try the scene half_car_rigid_tyres"),
+        ("half_car_pitch --kind figure14", "has not; try the scene ap57_figure13"),
+        ("half_car_pitch --kind figure2", "figure 2 shows one plane, which"),
+        ("ap57_figure13 --kind figure4b --construction delta", "needs the rule osculating_circle"),
+        ("van_der_pol --kind figure8", "figure 8 shows two planes or more, which"),
+        (
+            "van_der_pol --kind figure5",
+            "figure 5 shows the obstacle of constant acceleration, which",
+        ),
+        ("ap57 --kind figure6 --at-step 3", "figure6 shows no single step; leave --at-step out"),
+    ],
+)
+def test_a_figure_that_does_not_suit_a_scene_is_refused_before_its_motion_is_constructed(
+    line: str, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of half_car_pitch that took three seconds."""
+    made: list[float] = []
+
+    def counted(*given: Any, duration: float, step: float, **more: Any) -> Drawing:
+        made.append(duration / step)
+        return construct_motion(*given, duration=duration, step=step, **more)
+
+    monkeypatch.setattr("phaseplane.constructions.construct_motion", counted)
+    assert said in complaint(f"replay {line} --figure x.png")
+    assert sum(made) <= 1.0
+
+
+def test_a_construction_over_a_motion_is_checked_by_its_first_step() -> None:
+    parameters = parameters_of("OneDof", ROADS[0])
+    names = ["suspension_deflection", "suspension_deflection_rate"]
+    rows = run_of("OneDof", parameters, np.linspace(0.0, 0.5, 501), names)
+    checked: list[Drawing] = []
+
+    def check(first: Drawing) -> None:
+        checked.append(first)
+        raise InputError("not this one")
+
+    with pytest.raises(InputError, match="not this one"):
+        overlay_run(rows, "OneDof", parameters, SETTINGS, check)
+    (first,) = checked
+    assert len(first.frames) == 1
