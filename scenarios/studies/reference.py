@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -15,6 +16,7 @@ from .problems import Problem
 _TOLERANCE = 1e-13
 _SAME = 1e-12  # s; times that differ by less are the same, as 0.05 and 20 times 0.0025
 _LONGEST = 1e-3  # s; the longest step, so that no step has two switches
+_CHATTERS = 100, 1e-4  # so many switches within this part of the duration
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,9 +59,12 @@ def drive(problem: Problem, start: Branches, advance: Advance) -> Vector:
 
     Raises
     ------
-    ArithmeticError : if the solver makes no progress.
+    ArithmeticError : if the solver makes no progress, or chatters: an inaccurate one may end each step
+        on the wrong side of its switch.
     """
     times, n = problem.times, len(problem.system.mass)
+    most, part = _CHATTERS
+    switches: deque[float] = deque(maxlen=most)
     t, y = 0.0, problem.start
     branches = start.copy()
     out = np.empty((len(times), n))
@@ -79,6 +84,11 @@ def drive(problem: Problem, start: Branches, advance: Advance) -> Vector:
         k += len(stretch.rows)
         t, y = stretch.time, stretch.state.copy()
         if stretch.switched:
+            switches.append(t)
+            if len(switches) == most and t - switches[0] < part * problem.duration:
+                raise ArithmeticError(
+                    f"chatters: {most} switches from {switches[0]:.6g} to {t:.6g} s"
+                )
             branches.leave(t, y)
         elif t == joint:
             branches.pass_joint(t, y)
