@@ -26,8 +26,9 @@ class FigureFile:
     look: figures.Look
 
     def save(self, figure: Figure) -> list[str]:
-        """Write the figure; return the name of the file, as the only one of a list."""
-        return [str(figures.save(figure, self.path))]
+        """Write the figure; return the names of its files, several if it has several pages."""
+        figures.save(figure, self.path)
+        return [str(path) for path in figures.files_of(figure, self.path)]
 
 
 def look_of(dashes: str = "", **given: Any) -> figures.Look:

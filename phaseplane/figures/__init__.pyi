@@ -1,5 +1,4 @@
 from .animation import animation as animation
-from .animation import storyboard as storyboard
 from .exercise import exercise_sheet as exercise_sheet
 from .exercise import sheet_room as sheet_room
 from .exercise import sheet_view as sheet_view
@@ -33,7 +32,10 @@ from .single_steps import figure4b as figure4b
 from .single_steps import figure8 as figure8
 from .stability import GrowthMap as GrowthMap
 from .stability import stability_sheet as stability_sheet
+from .storyboard import storyboard as storyboard
 from .style import Look as Look
+from .style import files_of as files_of
+from .style import pages_of as pages_of
 from .style import save as save
 from .sweeps import pareto as pareto
 from .sweeps import sweep as sweep

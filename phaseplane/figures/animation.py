@@ -1,4 +1,4 @@
-"""A construction stage by stage, as an animation or as a storyboard."""
+"""A construction stage by stage, as an animation."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing
@@ -22,22 +21,17 @@ from phaseplane.picture.curves import draw_curves
 from phaseplane.picture.files import replace_file
 from phaseplane.picture.frames import motions_of
 from phaseplane.picture.page import Page
-from phaseplane.picture.story import arms_page, staged, story_of
-from phaseplane.picture.styles import MOVING_POINT
-from phaseplane.picture.text import format_time
-from phaseplane.picture.views import frame_at, view_of, views_of
+from phaseplane.picture.story import arms_page, story_of
+from phaseplane.picture.views import views_of
 
 from .canvas import BESIDE, Sheet, new_page, size_of
-from .planes import step_lines
-from .style import PLAIN, Look, Printed, styled
+from .style import PLAIN, Look, styled
 
 Pixels = npt.NDArray[np.uint8]
 
 MOVING = (".gif", ".mp4")
 _DPI = 84
-_NARROWEST, _LOWEST = 1.6, 1.0  # inches of a picture of a storyboard; the height is that of a plane
-_GAP = 0.2  # inches between such pictures
-_LINE, _ROW = 0.125, 0.155  # inches of a line of a small and of a large caption
+_ABOVE, _ROW = 0.0125, 0.155  # inches above a caption, and of a line of it
 _SLENDER = 0.2  # least width over height of the sheet, for its heading and the arm below it
 _HOLD = 3  # ticks that show the end
 
@@ -81,64 +75,6 @@ def animation(
     return target
 
 
-@styled
-def storyboard(
-    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
-) -> Figure:
-    """Draw a step as a strip of small pictures, one for each stage.
-
-    Parameters
-    ----------
-    frame : index of the step; default: one whose letters have room
-
-    Raises
-    ------
-    ValueError : if there is no such frame.
-    """
-    chosen = frame_at(drawing, frame)
-    view = view_of(drawing, [chosen], turn=False)
-    stages = drawing.schemes[chosen.scheme].stages
-    width = look.inches or 11.0
-    slope = view.half.imag / view.half.real
-    lowest = _LOWEST * len(drawing.planes)
-    columns = max(1, min(3, int(width / max(_NARROWEST, lowest / slope))))
-    rows = -(-len(stages) // columns)
-    cell = width / columns
-    wide = cell - _GAP
-    high = min(wide * slope, 4.5)
-    scale = min(wide / view.half.real, high / view.half.imag) / 2.0
-    stays = new_page(drawing, view, look, scale=scale)
-    lines = step_lines(stays, chosen)
-    draw_axes(stays, lines)
-    draw_curves(stays, clear=lines)
-    arms = arms_page(drawing, drawing.frames.at([chosen.step]))
-    ticks = list(staged(stays, arms, chosen.step))
-    captions = [fill(tick.caption, int(13.0 * wide)) for tick in ticks]
-    below = 0.2 + _LINE * max(text.count("\n") + 1 for text in captions)
-    step = f"Step {chosen.step}, {format_time(chosen.time)}, stage by stage"
-    turned = [(i, tick.arms) for i, tick in enumerate(ticks, 1) if tick.arms.items][:1]
-    arm = size_of(arms)
-    foot = (arm.imag + 0.2 + _LINE) * len(turned)
-    sheet = Sheet(Printed(look, width, rows * (high + below) + foot + 0.05, layout="none"))
-    sheet.figure.finished(title, step)
-
-    def draw(page: Page, more: Page, corner: complex, size: complex, caption: str) -> None:
-        sheet.place(page.view, corner, size)
-        for item in (*page.items, *more.items):
-            if item.role not in MOVING_POINT[:2]:  # nothing moves here
-                sheet.draw(item)
-        sheet.axes.set_title(caption, y=0.0, pad=-4.0, va="top", fontsize=7.5)
-
-    for number, (tick, caption) in enumerate(zip(ticks, captions, strict=True)):
-        row, column = divmod(number, columns)
-        corner = complex(column * cell + _GAP / 2, foot + (rows - row) * (high + below) - high)
-        draw(stays, tick.page, corner, complex(wide, high), caption)
-    for number, more in turned:
-        corner = complex((width - arm.real) / 2, foot - arm.imag)
-        draw(arms, more, corner, arm, f"The arm of the turn angles in stage {number}")
-    return sheet.figure
-
-
 def _pictures(page: Page, arms: Page, look: Look, *heading: str) -> Iterator[Pixels]:
     """Yield each tick as an image: what stays is drawn once, the rest over a copy of it."""
     ticks = list(story_of(page, arms))
@@ -153,7 +89,7 @@ def _pictures(page: Page, arms: Page, look: Look, *heading: str) -> Iterator[Pix
         sheet.draw(item)
     figure.set_dpi(_DPI)
     canvas = cast(FigureCanvasAgg, figure.canvas)
-    top = whole.get_position().y0 - 0.1 * _LINE / figure.get_figheight()
+    top = whole.get_position().y0 - _ABOVE / figure.get_figheight()
     caption = figure.text(0.5, top, "", ha="center", va="top", fontsize=9.0)
     canvas.draw()
     ground = canvas.copy_from_bbox(figure.bbox)

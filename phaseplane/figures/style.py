@@ -166,6 +166,10 @@ class Look:
             **(fonts if self.font else {}),
         }  # fmt: skip
 
+    def heading_room(self, lines: Sequence[str]) -> float:
+        """Return the height of a heading in these lines, inches."""
+        return 0.1 + 0.17 * len(lines) if lines and self.headed else 0.0
+
     def blank(self, width: float, height: float) -> Printed:
         """Return an empty figure of this size, inches, or of this shape in the width asked for."""
         inches = self.inches or width
@@ -191,8 +195,9 @@ def styled(draw: Callable[P, Made]) -> Callable[P, Made]:
 class Printed(Figure):
     """A figure in a look, of this size in inches, or higher if there is something around its panels.
 
-    Its look is in force again while it is drawn, because ticks are not made before. Its heading is its
-    label, whether it is written above the panels or left to the caption.
+    It may be the first of several pages: `following` has the others. Its look is in force again while it
+    is drawn, because ticks are not made before. Its heading is its label, whether it is written above
+    the panels or left to the caption.
     """
 
     def __init__(
@@ -200,6 +205,7 @@ class Printed(Figure):
     ) -> None:
         super().__init__(figsize=(width, height), layout=layout)
         self.look = look
+        self.following: tuple[Figure, ...] = ()
         FigureCanvasAgg(self)
 
     def draw(self, renderer: RendererBase) -> None:
@@ -211,8 +217,8 @@ class Printed(Figure):
         """Write the heading in lines that fit, and lay the figure out, so that it is saved alike."""
         lines = heading_lines(heading, self.get_figwidth())
         self.set_label(" ".join(lines))
-        if lines and self.look.headed:
-            self.grow(0.1 + 0.17 * len(lines))
+        if room := self.look.heading_room(lines):
+            self.grow(room)
             words = self.suptitle("\n".join(lines), gid="heading")
             words.set_y(1.0 - 0.06 / self.get_figheight())
         if (engine := self.get_layout_engine()) is not None:
@@ -264,7 +270,12 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
 
     Parameters
     ----------
-    path : ends with .png, .svg or .pdf; an existing file is replaced
+    path : ends with .png, .svg or .pdf; an existing file is replaced. If the figure has several pages,
+        `files_of` it has the others
+
+    Returns
+    -------
+    The path.
 
     Raises
     ------
@@ -275,8 +286,35 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     suffix = target.suffix.lower()
     if suffix not in _OPTIONS:
         raise ValueError(f"{target.name}: figures are written as {', '.join(_OPTIONS)}")
+    pages = pages_of(figure)
     title = {"Title": figure.get_label()} if figure.get_label() else {}
     options = {**_OPTIONS[suffix], "metadata": {**_OPTIONS[suffix].get("metadata", {}), **title}}
-    with replace_file(target) as temporary, rc_context(_DEFAULTS):
-        figure.savefig(temporary, format=suffix[1:], facecolor="auto", **options)
+    if suffix == ".pdf":
+        from matplotlib.backends.backend_pdf import PdfPages  # noqa: PLC0415  (for PDF alone)
+
+        with (
+            replace_file(target) as temporary,
+            rc_context(_DEFAULTS),
+            PdfPages(temporary, **options) as file,
+        ):
+            for page in pages:
+                page.savefig(file, format="pdf", facecolor="auto")
+        return target
+    for page, file in zip(pages, files_of(figure, target), strict=True):
+        with replace_file(file) as temporary, rc_context(_DEFAULTS):
+            page.savefig(temporary, format=suffix[1:], facecolor="auto", **options)
     return target
+
+
+def files_of(figure: Figure, path: Path) -> list[Path]:
+    """Return the files that `save` writes: a PDF with all pages, or one of each page.
+
+    The names of those of the second, third, ... page end in _2, _3, ...
+    """
+    more = 0 if path.suffix.lower() == ".pdf" else len(pages_of(figure)) - 1
+    return [path, *(path.with_stem(f"{path.stem}_{k + 2}") for k in range(more))]
+
+
+def pages_of(figure: Figure) -> list[Figure]:
+    """Return the pages of a figure, of which it is the first."""
+    return [figure, *getattr(figure, "following", ())]

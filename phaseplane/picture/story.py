@@ -13,7 +13,7 @@ import numpy as np
 from phaseplane.constructions.letters import typeset
 from phaseplane.constructions.primitives import Drawing, Mark, Plane, Scheme
 from phaseplane.constructions.sheet import events_of
-from phaseplane.constructions.storage import StoredFrames
+from phaseplane.constructions.storage import Frame, StoredFrames
 from phaseplane.equations.typeset import number
 from phaseplane.suspension.units import counted
 
@@ -143,6 +143,15 @@ def story_of(stays: Page, arms: Page, steps: Sequence[int] = (), title: str = ""
     yield Tick(page, arms.following(), said, caption, count, last.time + last.duration)
 
 
+def stage_captions(drawing: Drawing, frame: Frame) -> list[str]:
+    """Return the caption of each stage of a step."""
+    stages = drawing.schemes[frame.scheme].stages
+    return [
+        f"Step {frame.step}, {k} of {len(stages)}: {typeset(words)}"
+        for k, words in enumerate(stages, 1)
+    ]
+
+
 def staged(stays: Page, arms: Page, index: int) -> Iterator[Tick]:
     """Yield the ticks of one step: its stages, one after the other."""
     drawing = stays.drawing
@@ -153,12 +162,11 @@ def staged(stays: Page, arms: Page, index: int) -> Iterator[Tick]:
     ring = 0.5 * _RING * style_of(MOVING_POINT[0]).size / TYPE * stays.em * (1 + 1j)
     lettered.taken += [Box(frame.points[plane.state], ring) for plane in drawing.planes]
     write_letters(lettered, frame, _kept(scheme, len(scheme.stages)))
-    for stage, words in enumerate(scheme.stages):
+    for stage, caption in enumerate(stage_captions(drawing, frame)):
         beside = arms.following()
         draw_step(beside, frame, ["turn"], stage=stage)
         beside.items = [item for item in beside.items if item.role == "arc"]
         said = f"{text.step_head(drawing, frame)}\n\n{protocol(stays, frame, stage)}"
-        caption = f"Step {frame.step}, {stage + 1} of {len(scheme.stages)}: {typeset(words)}"
         page = _stage(stays, lettered, index, stage)
         yield Tick(page, beside, said, caption, index, frame.time)
 

@@ -178,11 +178,12 @@ def replay_construction(
     last = len(drawing.frames) - 1
     if at_step is not None and not 0 <= at_step <= last:
         raise InputError(f"--at-step {at_step}: the drawing has steps 0 to {last}")
+    files = [] if save is None else [save]
     if figure is not None:
         with blaming(f"--kind {kind}"):  # the drawing lacks what the figure shows
-            draw(kind, figure.path, drawing, title=title, look=figure.look, step=at_step)
-    files = [str(path) for path in (save, figure and figure.path) if path is not None]
-    return {**drawing_summary(drawing, perf_counter() - started), "files": files}
+            files += draw(kind, figure.path, drawing, title=title, look=figure.look, step=at_step)
+    told = drawing_summary(drawing, perf_counter() - started)
+    return {**told, "files": [str(path) for path in files]}
 
 
 def _over_run(

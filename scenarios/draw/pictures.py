@@ -92,7 +92,7 @@ def draw(
     title: str,
     look: figures.Look,
     step: int | None = None,
-) -> None:
+) -> list[Path]:
     """Draw one picture: `time_histories` from results, the others from a construction.
 
     The phase planes are animated if the file is a .gif or an .mp4.
@@ -102,16 +102,20 @@ def draw(
     look : how it is printed
     step : index of the step that is shown, in figures of one step
 
+    Returns
+    -------
+    The files, several if the picture has several pages.
+
     Raises
     ------
     ValueError : if the construction lacks what the picture shows.
     """
     if path.suffix in MOVING:
         assert drawing is not None
-        figures.animation(drawing, path, title=title, look=look)
-        return
+        return [figures.animation(drawing, path, title=title, look=look)]
     figure = figure_of(name, drawing, results, title=title, look=look, step=step)
     figures.save(figure, path)
+    return figures.files_of(figure, path)
 
 
 def refuse_choice(name: str, *, step: int | None, moving: bool = False) -> None:

@@ -19,7 +19,7 @@ from PIL import Image
 from worked_example import STEP, ap57
 
 from phaseplane.constructions import Drawing, EquationPlane, construct_motion, delta
-from phaseplane.figures import Look, animation, storyboard
+from phaseplane.figures import Look, animation, files_of, pages_of, save, storyboard
 from phaseplane.figures.canvas import Sheet
 from phaseplane.picture.page import Item
 from phaseplane.picture.story import told_steps
@@ -187,15 +187,33 @@ def test_pictures_of_a_wide_construction_are_high_enough(width: float | None, co
 
 
 @pytest.mark.slow
-def test_no_letter_of_four_planes_is_left_out_of_a_narrow_storyboard() -> None:
-    """In two columns each plane was 15 mm high, and half the letters had no place."""
+def test_a_narrow_storyboard_of_four_planes_has_all_letters_on_pages_of_a4(tmp_path: Path) -> None:
+    """In two columns each plane was 15 mm high, and half the letters had no place; in one the figure was
+    1.5 m high.
+    """
     scene = load_scene("half_car_pitch")
     made = draw_construction("HalfCar", scene.all_parameters, asdict(scene.construction), 0.16)
-    figure = storyboard(made, 61, look=Look(width=0.085))
-    *pictures, _ = figure.axes
+    figure = storyboard(made, 61, title="A bump", look=Look(width=0.085))
+    pages = pages_of(figure)
+    assert len(pages) == 6
+    assert all(page.get_figheight() * 0.0254 < 0.257 for page in pages)
+    pictures = [axes for page in pages for axes in page.axes][:-1]
     assert len({round(axes.bbox.x0) for axes in pictures}) == 1
+    titles = [axes.get_title().replace("\n", " ") for axes in pictures]
+    assert [title.partition(":")[0] for title in titles] == [
+        f"Step 61, {k} of 11" for k in range(1, 12)
+    ]
+    headings = [page.texts[0].get_text() for page in pages]
+    assert headings[0] == "A bump\nStep 61, t = 147.5 ms, stages 1 and 2 of 11"
+    assert headings[-1] == "A bump\nStep 61, t = 147.5 ms, stage 11 of 11"
     texts = {text.get_text() for axes in pictures for text in axes.texts}
     assert {f"{name}{number}" for name in ("Hₘ", "G", "K") for number in ("₁₁", "₂₁")} <= texts
+    save(figure, tmp_path / "a.pdf")
+    assert (tmp_path / "a.pdf").read_bytes().count(b"/Type /Page ") == 6
+    save(figure, tmp_path / "a.png")
+    files = files_of(figure, tmp_path / "a.png")
+    assert files == [tmp_path / "a.png", *(tmp_path / f"a_{k}.png" for k in range(2, 7))]
+    assert all(file.read_bytes().startswith(b"\x89PNG") for file in files)
 
 
 @pytest.mark.slow

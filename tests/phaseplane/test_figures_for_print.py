@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from io import BytesIO
 from itertools import combinations
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import pytest
 from matplotlib import rc_context
 from matplotlib.text import Text
 from on_figures import legend, strips, words
+from phaseplane.scenarios.desk.picture import Picture
 from phaseplane.suspension.characteristics import damper, linear
 from phaseplane.suspension.roads import bump, obstacle
 from PIL import Image
@@ -234,13 +236,16 @@ def test_formulas_have_the_type_of_the_figure(drawing: Drawing) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("width", [None, 0.17, 0.085])
 def test_captions_of_a_storyboard_are_below_their_pictures(width, drawing: Drawing) -> None:
-    figure = figures.storyboard(drawing, 8, look=Look(width=width))
-    renderer = figure.canvas.get_renderer()
-    captions = [axes.title.get_window_extent(renderer) for axes in figure.axes]
-    pictures = [axes.get_window_extent(renderer) for axes in figure.axes]
-    assert len(pictures) == 9 + 1  # and the arm of the turn angles
-    assert not any(one.overlaps(other) for one in captions for other in pictures)
-    assert not any(one.overlaps(other) for one, other in combinations(captions, 2))
+    count = 0
+    for figure in figures.pages_of(figures.storyboard(drawing, 8, look=Look(width=width))):
+        renderer = figure.canvas.get_renderer()
+        captions = [axes.title.get_window_extent(renderer) for axes in figure.axes]
+        pictures = [axes.get_window_extent(renderer) for axes in figure.axes]
+        assert not any(one.overlaps(other) for one in captions for other in pictures)
+        assert not any(one.overlaps(other) for one, other in combinations(captions, 2))
+        assert min(caption.y0 for caption in captions) > 0.0
+        count += len(pictures)
+    assert count == 9 + 1  # and the arm of the turn angles
 
 
 @pytest.mark.parametrize(("inches", "name"), [(40.0, "ȳ₁ = ẏ₁/Ω₁ [cm]"), (2.5, "ȳ₁ [cm]")])
@@ -324,3 +329,20 @@ def test_a_font_without_subscripts_borrows_them(drawing: Drawing, tmp_path: Path
 def test_a_font_that_is_not_there_is_refused() -> None:
     with pytest.raises(ValueError, match="font 'Nosuch' is not installed; try serif"):
         Look(font="Nosuch")
+
+
+def test_a_figure_of_several_pages_is_one_pdf_and_a_picture_for_each_page(tmp_path: Path) -> None:
+    first, second = (Look().blank(2.0, height) for height in (1.0, 2.0))
+    first.following = (second,)
+    written = []
+    for ending in ("pdf", "png", "svg"):
+        figures.save(first, tmp_path / f"a.{ending}")
+        written += figures.files_of(first, tmp_path / f"a.{ending}")
+    assert {path.name for path in written} == {"a.pdf", "a.png", "a_2.png", "a.svg", "a_2.svg"}
+    assert set(tmp_path.iterdir()) == set(written)
+    assert (tmp_path / "a.pdf").read_bytes().count(b"/Type /Page ") == 2
+    for name, height in (("a", 100), ("a_2", 200)):
+        with Image.open(tmp_path / f"{name}.png") as page:
+            assert page.size == (200, height)
+    with Image.open(BytesIO(Picture(first)._repr_png_())) as shown:  # one below the other
+        assert shown.size == (200, 300)
