@@ -23,10 +23,12 @@ _LONGEST = 30.0  # windows over which a separatrix is followed
 _NO_SLOPE = 1e-6  # of the mean slope of f over the window: smaller slopes count as 0
 _TOUCH = 1e-10  # of the largest f: a minimum of |f| below it is a root
 _ROUNDING = 1e-13  # of the largest f, and of the window's width
-_RINGS = 0.7 ** np.arange(13.0, -1.0, -1.0)  # about an equilibrium, of the room that it has
+_RINGS = 0.7 ** np.arange(39.0, -1.0, -1.0)  # about an equilibrium, of the room that it has
+_OUTER = 14  # the largest of them: damping that begins beyond the smallest of these leaves a centre
 _SIZES = 0.5 ** np.arange(20.0, -11.0, -1.0)  # of a turn, in windows
 _CLOSE = 1e-2  # of a turn in which damping counts: motions that are small, if the window is smaller
 _DAMPED = 0.2  # of the force: the part of damping in a turn from which smaller ones follow
+_MANY = 20  # rings, each 0.7 times as large: inside a limit cycle they tell the kind
 _TURNS = 12  # trials of a turn about a centre, each from half the distance before
 _SPIRALS = 1e-8  # of the distance: a smaller change in a turn is one of rounding
 _ALIKE = 0.25  # by which the ratios of successive changes may differ that go with a power of the distance
@@ -234,9 +236,9 @@ def _bent_kind(restores: bool, damping: float) -> str:
 def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float, omega: float) -> str:
     """Return the kind of a centre of the linear part.
 
-    It follows from the dissipation around it; if that is positive and negative, from the first focal
-    value that is not zero; if there is none, from turns. It stays a centre if small motions meet no
-    damping: if that begins at some distance, all at once.
+    It follows from the dissipation around it, at whatever distance; if that is positive and negative,
+    from the first focal value that is not zero; if there is none, from turns. It stays a centre if small
+    motions meet no damping: if that begins at some distance, all at once.
 
     Parameters
     ----------
@@ -250,20 +252,27 @@ def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float, om
     height = sqrt(force / room) if force > 0.0 else window.height / window.width
     away, v = size * np.cos(angle), height * size * np.sin(angle)
     lost = power(system, x + away, v)
-    (damped,) = np.nonzero(lost.any(axis=1))
+    outer = slice(len(size) - _OUTER, None)
+    (damped,) = np.nonzero(lost[outer].any(axis=1))
     if not len(damped):
         return "centre"
-    first = damped[0]
-    if first > 0 and np.abs(lost[first]).max() > _GRADUAL * force * np.abs(v[first]).max():
+    first = len(size) - _OUTER + damped[0]
+    begins = np.abs(lost[first]).max() > _GRADUAL * force * np.abs(v[first]).max()
+    if begins and damped[0] > 0:
         return "centre"
-    gains, losses = bool((lost[first] < 0.0).any()), bool((lost[first] > 0.0).any())
-    if losses != gains:
-        return "stable focus" if losses else "unstable focus"
-    if _is_mirrored(system, x, away, v):
+    gains, losses = np.any(lost < 0.0, axis=1), np.any(lost > 0.0, axis=1)
+    alone = losses[losses != gains]  # of rings that only lose, or only gain; limit cycles part them
+    alike = bool((alone == alone[:1]).all())
+    if losses[first] != gains[first] and alike:
+        return "stable focus" if losses[first] else "unstable focus"
+    if _is_mirrored(system, x, away[outer], v[outer]):
         return "centre"
     if omega > 0.0 and (value := first_focal_value(system, x, omega, window.width)):
         return "stable focus" if value < 0.0 else "unstable focus"
-    return _kind_by_turns(system, x, considerable)
+    if alike:
+        return _kind_by_turns(system, x, considerable)
+    inner = int((alone != alone[0]).argmax())
+    return UNDECIDED if inner < _MANY else "stable focus" if alone[0] else "unstable focus"
 
 
 def _kind_by_turns(system: PhaseSystem, x: float, widest: float) -> str:

@@ -83,6 +83,7 @@ def test_a_plane_turned_by_half_a_turn_has_the_same_kinds() -> None:
         ("sin(x) + 3*x^2*v - v^3", "stable focus"),
         ("x + 3*x^2*v - v^3", "stable focus"),
         ("x - 3*x^2*v + v^3 + x^3*v^2", "unstable focus"),
+        ("x + v*((x^2 + v^2)^2 - 1e-6*(x^2 + v^2))", "unstable focus"),  # in a cycle of 1e-3
     ],
 )
 def test_the_kind_does_not_depend_on_the_size_of_the_window(
@@ -164,6 +165,9 @@ def test_a_backlash_is_one_stretch_of_rest() -> None:
         ("x + x^2 + (x + x^2)*sqrt(x^2/2 + x^3/3)*v", "centre"),
         # turns are closed at ever smaller distances, and not between them
         ("x + v*x^2*sin(2*log(x^2 + 1e-300))", "centre or focus"),
+        # limit cycles of radii e^(k pi/2), or 35 000 times as large as the next
+        ("x + v*x^2*sin(log(x^2 + v^2 + 1e-300))", "centre or focus"),
+        ("x + v*x^2*sin(0.15*log(x^2 + v^2 + 1e-300))", "centre or focus"),
     ],
 )
 def test_the_kind_where_f_has_no_taylor_series(text: str, kind: str, half: float) -> None:
