@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
 from pathlib import Path
@@ -11,12 +11,13 @@ from pathlib import Path
 import numpy as np
 from phaseplane.suspension.batch import Outcome, run_many
 from phaseplane.suspension.units import counted
-from phaseplane.suspension.variables import Value
+from phaseplane.suspension.variables import MODELS, Value
 
 from ..errors import InputError, NoResultError
 from ..measures.solution import Solution, stepped
 from ..progress import Progress, silent
 from ..results.signals import signals_in
+from ..scene.fmus import lacks_ledger
 from ..scene.schema import Scene
 from ..simulate.controlling import driven
 from ..sweeps.plan import Plan, scene_of_file
@@ -95,9 +96,12 @@ def read_task(path: Path) -> Task:
     if not scene.fmu.in_package:
         raise InputError(f"{path}: scene: only models of this package can be fitted")
     space = Space.read(path, content, scene, {"step_count": "measured"})
-    outputs = scene.fmu.outputs()
-    units = {name: variable.unit or "1" for name, variable in outputs.items()}
+    whole = replace(scene.fmu, variables=MODELS[scene.fmu.model])  # also without its energy ledger
+    units = {name: variable.unit or "1" for name, variable in whole.outputs().items()}
     columns = signals_in(path, content, units)
+    lacking = [name for name in columns if name not in {"time", *scene.fmu.outputs()}]
+    if lacking:
+        raise InputError(f"{path}: measured: {lacks_ledger(lacking[0])}")
     during = (columns["time"] >= 0.0) & (columns["time"] <= scene.duration)
     time = columns.pop("time")[during]
     if len(time) <= len(space.plan.keys):

@@ -186,6 +186,18 @@ def test_signals_of_results_need_no_units():
     np.testing.assert_array_equal(found["body_velocity"], run["body_velocity"])
 
 
+@pytest.mark.parametrize("columns", ["", 'columns = { dissipated_energy = "dissipated_energy" }'])
+def test_an_energy_is_not_fitted_without_the_ledger(columns: str) -> None:
+    """There was no such output; the one meant was stored_energy."""
+    time = np.linspace(0.0, 1.0, 50)
+    write_table({"time": time, "dissipated_energy": 1.0 + time}, {}, Path("rig.csv"))
+    written(CAR + "solver.energy = false\n", "car.toml")
+    text = FIT.partition("[measured]")[0] + f'[measured]\nfile = "rig.csv"\n{columns}\n'
+    said = "measured: solver.energy = false: dissipated_energy needs the energy ledger; set"
+    with pytest.raises(InputError, match=said):
+        phaseplane.fit_parameters(study(text))
+
+
 @pytest.mark.parametrize(
     ("columns", "words"),
     [
