@@ -29,6 +29,8 @@ def read(text: str, names: tuple[str, ...], section: str) -> ast.expr:
     if len(text) > _LONGEST:
         raise ValueError(f"equation: {len(text)} characters; at most {_LONGEST} are allowed")
     try:
+        if "#" in text:  # Python would read a comment
+            raise ValueError
         tree = ast.parse(text.strip().replace("^", "**"), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise ValueError(f"equation = {text!r}: not a formula; {_hint(text)}") from None
@@ -37,6 +39,7 @@ def read(text: str, names: tuple[str, ...], section: str) -> ast.expr:
 
 
 _HABITS = (  # other notations, and what to write
+    (r"#", "write comments after the closing quotation mark"),
     (
         r"[<>]|\b(if|else|and|or|not)\b",
         "write cases by sign, abs, max, min, dead_zone or saturation",

@@ -264,6 +264,7 @@ def test_a_formula_is_what_it_says(v, x, t):
         ("x +", "not a formula"),
         ("y + x", r"'y' is not known.*allowed are numbers"),
         ("sin(x", "not a formula"),
+        ("x + 0.1*v  # damped", "not a formula; write comments after the closing quotation mark"),
         ("sni(x)", "did you mean 'sin'"),
         ("x.real", r"'x\.real' is not known"),
         ("__import__('os')", "is not known"),

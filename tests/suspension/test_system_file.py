@@ -141,6 +141,8 @@ def test_a_file_that_changes_replaces_its_model():
         ('"stiffness"', '"stiffness\u00a0+ 1"', "not an expression of .* character U.00A0"),
         ('"stiffness"', '"__import__(1)"', "no parameter '__import__'"),
         ('"stiffness"', '"stiffness & 3"', "the operators are"),
+        ('"stiffness"', '"stiffness # N/m"', "a comment goes after the closing quotation mark"),
+        ('"stiffness"', '"stiffness#"', "a comment goes after the closing quotation mark"),
         ('"stiffness"', '"stiffness + (1"', r"parameters \('\(' was never closed\)$"),
         ('"stiffness"', '"2 stiffness"', r"parameters \(an operator is missing|invalid decimal"),
         ('"stiffness"', '"stiffness mass"', "an operator is missing between a value and what follows"),

@@ -41,6 +41,8 @@ def parsed(said: str, where: str) -> tuple[ast.expr, list[str]]:
         raise ParameterError(
             f"{where} = {said[:20]!r}...: has {len(said)} characters; at most {_LONGEST} are allowed"
         )
+    if "#" in said:  # Python would read a comment
+        raise no_expression(said, where, "a comment goes after the closing quotation mark")
     text, names = numbered(said)
     try:
         return ast.parse(text, mode="eval").body, names
