@@ -43,8 +43,8 @@ def read_columns(
 ) -> list[list[float]]:
     """Read columns of a CSV file with a heading, in SI units; the first must ascend from row to row.
 
-    Lines that begin with # are skipped. The row below the heading may give the units, or the headings
-    themselves, such as `force [kN]`.
+    Lines that begin with # are skipped. The row below the heading may give the units, if not those of all
+    columns, or the headings themselves, such as `force [kN]`.
 
     Parameters
     ----------
@@ -76,10 +76,11 @@ def read_columns(
                 cells = [row[place] if place < len(row) else "" for place in places]
                 units = [_bare(cell) for cell in cells]
                 if not scales:
-                    above = all(map(_is_unit, units))
+                    above = _are_units(units)
+                    beside = units if above else [""] * len(units)
                     scales = [
-                        _size(column.unit or (unit if above else _in_heading(column)), column.kinds)
-                        for column, unit in zip(wanted, units, strict=True)
+                        _size(column.unit or unit or _in_heading(column), column.kinds)
+                        for column, unit in zip(wanted, beside, strict=True)
                     ]
                     if above:
                         continue
@@ -253,6 +254,12 @@ def _in_heading(column: Wanted) -> str:
     if column.heading.endswith("]") or (column.heading.endswith(")") and _is_unit(unit)):
         return unit
     return column.kinds[0]
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """Return whether a row gives units; the cell of a number or of one unit may be empty, 1 or -."""
+    named = [cell for cell in cells if cell not in ("", "1", "-")]
+    return all(map(_is_unit, named)) and bool(named or set(cells) == {"-"})
 
 
 def _is_unit(text: str) -> bool:

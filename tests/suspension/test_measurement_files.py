@@ -61,6 +61,21 @@ def test_units_in_headings(heading, force, row, wanted, tmp_path):
     assert [column[0] for column in read_columns(path, given)] == [-500.0, -1400.0]
 
 
+@pytest.mark.parametrize("cell", ["", "1", "-"])
+def test_a_row_of_units_has_none_for_a_number(cell, tmp_path):
+    """The row was taken for one of numbers, and refused."""
+    path = tmp_path / "rig.csv"
+    path.write_text(f"y,factor\n[mm],{cell}\n-500,2\n1000,1\n", encoding="utf-8")
+    wanted = [Wanted("y", ("m",)), Wanted("factor", ("1",))]
+    assert read_columns(path, wanted) == [pytest.approx([-0.5, 1.0]), [2.0, 1.0]]
+
+
+def test_the_unit_of_a_heading_holds_where_the_row_of_units_has_none(tmp_path):
+    path = tmp_path / "rig.csv"
+    path.write_text("y [mm],F\n,kN\n-500,2\n", encoding="utf-8")
+    assert read_columns(path, [Wanted("y [mm]", ("m",)), Wanted("F", ("N",))]) == [[-0.5], [2000.0]]
+
+
 def test_a_unit_in_a_heading_that_does_not_fit_is_refused(tmp_path):
     path = tmp_path / "rig.csv"
     path.write_text("v [m/s],F [kp]\n0,0\n", encoding="utf-8")
