@@ -1,7 +1,8 @@
 """Marking a construction made by hand: every reading is judged by what follows from the ones before.
 
 D is judged from the student's point, and the next point from that and the student's own D. An error
-therefore counts once, where it was made. A reading is right within a tolerance. One farther off is
+therefore counts once, where it was made. From a point so far off that no step can be made there, the next
+one is judged from the right place. A reading is right within a tolerance. One farther off is
 compared with the results of known mistakes: the one that leads there names the rule that was broken. A
 point slightly off that no mistake explains is a reading error, and so is a point or D that is wrong on
 record alone: the construction goes on from its correct place.
@@ -22,6 +23,7 @@ from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.rules import RULES, Rule
 from phaseplane.constructions.stepping import MakePoints, Stepper
 from phaseplane.constructions.steps import Points, States
+from phaseplane.constructions.storage import Frame
 from phaseplane.constructions.switching import first_end
 from phaseplane.equations.typeset import number
 from phaseplane.exercises.readings import Reading
@@ -112,8 +114,7 @@ def mark(
             f"{len(readings)} points were read, but the construction has {len(frames)}"
         )
     planes = construction.planes
-    start = tuple(frames[0].points[plane.state] for plane in planes)
-    if (off := _apart(readings[0].states, start)) > _DOUBTFUL * tolerance:
+    if (off := _apart(readings[0].states, _states(planes, frames[0]))) > _DOUBTFUL * tolerance:
         raise ValueError(
             f"point 0 is {number(1e3 * off, 3)} mm from the start point of the sheet; is this another "
             "exercise?"
@@ -136,19 +137,26 @@ def mark(
             following.time in jolts,
             missed,
         )
-        starts = [before] + [
+        origins = [before] + [
             replace(before, states=one.expected)
             for one in marks[-1:]
             if one.distance > 1e3 * tolerance
         ]
-        found = []
-        for origin in starts:
-            own = step._replace(states=origin.states + memory)
-            own = _ended(stepper, own, nominal)
-            found.append(_judged(stepper, own, origin, after, tolerance))
-        best, _ = min(found, key=lambda one: (one[1], one[0].verdict != RIGHT))
-        if best is not found[0][0]:
-            marks[-1] = _misread(marks[-1], before, planes, tolerance)
+        judged = partial(_judged_from, stepper, step, memory, after, nominal, tolerance)
+        found = [(origin, one) for origin in origins if (one := _tried(partial(judged, origin)))]
+        if found:
+            origin, (best, _) = min(found, key=lambda one: (one[1][1], one[1][0].verdict != RIGHT))
+        else:  # so far off that no step can be made
+            origin = replace(before, states=_states(planes, frame), feet=None)
+            best, _ = judged(origin)
+        if origin is not before:
+            if found and (best.verdict == RIGHT or found[0][0] is before):
+                marks[-1] = _misread(marks[-1], before, planes, tolerance)
+            elif best.verdict != RIGHT:
+                words = (
+                    f"no step can be made from point {before.number}: judged from its right place"
+                )
+                best = best._replace(said="; ".join(filter(None, (best.said, words))))
         marks.append(best)
         if step.switches:
             event = following.event.replace("lift_off", "lift-off").replace("_", " ")
@@ -157,8 +165,31 @@ def mark(
             if memory:  # the spring has yielded up to the student's point
                 memory = construction.remembered((*after.states, *memory), None)[len(planes) :]
     last = readings[-1]
-    faultless = tuple(frames[last.number].points[plane.state] for plane in planes)
-    return Marks(tuple(marks), 1e3 * _apart(last.states, faultless))
+    return Marks(tuple(marks), 1e3 * _apart(last.states, _states(planes, frames[last.number])))
+
+
+def _states(planes: Sequence[Plane], frame: Frame) -> States:
+    """Return the state points of the correct construction at the beginning of a step."""
+    return tuple(frame.points[plane.state] for plane in planes)
+
+
+def _judged_from(
+    stepper: Stepper,
+    step: _Step,
+    memory: States,
+    after: Reading,
+    nominal: float,
+    tolerance: float,
+    origin: Reading,
+) -> tuple[Mark, int]:
+    """Return the mark of a point as a step from a reading of the one before, and how far off it is.
+
+    Raises
+    ------
+    ArithmeticError, ValueError : if no step can be made from there.
+    """
+    own = _ended(stepper, step._replace(states=origin.states + memory), nominal)
+    return _judged(stepper, own, origin, after, tolerance)
 
 
 def _misread(mark: Mark, read: Reading, planes: Sequence[Plane], tolerance: float) -> Mark:

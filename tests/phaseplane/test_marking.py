@@ -453,3 +453,31 @@ def test_faultless_readings_are_right_across_switches(plane, event):
     marks = judged(plane, drawing, [frame.points["P"] for frame in drawing.instants])
     assert marks.right == len(marks.marks) == len(drawing.frames)
     assert max(m.distance for m in marks.marks) < 0.1
+
+
+@pytest.mark.parametrize("far", [50.0, 1e6, 1e200])
+def test_the_next_point_of_one_far_off_the_sheet_is_judged_from_the_right_place(task, far):
+    """No step could be made from there, which ended the marking."""
+    construction, drawing = task
+    points = student(drawing, 6)
+    points[3] *= far
+    marks = judged(construction, drawing, points).marks
+    assert [m.verdict for m in marks] == [RIGHT, RIGHT, READING, RIGHT, RIGHT, RIGHT]
+    assert "only the reading is wrong" in marks[2].said
+
+
+def test_a_point_that_is_wrong_after_one_far_off_the_sheet_says_from_where_it_is_judged(task):
+    construction, drawing = task
+    points = student(drawing, 4)
+    points[3] *= 1e6
+    points[4] += 0.01
+    marks = judged(construction, drawing, points).marks
+    assert [m.verdict for m in marks] == [RIGHT, RIGHT, METHOD, METHOD]
+    assert "no step can be made from point 3: judged from its right place" in marks[3].said
+
+
+def test_points_that_are_all_far_off_the_sheet_have_marks(task):
+    construction, drawing = task
+    points = student(drawing, 4)
+    marks = judged(construction, drawing, points[:1] + [1e6 * z for z in points[1:]]).marks
+    assert [m.verdict for m in marks] == 4 * [METHOD]
