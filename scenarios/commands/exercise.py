@@ -11,7 +11,7 @@ from ..errors import InputError, blaming, read_text
 from ..results.folder import Place, replace_folder, write_summary
 from ..results.plain import as_json
 from ..scene.loading import load_scene
-from .console import DONE, FAILED, FiniteRange, json_option, output_option, set_option
+from .console import DONE, FAILED, FiniteRange, json_option, output_option, progress_bar, set_option
 
 
 @click.command()
@@ -65,7 +65,8 @@ def exercise(
     is judged from the student's previous point; the exit status is 1 unless all points are right.
     """
     loaded = load_scene(scene, overrides, expect=False)
-    made = exercises.exercise(loaded, steps, paper)
+    with progress_bar(f"exercise of {loaded.name}"):
+        made = exercises.exercise(loaded, steps, paper)
     if readings is not None:
         place = None if output is None else Place(output, "exercise", loaded.file)
         if place is not None:
@@ -82,7 +83,7 @@ def exercise(
         return DONE if summary["right"] == made.steps else FAILED
     place = Place.chosen(output, f"exercises/{loaded.name}", "exercise", loaded.file)
     _keep_readings(place.folder)
-    with replace_folder(place) as draft:
+    with progress_bar(f"sheets of {loaded.name}"), replace_folder(place) as draft:
         exercises.write_sheets(made, draft)
         write_summary({"scene": loaded.name, "steps": made.steps, "origin": place.origin}, draft)
         names = [str(place.folder / path.name) for path in sorted(draft.iterdir())]

@@ -15,7 +15,7 @@ from ..results.plain import as_json
 from ..scene.loading import load_scene
 from ..studies.ladder import format_ladder
 from ..studies.ladder import ladder as climb
-from .console import FiniteRange, TimeRange, json_option, set_option, warn
+from .console import FiniteRange, TimeRange, json_option, progress_bar, set_option, warn
 from .viewing import figure_options
 
 
@@ -51,7 +51,8 @@ def ladder(
     used = {name for s in scenes for name in s.fmu.parameters() if name not in s.fmu.unused}
     idle = (one for s in scenes for one in s.idle if one.causes or one.name not in used)
     warn(dict.fromkeys(map(str, idle)))
-    summary = climb(whole, tolerance, named)
+    with progress_bar(f"ladder of {whole.name}"):
+        summary = climb(whole, tolerance, named)
     click.echo(as_json(summary) if as_data else format_ladder(summary))
 
 
@@ -93,7 +94,8 @@ def portrait(
 
     List its equilibria and limit cycles, or draw the Poincaré section of a forced system.
     """
-    summary = make(scene, overrides, figure, **how)
+    with progress_bar(f"portrait of {scene}"):
+        summary = make(scene, overrides, figure, **how)
     click.echo(as_json(summary) if as_data else format_portrait(summary))
 
 
@@ -109,5 +111,6 @@ def modes(
 
     The figure shows free motion from the shape of each mode in the phase planes of the modes.
     """
-    summary = make_modes(scene, overrides, figure)
+    with progress_bar(f"modes of {scene}"):
+        summary = make_modes(scene, overrides, figure)
     click.echo(as_json(summary) if as_data else format_modes(summary))

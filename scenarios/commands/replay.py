@@ -28,7 +28,7 @@ from ..scene.fields import one_of
 from ..scene.layers import Setting, find_scene
 from ..scene.loading import construction_settings, load_scene
 from ..scene.sections import CONSTRUCTION_FIGURES, Show
-from .console import json_option, set_option
+from .console import json_option, progress_bar, set_option
 from .viewing import (
     figure_options,
     page,
@@ -106,7 +106,8 @@ def replay(
     )  # fmt: skip
     with page(served, address, viewer=viewer) as server:
         shown_in = viewer or (server.url if server else "")
-        summary = replay_construction(what, settings, save, figure, shown_in, over, **which)
+        with progress_bar(f"construction of {what}"):
+            summary = replay_construction(what, settings, save, figure, shown_in, over, **which)
         places = ", ".join([*summary["files"], *([viewer] if viewer else [])])
         with until_interrupted(server):
             click.echo(

@@ -10,8 +10,10 @@ import subprocess
 import sys
 from collections.abc import Callable
 from errno import ENOENT, ENOSPC
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from types import ModuleType
+from typing import Any, NoReturn
 
 import pytest
 from click.testing import Result
@@ -19,10 +21,15 @@ from command_line import complaint, phaseplane, settings
 from hosting import HANGS, started
 from phaseplane.scenarios.commands import console
 from phaseplane.scenarios.draw import pictures
+from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.results.folder import Place, read_results, replace_folder, write_results
 
 from phaseplane.picture.files import replace_file
 
+exercise, modelling, replay = (
+    import_module(f"phaseplane.scenarios.commands.{name}")
+    for name in ("exercise", "modelling", "replay")
+)
 FIGURES = 'show.figures=["time_histories", "phase_planes"]'
 PICTURES = ["time_histories.png", "phase_planes.png"]
 RESULTS = ["results.csv", "summary.json"]
@@ -277,6 +284,28 @@ def test_what_takes_long_is_named_on_a_terminal(monkeypatch: pytest.MonkeyPatch)
         while "drawing phase_planes.png" not in terminal.getvalue():
             pass
     assert terminal.getvalue().endswith("\r\033[K")  # and nothing is left of it
+
+
+@pytest.mark.parametrize(
+    ("module", "line", "label"),
+    [
+        (modelling, "portrait van_der_pol", "portrait of van_der_pol"),
+        (modelling, "modes ap57", "modes of ap57"),
+        (modelling, "ladder ap57", "ladder of ap57"),
+        (replay, "replay ap57 --save planes.rrd", "construction of ap57"),
+        (exercise, "exercise van_der_pol", "exercise of van_der_pol"),
+    ],
+)
+def test_commands_that_may_take_long_tell_the_time(
+    module: ModuleType, line: str, label: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Some portraits take half a minute, without a sign that they are under way."""
+
+    def shown(told: str) -> NoReturn:
+        raise InputError(f"now comes {told}")
+
+    monkeypatch.setattr(module, "progress_bar", shown)
+    assert complaint(line) == f"phaseplane: now comes {label}\n"
 
 
 def test_what_tells_its_parts_has_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
