@@ -30,17 +30,21 @@ def potential(system: PhaseSystem, x: Grid, most: float = inf) -> Grid:
 
 
 def power(system: PhaseSystem, x: npt.ArrayLike, v: npt.ArrayLike) -> Grid:
-    """Return the power dissipated per unit mass, (f(x', x) - f(0, x)) x'; 0 within rounding."""
+    """Return the power dissipated per unit mass, (f(x', x) - f(0, x)) x'; 0 within rounding.
+
+    It is not finite where one of the two forces is not.
+    """
     x, v = np.asarray(x, float), np.asarray(v, float)
     moving, still = system.forces(x, v), system.forces(x, 0.0 * v)
     with np.errstate(invalid="ignore"):  # at a pole of f
         damping = moving - still
         rounding = _ROUNDING * (np.abs(moving) + np.abs(still))
-        return np.where(np.abs(damping) <= rounding, 0.0, damping * v)
+        return np.where(np.abs(damping) < rounding, 0.0, damping * v)
 
 
 def conserves(system: PhaseSystem, window: Window) -> bool:
-    """Return whether nothing is dissipated anywhere in a window."""
+    """Return whether nothing is dissipated anywhere in a window; not if no power is known at all."""
     x, v = window.grid(61, 61)
     lost = power(system, x, v)
-    return not np.any(lost[np.isfinite(lost)])
+    known = np.isfinite(lost)
+    return bool(known.any() and not lost[known].any())

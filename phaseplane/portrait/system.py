@@ -69,7 +69,8 @@ class PhaseSystem:
 
     def forces(self, x: npt.ArrayLike, v: npt.ArrayLike, t: npt.ArrayLike = 0.0) -> Grid:
         """Return f over arrays of equal shape; NaN where f is undefined."""
-        x, v = np.asarray(x, float), np.asarray(v, float)
+        # -0 as 0, on the same side of a pole
+        x, v = np.asarray(x, float) + 0.0, np.asarray(v, float) + 0.0
         t = np.broadcast_to(np.asarray(t, float), x.shape)
         with np.errstate(all="ignore"):
             return self.over_arrays(x, v, t)(v, x, t)

@@ -116,3 +116,28 @@ def test_a_window_has_room_for_the_limit_cycle_that_a_motion_goes_to(text, start
     assert v < window.top < 3.0 * v
     growing = window_of(PhaseSystem(lambda v, x, t: x - 0.1 * v), 3.0, [(0.5, 0.0)])
     assert growing.width < 100.0
+
+
+@pytest.mark.parametrize(
+    ("text", "start"),
+    [
+        ("log(v)", (0.0, 1.0)),  # minus infinity at rest
+        ("x + 1/v", (0.0, 1.0)),  # infinite there, with either sign
+        ("(9.81 - x)^(x + v) + 0.1", (10.0, 0.0)),  # known for a whole exponent only
+        ("sqrt(v - 1)", (0.0, 2.0)),
+    ],
+)
+def test_a_portrait_of_a_force_that_is_not_known_at_rest(
+    text: str, start: tuple[float, float]
+) -> None:
+    """What was lost there was not known, so nothing was lost: curves of an energy that is not known."""
+    formula = Formula(text)
+    system = PhaseSystem(formula.function, on_arrays=formula.on_arrays)
+    made = compute_portrait(system, window_of(system, 3.0, [start]), starts=[start])
+    assert made.energy_curves == ()
+    assert all(np.isfinite(curve).all() for curve in made.orbits)
+
+
+def test_the_side_of_a_pole_does_not_depend_on_the_sign_of_a_zero() -> None:
+    reciprocal = of(lambda v, x: 1.0 / v)
+    assert reciprocal.forces([-1.0, 1.0], [-0.0, 0.0]).tolist() == [np.inf, np.inf]
