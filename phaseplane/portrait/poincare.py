@@ -16,6 +16,7 @@ _GONE = 4.5  # windows beyond the sides: motions farther out after a period are 
 _LOST = 100.0  # the same within a period: there, errors in windows ask for too many digits
 _MOST = 16_000  # steps of a section
 _MOST_SWITCHED = 60  # periods of motions with switches, which are followed one by one
+_MOST_OF_THEM = 150_000  # steps of these
 _TRANSIENT = 0.5  # of the periods, of a dissipative system
 _LONGEST = 12  # longest period of a periodic motion, in periods of the excitation
 _CLOSES, _SAME, _SETTLED = 1e-5, 1e-3, 1e-7  # windows
@@ -85,10 +86,14 @@ def section(
 def _by_periods(system: PhaseSystem, window: Window, starts: Grid) -> Iterator[Grid]:
     """Yield the states of all motions after every period; NaN for those that are gone."""
     if switched.switches(system):
-        gone = (np.nan, np.nan)
+        gone = (np.nan, np.nan), 0
         every = [switched.samples(system, window, (x, v), _GONE) for x, v in starts.tolist()]
-        while True:
-            yield np.array([next(one, gone) for one in every])
+        made = 0
+        while made <= _MOST_OF_THEM:
+            states, counts = zip(*(next(one, gone) for one in every), strict=True)
+            made = sum(counts)
+            yield np.array(states)
+        return
     going = motions(system, window, starts[:, 0], starts[:, 1], tolerance=1e-7)
     steps = 0
     for k in count(1):

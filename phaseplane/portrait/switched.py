@@ -113,16 +113,17 @@ def turn(
 
 def samples(
     system: PhaseSystem, window: Window, start: tuple[float, float], farthest: float
-) -> Iterator[tuple[float, float]]:
-    """Yield the states of a motion at the ends of successive periods, until it is gone."""
+) -> Iterator[tuple[tuple[float, float], int]]:
+    """Yield the states of a motion at the ends of successive periods, until it is gone, and its steps."""
     due = system.period
     # as exact as a section of an equation without switches
-    for step in _steps(system, start, 1.0, _OF_SECTION, longest=0.25 * system.period):
+    made = _steps(system, start, 1.0, _OF_SECTION, longest=0.25 * system.period)
+    for count, step in enumerate(made, 1):
         while step.end >= due * (1.0 - 1e-12):
             x, v = step.at(min(due, step.end))
             if not window.holds(system.wrapped(np.array(x)), v, farthest):
                 return
-            yield x, v
+            yield (x, v), count
             due = (round(due / system.period) + 1) * system.period
 
 

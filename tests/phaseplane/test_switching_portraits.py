@@ -9,6 +9,7 @@ import pytest
 from phaseplane.suspension.models import build
 
 from phaseplane.equations import Formula, motion
+from phaseplane.equations.motion import steps
 from phaseplane.portrait import (
     PhaseSystem,
     Window,
@@ -17,6 +18,7 @@ from phaseplane.portrait import (
     followed,
     limit_cycles,
     of_coordinate,
+    section,
 )
 from phaseplane.portrait.returns import turns
 
@@ -111,6 +113,23 @@ def test_the_section_of_a_driven_mass_with_friction_is_den_hartogs():
     times = np.linspace(0.0, 2.0 * pi / w, 4001)
     found = motion(formula.switching, (float(x), float(v)), times.tolist())
     assert max(found.displacements) == pytest.approx(amplitude, rel=1e-5)
+
+
+def test_motions_with_many_switches_have_a_section_of_fewer_periods(monkeypatch):
+    """Fast turns far out and a relay took a minute and a half: 600 000 steps, followed one by one."""
+    made = []
+
+    def counted(*start, **how):
+        for step in steps(*start, **how):
+            made.append(step)
+            yield step
+
+    monkeypatch.setattr("phaseplane.portrait.switched.steps", counted)
+    monkeypatch.setattr("phaseplane.portrait.poincare._MOST_OF_THEM", 2000)
+    system = portrayed("x + 10*sinh(x) + 10*relay(v, 0.2) + 1.5*cos(1.2*t)")
+    states = section(system, Window(-3.0, 3.0, -20.0, 20.0), (0.5, 0.0))
+    assert len(made) < 8000
+    assert len(states.points) > 26
 
 
 def test_a_vehicle_with_dry_friction_has_its_stretch_of_rest():
