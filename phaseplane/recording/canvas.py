@@ -35,6 +35,7 @@ _ORDER = {"paper": 11.0, "story": 13.0, "events": 21.0}
 _BENEATH, _LINES, _POINTS = 19.0, 20.0, 30.0  # draw orders of a run, other lines, and points
 _FAINT = 0.35  # opacity of older steps
 _HEAD = 0.5  # length of the head of an arrow, em
+_FARTHEST = 1e30  # m of paper
 _SCREEN = 1.25  # points on a screen for a point on paper
 _STRIPS = rr.components.LineStrip2DBatch([]).as_arrow_array().type
 
@@ -213,8 +214,15 @@ def point_style(roles: Sequence[str]) -> rr.Points2D:
 
 
 def xy(points: npt.ArrayLike) -> npt.NDArray[np.float32]:
-    """Return complex points as pairs x, y, in an additional last dimension."""
-    return vertices(points).astype(np.float32)
+    """Return complex points as pairs x, y, in an additional last dimension.
+
+    Points farther away than the viewer's numbers reach, as on a curve that leaves the sheet steeply, are
+    in the same direction.
+    """
+    z = np.asarray(points, complex)
+    away = np.abs(z)
+    z = np.where(away > _FARTHEST, z * (_FARTHEST / np.maximum(away, _FARTHEST)), z)
+    return vertices(z).astype(np.float32)
 
 
 def strips(z: Points) -> pa.Array:

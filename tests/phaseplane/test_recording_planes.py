@@ -16,6 +16,7 @@ from phaseplane.constructions.letters import MINUS
 from phaseplane.picture.page import Arrow, Lines
 from phaseplane.picture.paper import Box, around
 from phaseplane.recording import Content
+from phaseplane.recording.canvas import xy
 from phaseplane.recording.motion import made_planes, pages_of
 
 
@@ -209,3 +210,11 @@ def test_many_planes_of_a_run_fill_their_sheet() -> None:
     whole, *_ = pages_of(shown)
     motion = np.concatenate(whole.subject.motions)
     assert np.ptp(motion.real) > 0.85 * 2.0 * whole.view.half.real
+
+
+def test_points_beyond_the_numbers_of_the_viewer_are_far_off_in_their_direction() -> None:
+    """An exponential force has an auxiliary curve that was infinite there."""
+    far = xy([3e200 + 4e200j, 1e300j, 0.1 + 0.2j]).astype(float)
+    assert far[0] == pytest.approx([6e29, 8e29])
+    assert far[1] == pytest.approx([0.0, 1e30])
+    assert far[2] == pytest.approx([0.1, 0.2])
