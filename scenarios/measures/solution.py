@@ -27,7 +27,8 @@ GoingOn = Callable[[float], bool]
 INTERVAL = 1e-3  # s, at most between two times
 _MOST_INSTANTS = 2_000_000
 _PARTS = 12  # parts of an interval in which an extreme may be
-_MOST_PLACES = 8  # times of an extreme or a mean whose intervals on both sides are refined
+_MOST_PLACES = 8  # times of an extreme whose intervals on both sides are refined
+_MOST_OF_MEAN = 24  # the same for the parts of a mean that are least accurate
 _MOST_CORNERS = 2_000  # up to which all are read on both sides
 _SHORT = 3.0  # intervals: times between closer switches are refined too
 _ROUNDING = 1e-9  # s
@@ -298,22 +299,30 @@ def _cells(column: Column, extreme: str, time: Column) -> set[int]:
     values = np.asarray(column[first:], float)
     if len(values) < 3 or values.min() == values.max():
         return set()
-    bend = np.zeros(len(values))
-    bend[1:-1] = _RISE * abs(np.diff(values, 2))
+    bend = _bend(values)
     rise = bend.copy()  # the largest of three neighbours
     np.maximum(rise[1:], bend[:-1], out=rise[1:])
     np.maximum(rise[:-1], bend[1:], out=rise[:-1])
-    found = [bend] if extreme.endswith("mean") else []
+    found = []
+    if extreme.endswith("mean"):  # most are of squares, or of the product of two such outputs
+        found += [(bend, _MOST_OF_MEAN), (_bend(values**2), _MOST_OF_MEAN)]
     for height in _HEIGHTS[extreme.removeprefix("late ")]:
         z = height(values)
-        found.append(np.where(z + rise >= z.max(), z + rise, -np.inf))
+        found.append((np.where(z + rise >= z.max(), z + rise, -np.inf), _MOST_PLACES))
     cells: set[int] = set()
-    for worth in found:
-        last = min(_MOST_PLACES, len(worth)) - 1
+    for worth, most in found:
+        last = min(most, len(worth)) - 1
         rows = np.argpartition(-worth, last)[: last + 1]
         rows = rows[worth[rows] > -np.inf]
         cells.update((first + rows).tolist(), (first + rows - 1).tolist())
     return {cell for cell in cells if first <= cell < len(time) - 1}
+
+
+def _bend(values: Column) -> Column:
+    """Return how far a column may be from straight lines between its points."""
+    bend = np.zeros(len(values))
+    bend[1:-1] = _RISE * abs(np.diff(values, 2))
+    return bend
 
 
 def apart(rows: Columns, solution: Solution) -> float:
