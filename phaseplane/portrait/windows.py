@@ -225,7 +225,9 @@ def _within(system: PhaseSystem, domain: tuple[float, float], starts: Grid, reac
     energies = [
         np.sign(x[1] - x[0])
         * cumulative_simpson(
-            np.nan_to_num(system.forces(x, 0.0 * x)), dx=abs(x[1] - x[0]), initial=0.0
+            np.nan_to_num(system.forces(x, 0.0 * x), posinf=0.0, neginf=0.0),
+            dx=abs(x[1] - x[0]),
+            initial=0.0,
         )
         for x in sides
     ]

@@ -125,6 +125,7 @@ def test_a_window_has_room_for_the_limit_cycle_that_a_motion_goes_to(text, start
         ("x + 1/v", (0.0, 1.0)),  # infinite there, with either sign
         ("(9.81 - x)^(x + v) + 0.1", (10.0, 0.0)),  # known for a whole exponent only
         ("sqrt(v - 1)", (0.0, 2.0)),
+        ("v^(2*x)", (-2.0, -3.0)),  # infinite there, and known for a whole exponent only
     ],
 )
 def test_a_portrait_of_a_force_that_is_not_known_at_rest(
@@ -133,7 +134,9 @@ def test_a_portrait_of_a_force_that_is_not_known_at_rest(
     """What was lost there was not known, so nothing was lost: curves of an energy that is not known."""
     formula = Formula(text)
     system = PhaseSystem(formula.function, on_arrays=formula.on_arrays)
-    made = compute_portrait(system, window_of(system, 3.0, [start]), starts=[start])
+    window = window_of(system, 3.0, [start])
+    assert window.holds(*start)
+    made = compute_portrait(system, window, starts=[start])
     assert made.energy_curves == ()
     assert all(np.isfinite(curve).all() for curve in made.orbits)
 
