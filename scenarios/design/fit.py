@@ -9,12 +9,12 @@ from itertools import combinations
 from pathlib import Path
 
 import numpy as np
-from phaseplane.suspension.batch import Outcome, run_many
+from phaseplane.suspension.batch import Outcome, outputs_over_time, run_many
 from phaseplane.suspension.units import counted
 from phaseplane.suspension.variables import MODELS, Value
 
 from ..errors import InputError, NoResultError
-from ..measures.solution import Solution, stepped
+from ..measures.solution import Solution, in_steps, stepped
 from ..progress import Progress, silent
 from ..results.signals import signals_in
 from ..scene.fmus import lacks_ledger
@@ -223,10 +223,11 @@ def _runs(
     scene: Scene, sets: Sequence[Mapping[str, Value]], times: Points, names: Sequence[str]
 ) -> Iterable[Outcome | Solution]:
     """Return a run for each set of parameters, under the controller of the scene if it has one."""
-    if scene.controller is None:
-        return run_many(scene.fmu.model, sets, times.tolist(), names)
-    drive = partial(driven, controller=scene.controller)
-    return (stepped(scene.fmu.model, one, times, names, drive=drive) for one in sets)
+    model = scene.fmu.model
+    if scene.controller is None and {*names} <= {*outputs_over_time(model)}:
+        return run_many(model, sets, times.tolist(), names)
+    drive = in_steps if scene.controller is None else partial(driven, controller=scene.controller)
+    return (stepped(model, one, times, names, drive=drive) for one in sets)
 
 
 def _apart(numbers: Points, task: Task) -> dict[str, Points]:

@@ -46,6 +46,23 @@ decimal = ","
 """
 
 
+@pytest.mark.parametrize("output", ["dissipated_energy", "airborne_time", "step_count"])
+def test_a_fit_takes_every_output(output):
+    """Those that a batch of runs does not record ended it with a traceback."""
+    over = {"road.height": 0.08, "speed": 12.0}
+    run = phaseplane.run("car.toml", over, output_interval=5e-3, outputs=[output])
+    rows = zip(run.time, run[output], strict=True)
+    written(f"time,{output}\n" + "\n".join(f"{t:.17g},{x:.17g}" for t, x in rows), "rig.csv")
+    text = "[vary]\nroad.height = { from = 0.07, to = 0.09 }\n[measured]\nfile = 'rig.csv'\n"
+    written('extends = "car.toml"\n[parameters]\nspeed = 12.0\n', "fast.toml")
+    found = phaseplane.fit_parameters(
+        written(f'scene = "fast.toml"\n{text}[search]\nstarts = 4\n', "study.toml")
+    )
+    assert found.summary["samples"] == len(run.time)
+    if output != "step_count":  # which changes by jumps
+        assert found.values["road.height"] == pytest.approx(0.08, rel=1e-3)
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.02])
 def test_a_fit_finds_the_parameters_within_its_confidence(noise):
     measured(noise)
