@@ -4,6 +4,7 @@ from .motion import Motion as Motion
 from .motion import MotionError as MotionError
 from .motion import Step as Step
 from .motion import motion as motion
+from .motion import motions as motions
 from .motion import steps as steps
 from .pieces import VARIABLES as VARIABLES
 from .reading import FUNCTIONS as FUNCTIONS

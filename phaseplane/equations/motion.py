@@ -14,6 +14,9 @@ from typing import NamedTuple
 from phaseplane.equations.roots import root
 from phaseplane.equations.switching import Mode, Switching
 
+State = tuple[float, float]
+"""x and x'."""
+
 _TOLERANCE = 1e-10
 # of the largest displacement and velocity so far: errors are relative to no less
 _LEAST_SIZE = 1e-2
@@ -125,51 +128,76 @@ class Motion(NamedTuple):
     switches: list[float]
     complaint: str = ""
 
+    def add(self, *row: float) -> None:
+        """Append a time, displacement, velocity and acceleration."""
+        for column, value in zip(self[:4], row, strict=True):
+            column.append(value)
+
 
 def motion(
     system: Switching,
-    start: tuple[float, float],
+    start: State,
     times: Sequence[float],
     going_on: Callable[[float], bool] = lambda _time: True,
 ) -> Motion:
-    """Return the motion from a state (x, x') at the first of ascending times, to ten digits.
+    """Return the motion from a state at the first of ascending times, as `motions` does."""
+    return motions(system, [start], times, going_on)[0]
+
+
+def motions(
+    system: Switching,
+    starts: Sequence[State],
+    times: Sequence[float],
+    going_on: Callable[[float], bool] = lambda _time: True,
+) -> list[Motion]:
+    """Return the motions from some states at the first of ascending times, each to ten digits.
+
+    They go on side by side: when they are ended, or one cannot go on, the others have come as far.
 
     Parameters
     ----------
     system : the equation
-    start : x and x' at the first time
+    starts : x and x' of each at the first time
     times : s, ascending
-    going_on : called after every step with the time reached, s; whether to go on
+    going_on : called after every step with the time that all have reached, s; whether to go on
     """
-    found = Motion([], [], [], [], [])
+    found = [Motion([], [], [], [], []) for _ in starts]
+    under_way = [_followed(system, *each, times) for each in zip(starts, found, strict=True)]
+    reached, end = dict.fromkeys(range(len(starts)), times[0]), times[-1]
+    while reached:
+        k = min(reached, key=reached.__getitem__)
+        try:
+            reached[k] = next(under_way[k], end)
+        except MotionError as error:
+            found[k] = found[k]._replace(complaint=str(error))
+            end = reached[k] = min(end, *found[k].times[-1:], reached[k])
+        if not going_on(min(reached.values())):
+            break
+        reached = {other: time for other, time in reached.items() if time < end}
+    for (x, v), one in zip(starts, found, strict=True):
+        if not one.times:  # it did not leave its start, or was not to
+            a = system.acceleration(system.settled(v, x, times[0]), v, x, times[0])
+            one.add(times[0], x, v, -system.value(v, x, times[0]) if isnan(a) else a)
+    return found
 
-    def add(*values: float) -> None:
-        for column, value in zip(found[:4], values, strict=True):
-            column.append(value)
 
-    end = times[-1]
-    due = 0
+def _followed(
+    system: Switching, start: State, found: Motion, times: Sequence[float]
+) -> Iterator[float]:
+    """Yield the times to which a motion has come, s, with its rows so far in `found`."""
+    due, end = 0, times[-1]
     mode: Mode | None = None
     longest = (end - times[0]) / 50.0
-    try:
-        for step in _within_reach(steps(system, start, times[0], end, longest=longest), end):
-            if mode is not None and step.mode != mode:
-                found.switches.append(step.start)
-            mode = step.mode
-            while due < len(times) and times[due] <= step.end:
-                x, v = step.at(times[due])
-                a = system.acceleration(mode, v, x, times[due])
-                add(times[due], x, v, step.acceleration(times[due]) if isnan(a) else a)
-                due += 1
-            if not going_on(step.end):
-                break
-    except MotionError as error:
-        found = found._replace(complaint=str(error))
-    if not found.times:  # it did not leave its start, or was not to
-        x, v = start
-        a = system.acceleration(system.settled(v, x, times[0]), v, x, times[0])
-        add(times[0], x, v, -system.value(v, x, times[0]) if isnan(a) else a)
-    return found
+    for step in _within_reach(steps(system, start, times[0], end, longest=longest), end):
+        if mode is not None and step.mode != mode:
+            found.switches.append(step.start)
+        mode = step.mode
+        while due < len(times) and times[due] <= step.end:
+            x, v = step.at(times[due])
+            a = system.acceleration(mode, v, x, times[due])
+            found.add(times[due], x, v, step.acceleration(times[due]) if isnan(a) else a)
+            due += 1
+        yield step.end
 
 
 def _within_reach(steps: Iterable[Step], end: float) -> Iterator[Step]:
@@ -214,7 +242,7 @@ def _ahead(count: int, first: float, second: float, third: float) -> float:
 
 def steps(
     system: Switching,
-    start: tuple[float, float],
+    start: State,
     time: float,
     end: float,
     *,

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from time import perf_counter
 
 import numpy as np
 from phaseplane.suspension.variables import Value
 
-from phaseplane.equations import motion
+from phaseplane.equations import motions
 
 from ..columns import Column
 from ..progress import Progress, silent
@@ -44,26 +43,24 @@ def solve(
     switching = formula_of(parameters).switching
     starts = (start_of(parameters), *starts)
 
-    def going_on(number: int, ended: bool, time: float) -> bool:
-        part = (time - times[0]) / (times[-1] - times[0])
-        progress((number + part) / len(starts))
-        return ended or not interrupted()
+    def going_on(time: float) -> bool:
+        progress((time - times[0]) / (times[-1] - times[0]))
+        return not interrupted()
 
     columns: dict[str, Column] = {}
-    rows, complaint = len(times), ""
-    for number, start in enumerate(starts):
-        # after an interrupt, the others still follow up to where the interrupted one has come
-        ended = number > 0 and bool(interrupted())
-        found = motion(switching, start, times[:rows].tolist(), partial(going_on, number, ended))
-        if len(found.times) < rows:
-            rows, complaint = len(found.times), found.complaint
-            if complaint and len(starts) > 1:
+    found = motions(switching, starts, times.tolist(), going_on)
+    rows = min(len(one.times) for one in found)
+    complaint = ""
+    for number, (start, one) in enumerate(zip(starts, found, strict=True)):
+        if one.complaint and len(one.times) == rows and not complaint:
+            complaint = one.complaint
+            if len(starts) > 1:
                 complaint = f"from the start ({start[0]:g}, {start[1]:g}) {complaint}"
         prefix = f"start{number + 1}_" if number else ""
         columns |= {
-            f"{prefix}displacement": np.array(found.displacements),
-            f"{prefix}velocity": np.array(found.velocities),
-            f"{prefix}acceleration": np.array(found.accelerations),
+            f"{prefix}displacement": np.array(one.displacements),
+            f"{prefix}velocity": np.array(one.velocities),
+            f"{prefix}acceleration": np.array(one.accelerations),
         }
     made = {"time": times, **columns}
     return (
