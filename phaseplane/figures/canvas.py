@@ -117,7 +117,7 @@ class Sheet:
                     fontsize=TYPE * item.size,
                     fontstyle="italic" if is_letter(item.text) else "normal", ha="center",
                     va="center", rotation=90.0 if item.upright else 0.0, bbox=self.palette.plate(),
-                    alpha=item.strength, zorder=6.0,
+                    alpha=item.strength, zorder=3.5 if item.kind == "name" else 6.0,
                     gid="axis_name" if item.kind == "name" else item.kind,
                 )  # fmt: skip
 

@@ -87,6 +87,13 @@ def test_axes_have_names_and_units_and_values_of_the_displacement(lettered, draw
     assert -0.27 < on_axis[0].get_position()[1] < -0.25
 
 
+def test_the_name_of_an_axis_hides_no_point(lettered):
+    """At a width of 85 mm a foot at the end of an axis was hidden behind its plate."""
+    axes = lettered.axes[0]
+    names = [t for t in axes.texts if t.get_gid() == "axis_name"]
+    assert max(t.zorder for t in names) < min(dots.zorder for dots in axes.lines)
+
+
 def test_one_step_is_lettered_in_full(lettered, drawing):
     letters = [
         "P₁", "P₂", "Q₁", "Q₂", "A₁", "A₂", "A₁*", "A₂*", "B₂",
