@@ -58,6 +58,7 @@ class Session:
     start_time : s
     tolerance : the host's tolerance, 0 or None if it has none; used if `solver.tolerance` is left at its
         default. One outside the range of `solver.tolerance` is ignored, with a message
+    stop_time : s, if it is known; a run that would need too many steps up to it fails soon
 
     Raises
     ------
@@ -71,6 +72,7 @@ class Session:
         parameters: Mapping[str, object],
         start_time: float = 0.0,
         tolerance: float | None = None,
+        stop_time: float | None = None,
     ) -> None:
         if not isfinite(start_time):
             raise ParameterError(f"start time = {start_time:g}: must be finite")
@@ -80,6 +82,7 @@ class Session:
         given = checked_parameters(model, parameters)
         self._parameters: Checked | None = given
         self._solver = solver_settings(given)
+        self._stop_time = stop_time
         if tolerance and self._solver["tolerance"] == _TOLERANCE.start:
             self._use_tolerance(tolerance)
         self._now: dict[str, Value] = {**given}  # as they are now
@@ -157,9 +160,12 @@ class Session:
     def _new_integrator(self, system: System, time: float) -> Integrator:
         """Return an integrator that starts at a time, s, with the solver's parameters."""
         try:
-            return Integrator(system, start=time, **self._solver)
+            integrator = Integrator(system, start=time, **self._solver)
         except ValueError as error:
             raise ParameterError(str(error)) from None
+        if self._stop_time is not None:
+            integrator.stop_time = self._stop_time
+        return integrator
 
     def _attach(self, system: System, integrator: Integrator) -> None:
         """Use a system and its integrator from now on."""
@@ -553,7 +559,7 @@ def simulate(
     times = list(times)
     if not times:
         raise ValueError("there is nothing to simulate: give at least one time")
-    session = Session(model, parameters, times[0])
+    session = Session(model, parameters, times[0], stop_time=times[-1])
     columns: dict[str, list[Value]] = {name: [] for name in outputs}
     for time in times:
         session.advance(time)

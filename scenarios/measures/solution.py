@@ -220,7 +220,7 @@ def stepped(
     rows: list[list[Value]] = []
     session, failure = None, ""
     try:
-        session = Session(model, given, float(time[0]))
+        session = Session(model, given, float(time[0]), stop_time=float(time[-1]))
         read, places = session.many(tuple(outputs)), list(range(len(outputs)))
         for instant, is_row in drive(session, time):
             if is_row:

@@ -309,3 +309,12 @@ def test_an_fmu_that_stays_open_runs_one_scene_after_another(fmu: Path) -> None:
     assert together[0].columns["body_displacement"].tobytes() == (
         together[3].columns["body_displacement"].tobytes()
     )
+
+
+@pytest.mark.slow
+def test_a_body_too_light_to_be_followed_is_refused_soon() -> None:
+    """Its FMU, which is told the stop time, took 1.8 million steps."""
+    results = run(load_scene("ap57", ["sprung_mass=1e-10"]))
+    assert (
+        "the run needs more than 30 million steps at 0.00" in results.summary["stopped"]["reason"]
+    )

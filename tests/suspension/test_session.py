@@ -389,3 +389,14 @@ def test_a_session_goes_with_its_last_owner() -> None:
 def test_a_start_time_that_is_not_finite_is_refused(model: str, start: float) -> None:
     with pytest.raises(ParameterError, match=f"start time = {start:g}: must be finite"):
         Session(model, {}, start)
+
+
+@pytest.mark.slow
+def test_a_run_that_will_not_reach_its_stop_time_fails_soon() -> None:
+    """Within communication steps of 1 ms there were never 30 million steps to come, but a million."""
+    light = {"sprung_mass": 1e-10, "road.shape": "bump", "speed": 20.0}
+    session = Session("QuarterCar", light, stop_time=1.0)
+    steps = (session.advance(1e-3 * k) for k in range(1, 1001))
+    with pytest.raises(SimulationError, match=r"the run needs more than 30 million steps at 0\.00"):
+        list(steps)
+    assert 200_000 <= session._integrator.step_count < 300_000

@@ -70,12 +70,16 @@ class Integrator(TimeLoop):
     """
 
     going_on: Callable[[float], bool] | None
+    stop_time: float
 
     @of_python
     def _make_room(self) -> None:
         """Allocate the arrays for changes of signals and parameters, and find the size of the state."""
         # called with the present time at each pause of a long run; returns whether to continue
         self.going_on = None
+        self.stop_time = (
+            -UNBOUNDED
+        )  # of the run, if the host knows it; pace is measured across its calls
         self.state_size: Size = len(self.state.content())
 
     @of_python
@@ -238,7 +242,8 @@ class Integrator(TimeLoop):
         if not fabs(until) <= UNBOUNDED:
             raise ValueError(f"cannot step to {until} s: the time must be finite")
         until = float(until)  # uncompiled it may be an int, as would then be the times of switches
-        self.pace.look_at_pace()
+        if self.stop_time < until:
+            self.pace.look_at_pace()
         while True:
             with cython.nogil:
                 status = self.step_until(until, stop)
@@ -284,7 +289,7 @@ class Integrator(TimeLoop):
             return INTERRUPTED
         if self.going_on is not None and not self.going_on(self.state.time):
             return INTERRUPTED
-        return 0 if self.pace.keeps_pace(until) else TOO_MANY
+        return 0 if self.pace.keeps_pace(max(until, self.stop_time)) else TOO_MANY
 
     @property
     def log(self) -> list[Switch]:

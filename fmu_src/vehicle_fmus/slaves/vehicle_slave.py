@@ -100,7 +100,9 @@ class VehicleSlave(Fmi2Slave):
     # -- initialisation ----------------------------------------------------------------------------
 
     def _new_session(self) -> Session:
-        session = Session(self.model, self._parameters, self._start_time, self._tolerance)
+        session = Session(
+            self.model, self._parameters, self._start_time, self._tolerance, self._stop_time
+        )
         for name, value in self._inputs.items():
             session.set_input(name, value)
         session.advance(self._start_time)  # outputs follow the inputs already at the start

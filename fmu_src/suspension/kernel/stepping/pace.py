@@ -6,11 +6,11 @@ from ..state import KernelState
 
 PAUSE = 5000  # steps after which Python can handle signals, such as an interrupt
 _ENOUGH_STEPS = 200000  # steps between two estimates of the number of steps still to come
-_MOST_STEPS = 30000000  # still to come, in one call
+_MOST_STEPS = 30000000  # still to come, in one call or, if the host knows it, to the end of the run
 
 
 class Pace:
-    """The steps of one call, and since its last pause."""
+    """The steps of one call, or of calls whose end is known, and since the last pause."""
 
     def __init__(self, state: KernelState) -> None:
         self.state = state
