@@ -16,7 +16,7 @@ from .problems import Problem
 _TOLERANCE = 1e-13
 _SAME = 1e-12  # s; times that differ by less are the same, as 0.05 and 20 times 0.0025
 _LONGEST = 1e-3  # s; the longest step, so that no step has two switches
-_CHATTERS = 100, 1e-4  # so many switches within this part of the duration
+_CHATTERS = 100, 3e-5  # so many switches within this part of the duration
 
 
 @dataclass(frozen=True, slots=True)
