@@ -77,9 +77,8 @@ class Integrator(TimeLoop):
         """Allocate the arrays for changes of signals and parameters, and find the size of the state."""
         # called with the present time at each pause of a long run; returns whether to continue
         self.going_on = None
-        self.stop_time = (
-            -UNBOUNDED
-        )  # of the run, if the host knows it; pace is measured across its calls
+        # of the run, if the host knows it: up to then the pace is measured across its calls
+        self.stop_time = -UNBOUNDED
         self.state_size: Size = len(self.state.content())
 
     @of_python
@@ -502,3 +501,4 @@ class Integrator(TimeLoop):
             raise ValueError("this snapshot belongs to another system; use one of this integrator")
         self.noted.clear()
         self._resume(bytes(state))
+        self.pace.look_at_pace()
