@@ -28,6 +28,8 @@ from .space import Points, Runs, Space, differences, journaled
 _LEVEL = 0.95
 _STEPS, _USUAL_STEPS = 60, 10  # of the least squares, at most and as a rule
 _ALIKE = 0.95  # correlation above which two parameters are hardly distinguished
+_LOST = 1e-3  # of the largest change of the signals: less is within the error of its differences
+_INVOLVED = 1e-6  # of the square of a direction: its part along a parameter that is involved in it
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,7 @@ class Fit:
     task : what was fitted
     values : the parameters, SI
     errors : half widths of their intervals of 95 % confidence, SI; infinite if the signals do not
-        depend on the parameter
+        depend on the parameter, or change with it as with others
     correlation : of the parameters with each other
     columns : the outputs with the fitted parameters
     residual : root mean square of the difference over that of the signal, by output
@@ -73,6 +75,15 @@ class Fit:
     residual: Mapping[str, float]
     at_bound: tuple[str, ...]
     made: int
+
+    def unknown(self) -> dict[str, list[str]]:
+        """Return the parameters without an interval, with those that change the signals as each does."""
+        keys = [
+            (k, key) for k, key in enumerate(self.task.space.plan.keys) if np.isinf(self.errors[k])
+        ]
+        return {
+            a: [b for j, b in keys if j != i and self.correlation[i, j] != 0.0] for i, a in keys
+        }
 
     def alike(self) -> list[tuple[str, str, float]]:
         """Return the pairs of parameters that the signals hardly distinguish, with their correlation."""
@@ -163,16 +174,13 @@ def fit(task: Task, journal: Path, progress: Progress = silent) -> Fit:
         )  # fmt: skip
         left = _residuals(runs, found.x, target, weight)
         runs.end_stage()
-        covariance = _covariance(found.jac, left, len(task.signals))
         freedom = max(len(left) - count, 1)
-        deviations = np.sqrt(np.diag(covariance))
-        scale = np.where(deviations > 0.0, deviations, 1.0)
-        deviations[~found.jac.any(axis=0)] = np.inf
+        deviations, correlation = _spread(found.jac, left, len(task.signals))
         fitted = _apart(runs.at(found.x)[0], task)
         return Fit(
             task, space.values(found.x),
             float(t.ppf(0.5 + 0.5 * _LEVEL, freedom)) * deviations * space.widths,
-            covariance / np.outer(scale, scale), fitted,
+            correlation, fitted,
             {
                 name: float(np.sqrt(np.mean(np.square(fitted[name] - x)) / np.mean(np.square(x))))
                 for name, x in task.signals.items()
@@ -190,14 +198,36 @@ def _residuals(runs: Runs, x: Points, target: Points, weight: Points) -> Points:
     return found
 
 
+def _spread(jacobian: Points, left: Points, signals: int) -> tuple[Points, Points]:
+    """Return the standard deviations of the parameters, and their correlation.
+
+    A direction in which the signals do not change has any length: the parameters that are involved in it
+    are not known, and among themselves correlated as along it.
+    """
+    sizes = np.linalg.norm(jacobian, axis=0)
+    sizes[sizes == 0.0] = 1.0
+    _, changes, directions = np.linalg.svd(jacobian / sizes, full_matrices=False)
+    lost = directions[changes <= _LOST * changes[0]]
+    along = lost.T @ lost
+    unknown = np.diag(along) > _INVOLVED
+    covariance = _covariance(jacobian / sizes, left, signals)
+    scatter = np.where(unknown[:, None] & unknown, along, covariance)
+    scatter[unknown[:, None] != unknown] = 0.0
+    scatter[abs(scatter) <= _INVOLVED * unknown] = 0.0
+    deviations = np.sqrt(np.diag(scatter))
+    scale = np.where(deviations > 0.0, deviations, 1.0)
+    return np.where(unknown, np.inf, deviations / sizes), scatter / np.outer(scale, scale)
+
+
 def _covariance(jacobian: Points, left: Points, signals: int) -> Points:
-    """Return the covariance of the parameters, (J'J)^-1 J'SJ (J'J)^-1.
+    """Return the covariance of the parameters, (J'J)^-1 J'SJ (J'J)^-1, in directions that are not lost.
 
     S has for each signal the variance of its own residuals, as signals may differ in noise. With a
     correlation r from sample to sample, n samples are worth n (1 - r) / (1 + r) independent ones.
     """
     rows, count = jacobian.shape
-    inverse, scatter = np.linalg.pinv(jacobian.T @ jacobian), np.zeros((count, count))
+    inverse = np.linalg.pinv(jacobian.T @ jacobian, rcond=_LOST**2, hermitian=True)
+    scatter = np.zeros((count, count))
     for slopes, x in zip(np.split(jacobian, signals), np.split(left, signals), strict=True):
         power = float(x @ x)
         r = min(max(0.0, float(x[1:] @ x[:-1]) / (power or 1.0)), 0.999)

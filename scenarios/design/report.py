@@ -197,9 +197,9 @@ def format_fit(found: Fit) -> list[str]:
     lines = [*aligned(rows), "", *aligned(left)]
     lines += [f"{name} ends at a bound of its range" for name in found.at_bound]
     lines += [
-        f"{key} is not known: the signals do not depend on it"
-        for key, error in zip(space.plan.keys, found.errors, strict=True)
-        if not isfinite(error)
+        f"{key} is not known: the signals "
+        + (f"change with it as with {' and '.join(others)}" if others else "do not depend on it")
+        for key, others in found.unknown().items()
     ]
     lines += [
         f"the signals hardly distinguish {a} and {b}: their correlation is {r:.3f}"

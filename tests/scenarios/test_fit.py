@@ -135,6 +135,36 @@ def test_parameters_that_do_the_same_are_said_to_be_alike():
                        "damper.bump_rate = { from = 300, to = 5000 }")  # fmt: skip
     found = phaseplane.fit_parameters(study(text))
     assert "hardly distinguish" in found.report
+    assert "damper.scale is not known: the signals change with it as with damper." in found.report
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.01])
+def test_parameters_of_which_only_a_combination_counts_have_no_interval(noise):
+    """The length of a bump over the speed: both had an interval of 1e-10, far from their values."""
+    over = {"road.length": 2.0, "speed": 22.0, "damper.bump_rate": 900.0}
+    run = phaseplane.run("car.toml", over, output_interval=5e-3, outputs=["body_acceleration"])
+    random = np.random.default_rng(7)
+    rows = [
+        f"{t:.17g},{a + noise * random.normal():.17g}"
+        for t, a in zip(run.time, run["body_acceleration"], strict=True)
+    ]
+    written("\n".join(["time,body_acceleration", *rows]), "rig.csv")
+    found = phaseplane.fit_parameters(
+        study(
+            "[vary]\nroad.length = { from = 1, to = 3 }\nspeed = { from = 15, to = 25 }\n"
+            "damper.bump_rate = { from = 300, to = 5000 }\n[measured]\nfile = 'rig.csv'\n"
+        )
+    )
+    assert found.values["road.length"] / found.values["speed"] == pytest.approx(
+        2.0 / 22.0, rel=1e-3
+    )
+    widths = found.summary["half_widths"]
+    assert widths["road.length"] == widths["speed"] == np.inf
+    assert found.values["damper.bump_rate"] == pytest.approx(
+        900.0, abs=max(widths["damper.bump_rate"], 0.1)
+    )
+    assert widths["damper.bump_rate"] < 50.0
+    assert "speed is not known: the signals change with it as with road.length" in found.report
 
 
 def test_a_parameter_that_the_signals_do_not_depend_on_is_said_to_be_unknown():
