@@ -220,7 +220,7 @@ def stepped(
     rows: list[list[Value]] = []
     session, failure = None, ""
     try:
-        session = Session(model, given, float(time[0]), stop_time=float(time[-1]))
+        session = Session(model, given, float(time[0]))
         read, places = session.many(tuple(outputs)), list(range(len(outputs)))
         for instant, is_row in drive(session, time):
             if is_row:
@@ -305,8 +305,8 @@ def _cells(column: Column, extreme: str, time: Column) -> set[int]:
     np.maximum(rise[:-1], bend[1:], out=rise[:-1])
     found = []
     if extreme.endswith("mean"):  # most are of squares, or of the product of two such outputs
-        with np.errstate(over="ignore", invalid="ignore"):  # of a motion that runs away
-            found += [(bend, _MOST_OF_MEAN), (_bend(values**2), _MOST_OF_MEAN)]
+        squares = (values / abs(values).max()) ** 2
+        found += [(bend, _MOST_OF_MEAN), (_bend(squares), _MOST_OF_MEAN)]
     for height in _HEIGHTS[extreme.removeprefix("late ")]:
         z = height(values)
         found.append((np.where(z + rise >= z.max(), z + rise, -np.inf), _MOST_PLACES))
