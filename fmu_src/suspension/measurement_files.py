@@ -167,12 +167,11 @@ def read_table_of_units(
                 f"line {line} has {counted(len(row), 'cell')}, the heading {len(heading)}"
             )
         units = [_bare(cell) for cell in row]
-        if number == 0 and not any(cell[:1].isdigit() or cell[:1] in "+." for cell in row if cell):
+        if number == 0 and _are_units(units):
             units = ["" if unit in ("-", "1") else unit for unit in units]
-            if all(not unit or _is_unit(unit) for unit in units):
-                kinds = {n: _kind(unit) for n, unit in zip(heading, units, strict=True)}
-                scales = [_size(u, (_kind(u),)) if u else 1.0 for u in units]
-                continue
+            kinds = {n: _kind(unit) for n, unit in zip(heading, units, strict=True)}
+            scales = [_size(u, (_kind(u),)) if u else 1.0 for u in units]
+            continue
         for name, cell, scale in zip(heading, row, scales, strict=True):
             columns[name].append(_number(f"line {line}", name, cell, decimal) * scale)
     return columns, kinds
@@ -259,7 +258,7 @@ def _in_heading(column: Wanted) -> str:
 def _are_units(cells: Sequence[str]) -> bool:
     """Return whether a row gives units; the cell of a number or of one unit may be empty, 1 or -."""
     named = [cell for cell in cells if cell not in ("", "1", "-")]
-    return all(map(_is_unit, named)) and bool(named or set(cells) == {"-"})
+    return all(map(_is_unit, named)) and (("-" in cells and "1" not in cells) or bool(named))
 
 
 def _is_unit(text: str) -> bool:

@@ -70,6 +70,17 @@ def test_a_row_of_units_has_none_for_a_number(cell, tmp_path):
     assert read_columns(path, wanted) == [pytest.approx([-0.5, 1.0]), [2.0, 1.0]]
 
 
+@pytest.mark.parametrize("cell", ["", "1", "-"])
+def test_a_table_of_results_has_none_for_a_number_either(cell, tmp_path):
+    """A 1 in its row of units was taken for a number, and the others for what is none."""
+    path = tmp_path / "rig.csv"
+    path.write_text(f"time,count,z\nms,{cell},mm\n0,2,1\n1000,3,-5\n", encoding="utf-8")
+    columns, _ = read_table(path)
+    assert {name: column.tolist() for name, column in columns.items()} == {
+        "time": [0.0, 1.0], "count": [2.0, 3.0], "z": [0.001, -0.005],
+    }  # fmt: skip
+
+
 def test_the_unit_of_a_heading_holds_where_the_row_of_units_has_none(tmp_path):
     path = tmp_path / "rig.csv"
     path.write_text("y [mm],F\n,kN\n-500,2\n", encoding="utf-8")
