@@ -99,7 +99,7 @@ class Session:
         of_tyres = [e for axle in tyres if (e := system.element(axle.tyre)) is not None]
         self._run = Run(integrator, start_time, len(self._inputs), lines, of_tyres, sampled)
         # end of the step for which the courses of the inputs were found, until one is set
-        self._handed = -inf
+        self._handed = self._held = -inf
         # the state before the integrator went ahead, to return to; whether it is of that step
         self._behind, self._kept = b"", False
         self._events = Events(tyres, self._run, self.messages)
@@ -196,7 +196,7 @@ class Session:
             self._report("info", f"{name} = {value:g} has no effect, {self._idle[name]}")
             self._idle = {}  # said once
         self._run.set_input(self._inputs.index(name), value)
-        self._handed = -inf
+        self._handed = self._held = -inf
 
     def set_parameter(self, name: str, value: object) -> None:
         """Set a tunable parameter from the present time on.
@@ -214,7 +214,7 @@ class Session:
             raise ParameterError(f"{name} = {value!r}: this parameter cannot change during a run")
         self._tuned[name] = variable.checked(value)
 
-    def advance(self, until: float, *, to_switch: bool = False) -> None:
+    def advance(self, until: float, *, to_switch: bool = False, held_until: float = -inf) -> None:
         """Step to the time `until`, s, or to the first switch of an element before it.
 
         Stopping a run does not change its motion unless a value is set there.
@@ -223,6 +223,8 @@ class Session:
         ----------
         until : s
         to_switch : whether to stop at the next switch after the present time
+        held_until : when inputs will be set again, s, if later than `until`: how they are extrapolated
+            does not depend on where the run stops before
 
         Raises
         ------
@@ -233,16 +235,17 @@ class Session:
         if not (self.ok and now < until < inf):
             refuse_step(self.ok, now, until)
             until = now  # it is no later, but for the rounding or the sign of zero
+        held = max(until, held_until)
         goes_on = until == self._handed  # from a switch to the same end, which changes nothing
         if self._tuned:
             self._take_parameters()
         if not goes_on:
             if run.sets_in():
                 self._stop_here()
-                run.sampled = True
-            if run.sampled:
-                self._hand_over(until)
-            self._handed, self._kept = until, False
+                run.sampled, self._held = True, -inf
+            if run.sampled and held != self._held:
+                self._hand_over(held)
+            self._handed, self._held, self._kept = until, held, False
         if now == run.start < until:
             self._events.report_start()
         switch = self._events.next_after(now) if to_switch else inf
@@ -450,6 +453,7 @@ class Session:
             "ok": self.ok,
             "tuned": self._tuned,
             "handed": self._handed,
+            "held": self._held,
             "run": self._run.snapshot().hex(),
             "integrator": self._integrator.snapshot().hex(),
             "coming": self._events.coming(self.time),
@@ -471,7 +475,7 @@ class Session:
         self._integrator.restore(bytes.fromhex(kept["integrator"]))
         self._behind = bytes.fromhex(kept["behind"])
         self.ok, self._tuned = kept["ok"], kept["tuned"]
-        self._handed, self._kept = kept["handed"], kept["kept"]
+        self._handed, self._held, self._kept = kept["handed"], kept["held"], kept["kept"]
         self._run.restore(bytes.fromhex(kept["run"]))
         self._events.resume(self.time, kept["coming"])
         self._read_lines()

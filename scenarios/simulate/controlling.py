@@ -39,34 +39,39 @@ def driven(session: Session, time: Column, controller: Controller) -> Iterator[t
             session.set_input(name, value)
 
     evaluate()
-    session.advance(0.0)
-    for instant, acts in _instants(time, controller.period):
-        _advance(session, instant, evaluate if controller.events else None)
+    session.advance(0.0, held_until=controller.period)
+    for instant, acts, tick in _instants(time, controller.period):
+        _advance(session, instant, tick, evaluate if controller.events else None)
         if acts is not None:
             evaluate()
         yield instant, acts is not True
 
 
-def _instants(time: Column, period: float) -> Iterator[tuple[float, bool | None]]:
-    """Yield all instants: with None to read outputs only, True to evaluate only, False for both."""
+def _instants(time: Column, period: float) -> Iterator[tuple[float, bool | None, float]]:
+    """Yield all instants: with None to read outputs only, True to evaluate only, False for both.
+
+    With each comes the time of the next evaluation, which may be the same.
+    """
     ticks = 1
     for instant in time.tolist():
         while ticks * period < instant - _CLOSE:
-            yield ticks * period, True
+            yield ticks * period, True, ticks * period
             ticks += 1
         both = abs(ticks * period - instant) <= _CLOSE
-        yield instant, False if both else None
+        yield instant, False if both else None, instant if both else ticks * period
         ticks += both
 
 
-def _advance(session: Session, until: float, evaluate: Callable[[], None] | None) -> None:
-    """Step to a time; with an event-triggered controller, from event to event."""
+def _advance(
+    session: Session, until: float, tick: float, evaluate: Callable[[], None] | None
+) -> None:
+    """Step to a time before a tick or at it; with an event-triggered controller, from event to event."""
     if evaluate is None:
-        session.advance(until)
+        session.advance(until, held_until=tick)
         return
     for _ in range(_MOST_AWAKENINGS):
-        session.advance(until, to_switch=True)
+        session.advance(until, to_switch=True, held_until=tick)
         if session.time >= until - _CLOSE:
             break
         evaluate()
-    session.advance(until)
+    session.advance(until, held_until=tick)

@@ -97,6 +97,27 @@ def test_events_wake_a_controller():
     assert apart == pytest.approx(2000.0 / mass, rel=0.05)
 
 
+@pytest.mark.parametrize("events", [False, True])
+def test_the_motion_under_a_controller_does_not_depend_on_the_rows(events):
+    """After an event the slope of a force counted up to the next row: 1e-3 apart at any tolerance."""
+    scene = {
+        "fmu": "QuarterCar", "duration": 0.3,
+        "parameters": {"road.shape": "sine", "road.height": 0.01},
+        "controller": {"period": "5 ms", "events": events,
+                       "body_force": "saturation(100*kinetic_energy, 300)"},
+    }  # fmt: skip
+    every, *others = (
+        phaseplane.run(scene, output_interval=interval)
+        for interval in ("0.5 ms", "2.5 ms", "10 ms")
+    )
+    for run in others:
+        at = np.searchsorted(every.time, run.time - 1e-9)
+        np.testing.assert_allclose(
+            run["body_displacement"], every["body_displacement"][at], rtol=0.0, atol=1e-12
+        )
+        assert [e.time for e in run.events] == pytest.approx([e.time for e in every.events])
+
+
 def test_a_sweep_varies_a_gain():
     written(
         'scene = "skyhook"\nmeasures = ["suspension_travel"]\n[vary]\n'
