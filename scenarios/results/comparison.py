@@ -167,7 +167,7 @@ def _difference(
     both: npt.NDArray[np.bool_],
 ) -> Difference:  # fmt: skip
     a = ours[both].astype(float)
-    b = np.interp(time[both], then, other.astype(float))
+    b = _at(time, then, other.astype(float))[both]
     with np.errstate(invalid="ignore"):  # infinity minus infinity
         gap = abs(a - b)
     gap[(np.isnan(a) & np.isnan(b)) | (a == b)] = 0.0
@@ -175,6 +175,19 @@ def _difference(
     row = int(gap.argmax())
     peak = max(float(abs(x[np.isfinite(x)]).max(initial=0.0)) for x in (a, b))
     return Difference(name, float(gap[row]), peak, float(time[both][row]))
+
+
+def _at(time: Column, then: Column, values: Column) -> Column:
+    """Return values at other times, between them by straight lines.
+
+    Where a time is repeated, as on both sides of a jump, the last of its rows has the last value.
+    """
+    found = np.interp(time, then, values)
+    jumps = np.append(time[1:] == time[:-1], False)
+    first, last = np.searchsorted(then, time), np.searchsorted(then, time, "right") - 1
+    known = then[last] == time
+    found[known] = values[np.where(jumps, first, last)[known]]
+    return found
 
 
 def check_ascending(time: Column) -> None:

@@ -23,6 +23,23 @@ def test_differences_over_the_common_time() -> None:
     assert format_extent(found.as_data()) == "2 columns, 11 rows from 0 to 1 s"
 
 
+def test_a_run_with_rows_on_both_sides_of_a_jump_is_the_same_as_itself() -> None:
+    """Each side was compared with the other side's value."""
+    run = {
+        "time": np.array([0.0, 0.1, 0.1, 0.2, 0.2]), "x": np.array([1.0, 2.0, -3.0, np.inf, 5.0]),
+    }  # fmt: skip
+    assert compared(run, run).differences[0].largest == 0.0
+    other = {**run, "x": np.array([1.0, 2.0, -3.5, np.inf, 5.0])}
+    assert compared(run, other).differences[0].largest == 0.5
+    smooth = {"time": np.array([0.0, 0.4]), "x": np.array([1.0, 5.0])}
+    assert (
+        compared({"time": run["time"], "x": 1.0 + 10.0 * run["time"]}, smooth)
+        .differences[0]
+        .largest
+        < 1e-15
+    )
+
+
 def test_what_is_no_number_in_one_of_them_is_a_difference() -> None:
     assert compared(OURS, {**OTHER, "a": np.full(5, np.nan)}).differences[0].largest == inf
     worst = compared({**OURS, "a": np.full(11, np.inf)}, OTHER).differences[0]
