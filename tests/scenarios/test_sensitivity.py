@@ -34,6 +34,12 @@ def test_what_damps_forgets_and_hard_stops_magnify() -> None:
     assert magnification("QuarterCar", hard) > 10.0
 
 
+def test_kicks_after_a_motion_that_has_come_to_rest_do_not_fail() -> None:
+    """The energy of the motion before outweighed theirs: the magnification was infinite."""
+    pothole = {"road.shape": "pothole", "road.length": 0.2, "speed": 90.0}
+    assert 1.0 < magnification("OneDof", pothole, 2.0) < 5.0
+
+
 @pytest.mark.slow
 def test_it_is_that_of_the_true_motion() -> None:
     """Within what other instants and other signs of the kicks make of it."""
