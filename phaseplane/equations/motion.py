@@ -32,7 +32,7 @@ _STUBBORN = 8  # steps rejected in succession
 _MOST_STEPS = 4_000_000
 # steps after which, and after each doubling, it is judged how many would follow; what has grown by then
 _FIRST_MARK, _GROWN = 8192, 1.05
-_STANDING = 1e-6  # of the largest state: so little of a way between two marks is none
+_SHORTEST = 1e-14  # of the time that remains: so short are steps only where rounding ends them
 # so many switches in so small a part of the motion: it has come to rest
 _CROWD, _CROWDED = 60, 1e-6
 # of the state: velocity, and distance from the guards, of a motion that comes to rest so
@@ -208,7 +208,6 @@ def _within_reach(steps: Iterable[Step], end: float) -> Iterator[Step]:
     """
     marks: list[float] = []  # when the number of steps had doubled
     largest = grown = (0.0, 0.0)
-    place = inf, inf
     for count, step in enumerate(steps, 1):
         yield step
         x, v, _ = step.last
@@ -219,10 +218,9 @@ def _within_reach(steps: Iterable[Step], end: float) -> Iterator[Step]:
         if len(marks) > 2 and 2.0 * _ahead(count, *marks[-3:]) < end - step.end:
             if any(new > _GROWN * old for new, old in zip(largest, grown, strict=True)):
                 raise _TooManyStepsError(step.end)
-            ways = abs(x - place[0]), abs(v - place[1])
-            if all(way <= _STANDING * most for way, most in zip(ways, largest, strict=True)):
+            if marks[-1] - marks[-2] < 0.5 * count * _SHORTEST * (end - step.end):
                 raise MotionError(step.end)
-        grown, place = largest, (x, v)
+        grown = largest
 
 
 def _ahead(count: int, first: float, second: float, third: float) -> float:

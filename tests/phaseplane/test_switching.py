@@ -296,6 +296,18 @@ def test_a_motion_at_the_end_of_where_f_is_known_does_not_creep():
     assert "the acceleration is not a number there" in found.complaint
 
 
+@pytest.mark.slow
+def test_a_motion_that_is_held_for_a_while_goes_on():
+    """It was given up, as if f ended there, while its damper was still too stiff for it to move."""
+    found = motion(Formula("1e7*exp(-20*t)*v + x").switching, (1.0, 1.0), [0.0, 1.0, 10.0])
+    assert found.complaint == ""
+    exact = solve_ivp(
+        lambda t, y: [y[1], -1e7 * exp(-20.0 * t) * y[1] - y[0]], (0.0, 10.0), [1.0, 1.0],
+        method="Radau", rtol=1e-9, atol=1e-12,
+    )  # fmt: skip
+    assert found.displacements[-1] == pytest.approx(exact.y[0, -1], abs=1e-7)
+
+
 def test_a_motion_of_too_many_steps_says_so(monkeypatch):
     monkeypatch.setattr(import_module("phaseplane.equations.motion"), "_MOST_STEPS", 100)
     assert "steps would be needed" in motion(Formula("x").switching, (1.0, 0.0), [0, 100]).complaint
