@@ -16,7 +16,7 @@ class Requirement:
     shows : what it shows, and what a construction without the number of planes, the letters or the
         reading is not or has not
     scene : one whose construction has it
-    planes : their number; 0 for any
+    planes : how many it may have; any number if empty
     letter, without : points that its construction has and has not
     reading : of each step
     rule : the only step rule that it shows
@@ -24,7 +24,7 @@ class Requirement:
 
     shows: str = ""
     scene: str = ""
-    planes: int = 0
+    planes: tuple[int, ...] = ()
     letter: str = ""
     without: str = ""
     reading: str = ""
@@ -34,21 +34,21 @@ class Requirement:
 _ELASTIC, _INERTIAL = "two planes with elastic coupling", "two planes with inertial coupling"
 
 REQUIREMENTS = {
-    "figure1": Requirement("a half car with tyres", "half_car_pitch", planes=4),
-    "figure2": Requirement("one plane", "ap57_obstacle", planes=1),
+    "figure1": Requirement("a half car with tyres", "half_car_pitch", planes=(4,)),
+    "figure2": Requirement("one plane", "ap57_obstacle", planes=(1,)),
     "figure3": Requirement(rule="tangent"),
     "figure4a": Requirement(rule="mean_normal"),
     "figure4b": Requirement(rule="osculating_circle"),
     "figure5": Requirement(
         "the obstacle of constant acceleration", "ap57_obstacle", reading="road_elevation"
     ),
-    "figure6": Requirement("a quarter car", "ap57", planes=2, letter="A2*", without="H1"),
+    "figure6": Requirement("a quarter car", "ap57", planes=(2,), letter="A2*", without="H1"),
     "figure7": Requirement(_ELASTIC, "ap57_figure13", letter="B2"),
-    "figure8": Requirement("two planes or more", "ap57", letter="P2", rule="tangent"),
+    "figure8": Requirement("two planes or more", "ap57", planes=(2, 4), rule="tangent"),
     "figure9": Requirement(_ELASTIC, "ap57", letter="B2"),
     "figure10": Requirement(_ELASTIC, "ap57", letter="B2"),
     "figure11": Requirement(
-        "a half car on rigid tyres", "half_car_rigid_tyres", planes=2, letter="H1"
+        "a half car on rigid tyres", "half_car_rigid_tyres", planes=(2,), letter="H1"
     ),
     "figure12": Requirement(_INERTIAL, "half_car_rigid_tyres", letter="H1"),
     "figure14": Requirement(
@@ -80,9 +80,8 @@ def refuse_unsuited(figure: str, drawing: Drawing) -> None:
     name = figure.replace("figure", "figure ")
     title = f"'{drawing.title}'"
     letters = {mark.point for scheme in drawing.schemes.values() for mark in scheme.marks}
-    letters |= {plane.state for plane in drawing.planes}
     suits = (
-        need.planes in (0, len(drawing.planes))
+        (not need.planes or len(drawing.planes) in need.planes)
         and (not need.letter or need.letter in letters)
         and need.without not in letters
     )

@@ -12,11 +12,13 @@ import vehicle_reference as reference
 from drawn_axles import AXLES
 from hypothesis import given
 from hypothesis import strategies as st
+from on_figures import strips
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import cubic, damper, linear
 from phaseplane.suspension.two_axles import axle_masses
 from recorded import check_schemes
 
+from phaseplane import figures
 from phaseplane.constructions import RULES, AxleData, HalfCarPlanes, Strut, Window, construct_motion
 
 G = 9.80665
@@ -223,3 +225,9 @@ def test_wheels_that_leave_and_meet_the_road_together_do_so_in_one_event(contact
         for name in ("suspension_deflection", "wheel_displacement"):
             front, rear = (frame.readings[f"{axle}_{name}"] for axle in ("front", "rear"))
             assert front == pytest.approx(rear, abs=1e-9)
+
+
+def test_figure_8_turns_the_normals_of_four_planes():
+    """It was refused, as a figure of two planes or more: no plane has the letter P2."""
+    drawing = construct_motion(car(), RULES["tangent"], step=0.0025, steps=12)
+    assert len(strips(figures.figure8(drawing), "turn")) == 4
