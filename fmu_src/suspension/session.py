@@ -58,7 +58,8 @@ class Session:
     start_time : s
     tolerance : the host's tolerance, 0 or None if it has none; used if `solver.tolerance` is left at its
         default. One outside the range of `solver.tolerance` is ignored, with a message
-    stop_time : s, if it is known; a run that would need too many steps up to it fails soon
+    stop_time : s, if it is known; a run that would need too many steps up to it, or in the next minute
+        before it, fails soon
 
     Raises
     ------

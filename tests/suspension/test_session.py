@@ -391,6 +391,15 @@ def test_a_start_time_that_is_not_finite_is_refused(model: str, start: float) ->
         Session(model, {}, start)
 
 
+@pytest.mark.parametrize("stop_time", [1e6, inf])
+def test_a_run_that_goes_on_for_days_is_followed(stop_time: float) -> None:
+    """It failed after 200 000 steps, as if none of its 30 million to come could be made."""
+    session = Session("QuarterCar", {"solver.step": 1e-3}, stop_time=stop_time)
+    for k in range(1, 211):
+        session.advance(float(k))
+    assert session._integrator.step_count > 200_000
+
+
 @pytest.mark.slow
 def test_a_run_that_will_not_reach_its_stop_time_fails_soon() -> None:
     """Within communication steps of 1 ms there were never 30 million steps to come, but a million."""

@@ -25,6 +25,9 @@ from .network.elements import ELASTIC
 from .outcomes import DIVERGED, INTERRUPTED, PAUSED, TOO_MANY
 from .stepping.time_loop import TimeLoop
 
+# s, so far ahead steps are counted: a host may step for days, to a stop time that it never reaches
+_COUNTED_AHEAD = 60.0
+
 
 class Integrator(TimeLoop):
     """Steps one system and owns its whole state; for one thread at a time.
@@ -288,7 +291,8 @@ class Integrator(TimeLoop):
             return INTERRUPTED
         if self.going_on is not None and not self.going_on(self.state.time):
             return INTERRUPTED
-        return 0 if self.pace.keeps_pace(max(until, self.stop_time)) else TOO_MANY
+        end = max(until, min(self.stop_time, self.state.time + _COUNTED_AHEAD))
+        return 0 if self.pace.keeps_pace(end) else TOO_MANY
 
     @property
     def log(self) -> list[Switch]:

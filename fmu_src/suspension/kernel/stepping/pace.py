@@ -6,7 +6,7 @@ from ..state import KernelState
 
 PAUSE = 5000  # steps after which Python can handle signals, such as an interrupt
 _ENOUGH_STEPS = 200000  # steps between two estimates of the number of steps still to come
-_MOST_STEPS = 30000000  # still to come, in one call or, if the host knows it, to the end of the run
+_MOST_STEPS = 30000000  # still to come, in one call or to the end of the run, as far as it is known
 
 
 class Pace:
