@@ -30,6 +30,11 @@ def _sign(u: float) -> float:
     return math.copysign(1.0, u) if u else 0.0
 
 
+def _signed(copysign: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    """Return copysign of numbers or of arrays; 0 counts as positive, as does the -0 of a product."""
+    return lambda a, b: copysign(a, b + 0.0)
+
+
 def _wide(
     sign: Callable[..., Any], least: Callable[..., Any], most: Callable[..., Any]
 ) -> dict[str, Callable[..., Any]]:
@@ -57,7 +62,7 @@ _NUMBERS: dict[str, Any] = {
     "__builtins__": {},
     **{name: getattr(math, name) for name in SMOOTH},
     "abs": math.fabs,  # of complex numbers it has no value, as all others have none
-    "copysign": math.copysign,
+    "copysign": _signed(math.copysign),
     "max": max,
     "min": min,
     "sign": _sign,
@@ -234,10 +239,11 @@ def _arrays() -> dict[str, Any]:
     import numpy as np  # noqa: PLC0415  (formulas of numbers do without it)
 
     inverse = {name: f"arc{name[1:]}" for name in ("acos", "asin", "atan", "atan2")}
-    plain = (*SMOOTH, "abs", "copysign", "sign")
+    plain = (*SMOOTH, "abs", "sign")
     return {
         "__builtins__": {},
         **{name: getattr(np, inverse.get(name, name)) for name in plain},
+        "copysign": _signed(np.copysign),
         "max": lambda *of: functools.reduce(np.maximum, of),
         "min": lambda *of: functools.reduce(np.minimum, of),
         **_wide(np.sign, np.minimum, np.maximum),

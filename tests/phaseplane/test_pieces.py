@@ -36,7 +36,7 @@ def test_pieces_are_what_they_are_called(x, v, d):
     number, number,
 )  # fmt: skip
 def test_pieces_by_their_signs_are_the_pieces(text, x, v):
-    assume(v != 0.0)  # there copysign goes by the sign of zero
+    assume(v != 0.0)  # there copysign(x, v) jumps
     formula = Formula(text)
     assert formula.switching.value(v, x, 0.0) == pytest.approx(
         formula.function(v, x, 0.0), rel=1e-12, abs=1e-12
@@ -46,6 +46,7 @@ def test_pieces_by_their_signs_are_the_pieces(text, x, v):
     )
 
 
+@example("copysign(x, 0*t)", 0.5, 0.0, -1.0)  # -0 is not negative
 @example("min(x, exp(100))", 0.5, 0.0, 0.0)  # a large number leaves no digits of x in a sum
 @example("x^dead_zone(t, 9.81)", 0.0, 0.0, 2.3)  # exactly 0
 @given(FORMULAS, part, part, part)
@@ -57,9 +58,16 @@ def test_drawn_formulas_by_their_signs_are_the_formulas(text, x, v, t):
     switching = formula.switching
     signs = switching.signs(v, x, t)
     assume(all(abs(g(v, x, t, signs)) > 1e-9 for g in switching.guards))  # on one, f may jump
-    assume("copysign" not in text)  # which goes by the sign of zero
     value = formula.function(v, x, t)
     assert switching.value(v, x, t) == pytest.approx(value, rel=1e-8, abs=1e-8, nan_ok=True)
+
+
+@pytest.mark.parametrize("zero", [0.0, -0.0])
+def test_zero_counts_as_positive_whatever_its_sign(zero):
+    """As a controller or at the start of a motion, copysign(2, -v) was -2 at rest."""
+    formula = Formula("copysign(2, -x) + copysign(2, x)")
+    assert formula.function(0.0, zero, 0.0) == 4.0
+    assert formula.on_arrays(np.zeros(1), np.array([zero]), np.zeros(1)) == [4.0]
 
 
 @pytest.mark.parametrize(
