@@ -59,7 +59,7 @@ class Fit:
     task : what was fitted
     values : the parameters, SI
     errors : half widths of their intervals of 95 % confidence, SI; infinite if the signals do not
-        depend on the parameter, or change with it as with others
+        depend on the parameter, or determine only a combination of it with others
     correlation : of the parameters with each other
     columns : the outputs with the fitted parameters
     residual : root mean square of the difference over that of the signal, by output
@@ -77,7 +77,7 @@ class Fit:
     made: int
 
     def unknown(self) -> dict[str, list[str]]:
-        """Return the parameters without an interval, with those that change the signals as each does."""
+        """Return the parameters without an interval, each with those in combination with it, if any."""
         keys = [
             (k, key) for k, key in enumerate(self.task.space.plan.keys) if np.isinf(self.errors[k])
         ]

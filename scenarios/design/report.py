@@ -198,7 +198,11 @@ def format_fit(found: Fit) -> list[str]:
     lines += [f"{name} ends at a bound of its range" for name in found.at_bound]
     lines += [
         f"{key} is not known: the signals "
-        + (f"change with it as with {' and '.join(others)}" if others else "do not depend on it")
+        + (
+            f"determine only a combination of it with {' and '.join(others)}"
+            if others
+            else "do not depend on it"
+        )
         for key, others in found.unknown().items()
     ]
     lines += [

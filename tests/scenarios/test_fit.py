@@ -135,7 +135,10 @@ def test_parameters_that_do_the_same_are_said_to_be_alike():
                        "damper.bump_rate = { from = 300, to = 5000 }")  # fmt: skip
     found = phaseplane.fit_parameters(study(text))
     assert "hardly distinguish" in found.report
-    assert "damper.scale is not known: the signals change with it as with damper." in found.report
+    assert (
+        "damper.scale is not known: the signals determine only a combination of it with damper."
+        in found.report
+    )
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.01])
@@ -164,7 +167,10 @@ def test_parameters_of_which_only_a_combination_counts_have_no_interval(noise):
         900.0, abs=max(widths["damper.bump_rate"], 0.1)
     )
     assert widths["damper.bump_rate"] < 50.0
-    assert "speed is not known: the signals change with it as with road.length" in found.report
+    assert (
+        "speed is not known: the signals determine only a combination of it with road.length"
+        in found.report
+    )
 
 
 def test_a_parameter_that_the_signals_do_not_depend_on_is_said_to_be_unknown():
