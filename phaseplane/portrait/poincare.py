@@ -16,7 +16,7 @@ _GONE = 4.5  # windows beyond the sides: motions farther out after a period are 
 _LOST = 100.0  # the same within a period: there, errors in windows ask for too many digits
 _MOST = 16_000  # steps of a section
 _MOST_SWITCHED = 60  # periods of motions with switches, which are followed one by one
-_MOST_OF_THEM = 150_000  # steps of these
+_MOST_SWITCHED_STEPS = 150_000  # of these motions together
 _TRANSIENT = 0.5  # of the periods, of a dissipative system
 _LONGEST = 12  # longest period of a periodic motion, in periods of the excitation
 _CLOSES, _SAME, _SETTLED = 1e-5, 1e-3, 1e-7  # windows
@@ -89,7 +89,7 @@ def _by_periods(system: PhaseSystem, window: Window, starts: Grid) -> Iterator[G
         gone = (np.nan, np.nan), 0
         every = [switched.samples(system, window, (x, v), _GONE) for x, v in starts.tolist()]
         made = 0
-        while made <= _MOST_OF_THEM:
+        while made <= _MOST_SWITCHED_STEPS:
             states, counts = zip(*(next(one, gone) for one in every), strict=True)
             made = sum(counts)
             yield np.array(states)

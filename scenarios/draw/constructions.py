@@ -67,7 +67,7 @@ def draw_construction(
     parameters : all parameters of the model, SI
     settings : rule, step (s), plane_distance (m), plane_scales, shortcut, begin
     duration : time to construct, s
-    check : refuses, by InputError, a construction of which it is given the first step
+    check : is given the first step, and refuses the construction by an exception of its own
 
     Raises
     ------

@@ -125,7 +125,7 @@ def test_motions_with_many_switches_have_a_section_of_fewer_periods(monkeypatch)
             yield step
 
     monkeypatch.setattr("phaseplane.portrait.switched.steps", counted)
-    monkeypatch.setattr("phaseplane.portrait.poincare._MOST_OF_THEM", 2000)
+    monkeypatch.setattr("phaseplane.portrait.poincare._MOST_SWITCHED_STEPS", 2000)
     system = portrayed("x + 10*sinh(x) + 10*relay(v, 0.2) + 1.5*cos(1.2*t)")
     states = section(system, Window(-3.0, 3.0, -20.0, 20.0), (0.5, 0.0))
     assert len(made) < 8000
