@@ -180,13 +180,15 @@ def _difference(
 def _at(time: Column, then: Column, values: Column) -> Column:
     """Return values at other times, between them by straight lines.
 
-    Where a time is repeated, as on both sides of a jump, the last of its rows has the last value.
+    Where a time is repeated, as on both sides of a jump, its rows have the values in turn, and the last
+    of them the last value.
     """
     found = np.interp(time, then, values)
-    jumps = np.append(time[1:] == time[:-1], False)
+    turn = np.arange(len(time)) - np.searchsorted(time, time)
+    goes_on = np.append(time[1:] == time[:-1], False)
     first, last = np.searchsorted(then, time), np.searchsorted(then, time, "right") - 1
     known = then[last] == time
-    found[known] = values[np.where(jumps, first, last)[known]]
+    found[known] = values[np.where(goes_on, np.minimum(first + turn, last), last)[known]]
     return found
 
 

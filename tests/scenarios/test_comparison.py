@@ -40,6 +40,12 @@ def test_a_run_with_rows_on_both_sides_of_a_jump_is_the_same_as_itself() -> None
     )
 
 
+def test_a_run_with_several_rows_at_once_is_the_same_as_itself() -> None:
+    """Of three rows the middle one was compared with the first."""
+    run = {"time": np.array([0.0, 0.1, 0.1, 0.1]), "x": np.array([1.0, 2.0, 7.0, 3.0])}
+    assert compared(run, run).differences[0].largest == 0.0
+
+
 def test_what_is_no_number_in_one_of_them_is_a_difference() -> None:
     assert compared(OURS, {**OTHER, "a": np.full(5, np.nan)}).differences[0].largest == inf
     worst = compared({**OURS, "a": np.full(11, np.inf)}, OTHER).differences[0]
