@@ -165,7 +165,7 @@ class Session:
         except ValueError as error:
             raise ParameterError(str(error)) from None
         if self._stop_time is not None:
-            integrator.stop_time = self._stop_time
+            integrator.expect_end(self._stop_time)
         return integrator
 
     def _attach(self, system: System, integrator: Integrator) -> None:

@@ -25,9 +25,6 @@ from .network.elements import ELASTIC
 from .outcomes import DIVERGED, INTERRUPTED, PAUSED, TOO_MANY
 from .stepping.time_loop import TimeLoop
 
-# s, so far ahead steps are counted: a host may step for days, to a stop time that it never reaches
-_COUNTED_AHEAD = 60.0
-
 
 class Integrator(TimeLoop):
     """Steps one system and owns its whole state; for one thread at a time.
@@ -73,16 +70,18 @@ class Integrator(TimeLoop):
     """
 
     going_on: Callable[[float], bool] | None
-    stop_time: float
 
     @of_python
     def _make_room(self) -> None:
         """Allocate the arrays for changes of signals and parameters, and find the size of the state."""
         # called with the present time at each pause of a long run; returns whether to continue
         self.going_on = None
-        # of the run, if the host knows it: up to then the pace is measured across its calls
-        self.stop_time = -UNBOUNDED
         self.state_size: Size = len(self.state.content())
+
+    @of_python
+    def expect_end(self, stop_time: float) -> None:
+        """Measure the pace across calls, up to the end of the run, s."""
+        self.pace.stop_time = stop_time
 
     @of_python
     def set_state(self, displacements: Numbers, velocities: Numbers) -> None:
@@ -244,7 +243,7 @@ class Integrator(TimeLoop):
         if not fabs(until) <= UNBOUNDED:
             raise ValueError(f"cannot step to {until} s: the time must be finite")
         until = float(until)  # uncompiled it may be an int, as would then be the times of switches
-        if self.stop_time < until:
+        if self.pace.stop_time < until:
             self.pace.look_at_pace()
         while True:
             with cython.nogil:
@@ -291,8 +290,7 @@ class Integrator(TimeLoop):
             return INTERRUPTED
         if self.going_on is not None and not self.going_on(self.state.time):
             return INTERRUPTED
-        end = max(until, min(self.stop_time, self.state.time + _COUNTED_AHEAD))
-        return 0 if self.pace.keeps_pace(end) else TOO_MANY
+        return 0 if self.pace.keeps_pace(until) else TOO_MANY
 
     @property
     def log(self) -> list[Switch]:
