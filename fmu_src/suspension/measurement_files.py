@@ -258,7 +258,9 @@ def _in_heading(column: Wanted) -> str:
 def _are_units(cells: Sequence[str]) -> bool:
     """Return whether a row gives units; the cell of a number or of one unit may be empty, 1 or -."""
     named = [cell for cell in cells if cell not in ("", "1", "-")]
-    return all(map(_is_unit, named)) and (("-" in cells and "1" not in cells) or bool(named))
+    if not named:
+        return "-" in cells and "1" not in cells  # by itself, a 1 is a number
+    return all(map(_is_unit, named))
 
 
 def _is_unit(text: str) -> bool:

@@ -1,12 +1,12 @@
 from .formula import Formula as Formula
 from .formula import check_name as check_name
 from .motion import Motion as Motion
-from .motion import MotionError as MotionError
-from .motion import Step as Step
 from .motion import motion as motion
 from .motion import motions as motions
-from .motion import steps as steps
 from .pieces import VARIABLES as VARIABLES
 from .reading import FUNCTIONS as FUNCTIONS
+from .stepping import MotionError as MotionError
+from .stepping import Step as Step
+from .stepping import steps as steps
 from .switching import Mode as Mode
 from .switching import Switching as Switching

@@ -63,7 +63,7 @@ class Pieces(ast.NodeTransformer):
             case "copysign", [a, b]:
                 sense = self._sign(b)
                 if isinstance(sense, ast.Constant | ast.Call):  # no guard's: 0 counts as positive
-                    sense = _sign(_sum(_product(ast.Constant(2.0), sense), _ONE))
+                    sense = _signum(_sum(_product(ast.Constant(2.0), sense), _ONE))
                 return _product(self._size(a), sense)
             case "max" | "min", [first, *others]:
                 larger = functools.partial(self._larger, name)
@@ -95,7 +95,7 @@ class Pieces(ast.NodeTransformer):
     def _sign(self, u: ast.expr) -> ast.expr:
         if not _varies(u):
             # a number, or one that follows from the signs of other guards
-            return _sign(u)
+            return _signum(u)
         sense, factors = self._factors(u)
         if sense == 0.0:  # a guard that is zero everywhere would hold every motion
             return ast.Constant(0.0)
@@ -225,7 +225,7 @@ def _number(value: float) -> ast.expr:
     return ast.UnaryOp(ast.USub(), size) if value < 0.0 else size
 
 
-def _sign(u: ast.expr) -> ast.expr:
+def _signum(u: ast.expr) -> ast.expr:
     return ast.Call(ast.Name("sign", ast.Load()), [u], [])
 
 

@@ -1,8 +1,8 @@
 """Marking a construction made by hand: every reading is judged by what follows from the ones before.
 
 D is judged from the student's point, and the next point from that and the student's own D. An error
-therefore counts once, where it was made. From a point so far off that no step can be made there, the next
-one is judged from the right place. A reading is right within a tolerance. One farther off is
+therefore counts once, where it was made. If a point is so far off that no step can be made from it, the
+next one is judged from the right place. A reading is right within a tolerance. One farther off is
 compared with the results of known mistakes: the one that leads there names the rule that was broken. A
 point slightly off that no mistake explains is a reading error, and so is a point or D that is wrong on
 record alone: the construction goes on from its correct place.

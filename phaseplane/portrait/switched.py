@@ -12,8 +12,8 @@ from math import hypot, inf, isnan, nan
 import numpy as np
 import numpy.typing as npt
 
-from phaseplane.equations.motion import MotionError, Step, steps
 from phaseplane.equations.roots import root
+from phaseplane.equations.stepping import MotionError, Step, steps
 from phaseplane.equations.switching import Switching
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
 

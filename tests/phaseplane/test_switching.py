@@ -309,7 +309,7 @@ def test_a_motion_that_is_held_for_a_while_goes_on():
 
 
 def test_a_motion_of_too_many_steps_says_so(monkeypatch):
-    monkeypatch.setattr(import_module("phaseplane.equations.motion"), "_MOST_STEPS", 100)
+    monkeypatch.setattr(import_module("phaseplane.equations.stepping"), "MOST_STEPS", 100)
     assert "steps would be needed" in motion(Formula("x").switching, (1.0, 0.0), [0, 100]).complaint
 
 

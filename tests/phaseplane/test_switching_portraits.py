@@ -9,7 +9,7 @@ import pytest
 from phaseplane.suspension.models import build
 
 from phaseplane.equations import Formula, motion
-from phaseplane.equations.motion import steps
+from phaseplane.equations.stepping import steps
 from phaseplane.portrait import (
     PhaseSystem,
     Window,

@@ -1,18 +1,14 @@
-"""From scenes, results and tables to constructions; equations as scenes."""
+"""From scenes, results and tables to constructions."""
 
 from __future__ import annotations
 
 import dataclasses
-import json
-from math import isnan, pi
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from command_line import complaint, phaseplane, printed, reported
-from hypothesis import given
-from hypothesis import strategies as st
+from command_line import complaint, reported
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw.constructions import (
     draw_construction,
@@ -22,19 +18,15 @@ from phaseplane.scenarios.draw.constructions import (
 )
 from phaseplane.scenarios.draw.planes import of_system, planes_of
 from phaseplane.scenarios.errors import DrawingError, InputError
-from phaseplane.scenarios.scene.equation import check_equation
 from phaseplane.scenarios.scene.loading import load_scene
-from phaseplane.scenarios.simulate.solving import solve
-from phaseplane.scenarios.studies import rules
 from phaseplane.suspension.characteristics import linear, table
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.systems import Axle, Element, System, damper_family
 from phaseplane.suspension.variables import checked_parameters
 
-from phaseplane.constructions import RULES, QuarterCarPlanes, construct_motion
+from phaseplane.constructions import QuarterCarPlanes, construct_motion
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.equations import Formula
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
 from phaseplane.picture.subject import Subject
@@ -244,172 +236,6 @@ def test_replay_over_a_table():
     )
 
 
-# Equations.
-
-number = st.floats(-2.0, 2.0)
-
-
-@given(number, number, number)
-def test_a_formula_is_what_it_says(v, x, t):
-    formula = Formula("-(x^2 - 1)*v + 2*sin(pi*t)/ (1 + exp(x)) - max(x, v)")
-    wanted = -(x**2 - 1) * v + 2 * np.sin(pi * t) / (1 + np.exp(x)) - max(x, v)
-    assert formula.function(v, x, t) == pytest.approx(wanted, rel=1e-12, abs=1e-12)
-    assert not formula.autonomous
-    assert Formula("x").autonomous
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("x +", "not a formula"),
-        ("y + x", r"'y' is not known.*allowed are numbers"),
-        ("sin(x", "not a formula"),
-        ("x + 0.1*v  # damped", "not a formula; write comments after the closing quotation mark"),
-        ("sni(x)", "did you mean 'sin'"),
-        ("x.real", r"'x\.real' is not known"),
-        ("__import__('os')", "is not known"),
-        ("(lambda: 1)()", "is not known"),
-        ("x if v else t", "is not known"),
-        ("[x for x in v]", "is not known"),
-        ("sin(x=1)", "is not known"),
-        ("x + True", "'True' is not known"),
-        ("'a' * 9", "is not known"),
-        ("sin", "'sin' is not known"),
-        ("1" + "+1" * 600, "1201 characters"),
-        ("9" * 400, "too large"),
-        ("1/x", "f has no finite value at the start x = 0, v = 0; give"),
-        ("9^9^9^9", "has no finite value at the start"),
-        ("", "not a formula"),
-    ],
-)
-def test_what_is_no_formula_is_refused(text, message):
-    with pytest.raises(ValueError, match=message):
-        check_equation({"equation": text})
-
-
-def test_an_equation_without_value_at_a_further_start_is_refused():
-    """A run had a row of NaN and stopped, or the construction refused `initial_force = nan`."""
-    check_equation({"equation": "acos(v)"}, [(2.0, -0.5)])
-    with pytest.raises(ValueError, match=r"no finite value at the start x = 0\.6, v = -1\.8; "):
-        check_equation({"equation": "acos(v)"}, [(2.0, -0.5), (0.6, -1.8)])
-    starts = "construction={starts=[[0.6, -1.8]]}"
-    with pytest.raises(InputError, match=r"x = 0\.6, v = -1\.8"):
-        load_scene("van_der_pol", ["equation=acos(v)", starts])
-
-
-def test_where_a_formula_has_no_value_it_is_not_a_number():
-    function = Formula("sqrt(x) + (0 - 8)^(1/3)").function
-    assert isnan(function(0.0, -1.0, 0.0))
-    assert isnan(function(0.0, 1.0, 0.0))
-
-
-def test_an_equation_is_solved():
-    times = np.linspace(0.0, 10.0, 101)
-    given = {"equation": "4*x", "displacement_start": 1.0, "velocity_start": 0.0}
-    columns, _, complaint = solve(given, times)
-    assert complaint == ""
-    assert columns["displacement"] == pytest.approx(np.cos(2.0 * times), abs=1e-8)
-    assert columns["acceleration"] == pytest.approx(-4.0 * columns["displacement"])
-
-
-@pytest.mark.parametrize(
-    ("equation", "x", "v", "most"),
-    [
-        ("exp(1000*x)", 0.5, 0.0, 1),  # no step is short enough for the first one
-        ("sqrt(x)", 0.5, 0.0, 63),  # where x becomes negative there is no root
-        ("-x^9", 1.5, 0.0, 30),  # reaches infinity in finite time, where the power overflows
-        ("-exp(v)", 0.0, 0.0, 52),  # x'' = exp(x') does so at t = 1
-    ],
-)
-def test_an_equation_that_cannot_be_solved_on_keeps_what_it_has(equation, x, v, most):
-    times = np.linspace(0.0, 20.0, 1001)
-    given = {"equation": equation, "displacement_start": x, "velocity_start": v}
-    columns, _, complaint = solve(given, times)
-    assert "no step is short enough" in complaint
-    assert {len(column) for column in columns.values()} == {len(columns["time"])}
-    assert 1 <= len(columns["time"]) <= most
-    assert columns["displacement"][0] == x
-
-
-@pytest.mark.slow
-def test_the_scene_of_van_der_pol():
-    result = printed("run van_der_pol --set show.recording=false")
-    assert "by the method of Dormand and Prince" in result
-    summary = json.loads(Path("out/van_der_pol/summary.json").read_text(encoding="utf-8"))
-    assert summary["drawn"]["steps"] == 200
-    assert 0.0 < summary["drawn"]["drift"]["displacement"] < 0.3
-    assert "drift" in result
-    assert " mm" not in result  # x has no unit
-    over = reported("replay out/van_der_pol/results.csv --figure x.png")
-    assert over["drift"]["displacement"] < 1e-2
-    assert load_scene("van_der_pol").fmu.model == "Equation"
-
-
-def test_an_equation_that_runs_away_keeps_what_there_is():
-    result = phaseplane("run van_der_pol --set 'equation=-x^3' --set show.recording=false")
-    assert result.exit_code == 1
-    assert "diverges" in result.stdout
-    assert "stopped after" in result.stdout
-
-
-def test_a_scene_with_a_bad_equation():
-    assert "not a formula" in complaint("run van_der_pol --set 'equation=x + import'")
-
-
-@pytest.mark.slow
-def test_the_rules_held_against_the_exact_motion():
-    """The 60 points of the worked example, and the integrator with the same steps beside them."""
-    result = printed("rules --json")
-    rows = {row["rule"]: row for row in json.loads(result)["rules"]}
-    assert set(rows) == {
-        *RULES,
-        "integrator: tangent",
-        "integrator: mean",
-        "integrator: equilibrium",
-    }
-    for row in rows.values():
-        assert row["steps"] == 60
-        assert row["seconds"] > 0.0
-        if row["rule"] != "auto_mean_normal":  # two rules by turns
-            assert row["orders"][-1] == pytest.approx(row["stated_order"], abs=0.15)
-    worst = {name: 100.0 * max(row["errors"].values()) for name, row in rows.items()}
-    assert worst["tangent"] == pytest.approx(0.66, abs=0.005)  # cm
-    assert worst["mean_normal"] == pytest.approx(1.02, abs=0.005)
-    assert worst["osculating_circle"] == pytest.approx(0.88, abs=0.005)
-    assert worst["delta"] < 0.03
-    slowly = "--set speed=2 --set duration=0.6 --set construction.duration=0.6"
-    rows = {row["rule"]: row for row in json.loads(printed(f"rules {slowly} --json"))["rules"]}
-    slow = {name: 1e3 * rows[name]["errors"]["suspension_deflection"] for name in RULES}
-    assert slow["tangent"] == pytest.approx(0.62, abs=0.005)  # mm
-    assert slow["mean_normal"] == pytest.approx(12.9, abs=0.05)
-    assert slow["delta"] == pytest.approx(0.21, abs=0.005)
-    table = printed("rules van_der_pol --set 'construction.step=50 ms'")
-    assert "largest error with steps of 50 ms over 20 s" in table
-    assert "integrator" not in table
-
-
-def test_rules_that_take_long_are_timed_once(monkeypatch):
-    """Of a long construction fifteen runs of each rule would take minutes."""
-    runs = []
-    drawn = rules.draw_construction
-    monkeypatch.setattr(rules, "_LONG_ENOUGH", 0.0)
-    monkeypatch.setattr(
-        rules, "draw_construction", lambda *given: runs.append(given) or drawn(*given)
-    )
-    rules.measure_rules(load_scene("ap57_figure13", ["duration=10 ms"], expect=False))
-    assert len(runs) == 3 * len(RULES)  # with the step, half of it and a quarter
-
-
-@pytest.mark.slow
-def test_rules_that_cannot_be_drawn():
-    assert "at most a right angle" in complaint("rules ap57 --set 'construction.step=1 s'")
-    stiff = ["--set", "bump_stop.gap=2 cm", "--set", "bump_stop.stiffness=1e9"]
-    lost = printed("rules ap57", *stiff)
-    told = next(line for line in lost.splitlines() if line.startswith("delta"))
-    assert "diverges after 0.0" in told
-    assert "integrator: equilibrium" in lost
-
-
 @pytest.mark.slow
 def test_a_recording_does_without_a_construction_that_there_is_not(tmp_path: Path) -> None:
     """Dry friction at two axles has none; figures that need one are refused before anything is run."""
@@ -420,47 +246,6 @@ def test_a_recording_does_without_a_construction_that_there_is_not(tmp_path: Pat
         InputError, match="dry friction, for which there is a construction with one axle only"
     ):
         run_scene("half_car_pitch", [*settings, 'show.figures=["phase_planes"]'], tmp_path / "two")
-
-
-@pytest.mark.parametrize(
-    ("text", "period"),
-    [
-        ("x + v", 0.0),
-        ("x + cos(0*t)", 0.0),
-        ("x - 0.3*cos(1.2*t)", 2.0 * np.pi / 1.2),
-        ("x - cos(2*t + 1)^3 + v*sin(3*(t - 1))", 2.0 * np.pi),
-        ("x + sign(sin(pi*t/2))", 4.0),
-        ("x + sin(cos(t))", 2.0 * np.pi),
-        ("x + 0.1*t", None),
-        ("x + t*sin(t)", None),
-        ("x + sin(t^2)", None),
-        ("x + sin(x*t)", None),
-        ("x + sin(t) + sin(pi*t)", None),
-    ],
-)
-def test_the_period_of_a_drive_is_found_in_its_sines(text: str, period: float | None) -> None:
-    assert Formula(text).period == (period if period is None else pytest.approx(period))
-
-
-@given(
-    st.sampled_from(
-        ["max(x, v, 0.1) - min(x, v)", "atan2(v, x) + acos(x/9)", "sign(x)*abs(v)^1.5 + tanh(t)",
-         "hypot(x, v) - copysign(2, v) + 3", "exp(-x^2)*cosh(v)/ (1 + t^2)", "2", "sqrt(x) + log(v)"]
-    ),
-    st.lists(st.tuples(*[st.floats(-3.0, 3.0)] * 3), min_size=1, max_size=5),
-)  # fmt: skip
-def test_equations_of_arrays_are_those_of_numbers(
-    text: str, states: list[tuple[float, float, float]]
-) -> None:
-    v, x, t = np.array(states).T
-    formula = Formula(text)
-    with np.errstate(all="ignore"):
-        many = np.broadcast_to(formula.on_arrays(v, x, t), v.shape)
-    singly = [formula.function(*state) for state in states]
-    # a logarithm of zero is no number for Python, and minus infinity for numpy
-    finite = np.isfinite(singly)
-    np.testing.assert_allclose(many[finite], np.array(singly)[finite], rtol=1e-12, atol=1e-12)
-    assert not np.isfinite(many[~finite]).any()
 
 
 def test_friction_that_breaks_away_has_no_construction():

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import asdict
 from math import pi
 from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import BARE, UNDRAWN, complaint, printed, reported, settings, written
+from command_line import BARE, UNDRAWN, complaint, phaseplane, printed, reported, settings, written
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw import portraits
 from phaseplane.scenarios.draw.constructions import draw_construction
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.look import FigureFile
 from phaseplane.scenarios.results.folder import read_results
+from phaseplane.scenarios.scene.equation import check_equation
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate import runner, solving
 from phaseplane.scenarios.simulate.solving import solve
@@ -285,3 +287,69 @@ def test_a_motion_that_has_failed_is_not_solved_again(monkeypatch: pytest.Monkey
     scene = load_scene("van_der_pol", [*UNDRAWN, *changes], expect=False)
     assert "no step is short enough" in runner.solve(scene).stopped["reason"]
     assert len(made) == 1
+
+
+def test_an_equation_without_value_at_a_start_is_refused():
+    """A run had a row of NaN and stopped, or the construction refused `initial_force = nan`."""
+    for text in ("1/x", "9^9^9^9"):
+        with pytest.raises(ValueError, match="no finite value at the start x = 0, v = 0; give"):
+            check_equation({"equation": text})
+    check_equation({"equation": "acos(v)"}, [(2.0, -0.5)])
+    with pytest.raises(ValueError, match=r"no finite value at the start x = 0\.6, v = -1\.8; "):
+        check_equation({"equation": "acos(v)"}, [(2.0, -0.5), (0.6, -1.8)])
+    starts = "construction={starts=[[0.6, -1.8]]}"
+    with pytest.raises(InputError, match=r"x = 0\.6, v = -1\.8"):
+        load_scene("van_der_pol", ["equation=acos(v)", starts])
+
+
+def test_an_equation_is_solved():
+    times = np.linspace(0.0, 10.0, 101)
+    given = {"equation": "4*x", "displacement_start": 1.0, "velocity_start": 0.0}
+    columns, _, complaint = solve(given, times)
+    assert complaint == ""
+    assert columns["displacement"] == pytest.approx(np.cos(2.0 * times), abs=1e-8)
+    assert columns["acceleration"] == pytest.approx(-4.0 * columns["displacement"])
+
+
+@pytest.mark.parametrize(
+    ("equation", "x", "v", "most"),
+    [
+        ("exp(1000*x)", 0.5, 0.0, 1),  # no step is short enough for the first one
+        ("sqrt(x)", 0.5, 0.0, 63),  # where x becomes negative there is no root
+        ("-x^9", 1.5, 0.0, 30),  # reaches infinity in finite time, where the power overflows
+        ("-exp(v)", 0.0, 0.0, 52),  # x'' = exp(x') does so at t = 1
+    ],
+)
+def test_an_equation_that_cannot_be_solved_on_keeps_what_it_has(equation, x, v, most):
+    times = np.linspace(0.0, 20.0, 1001)
+    given = {"equation": equation, "displacement_start": x, "velocity_start": v}
+    columns, _, complaint = solve(given, times)
+    assert "no step is short enough" in complaint
+    assert {len(column) for column in columns.values()} == {len(columns["time"])}
+    assert 1 <= len(columns["time"]) <= most
+    assert columns["displacement"][0] == x
+
+
+@pytest.mark.slow
+def test_the_scene_of_van_der_pol():
+    result = printed("run van_der_pol --set show.recording=false")
+    assert "by the method of Dormand and Prince" in result
+    summary = json.loads(Path("out/van_der_pol/summary.json").read_text(encoding="utf-8"))
+    assert summary["drawn"]["steps"] == 200
+    assert 0.0 < summary["drawn"]["drift"]["displacement"] < 0.3
+    assert "drift" in result
+    assert " mm" not in result  # x has no unit
+    over = reported("replay out/van_der_pol/results.csv --figure x.png")
+    assert over["drift"]["displacement"] < 1e-2
+    assert load_scene("van_der_pol").fmu.model == "Equation"
+
+
+def test_an_equation_that_runs_away_keeps_what_there_is():
+    result = phaseplane("run van_der_pol --set 'equation=-x^3' --set show.recording=false")
+    assert result.exit_code == 1
+    assert "diverges" in result.stdout
+    assert "stopped after" in result.stdout
+
+
+def test_a_scene_with_a_bad_equation():
+    assert "not a formula" in complaint("run van_der_pol --set 'equation=x + import'")
