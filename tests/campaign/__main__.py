@@ -20,7 +20,7 @@ from typing import Any
 
 from phaseplane.suspension import engine
 
-sys.path.append(str(Path(__file__).parents[1] / "reference"))  # what solutions are integrated by
+sys.path += (str(Path(__file__).parents[1] / name) for name in ("reference", "shared"))
 import judging
 import reducing
 import report

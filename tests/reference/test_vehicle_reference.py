@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -188,3 +189,11 @@ def test_the_reference_of_the_campaign_agrees(
     assert len(ours) > 3
     assert [what for _, what in ours] == [what for _, what in theirs]
     assert [t for t, _ in ours] == pytest.approx([t for t, _ in theirs], abs=1e-10)
+
+
+def test_each_file_here_is_described() -> None:
+    """With its source, or with what it is made by."""
+    here = Path(__file__).parent
+    text = (here / "README.md").read_text(encoding="utf-8")
+    files = {path.name for path in here.glob("*.*")} - {"README.md"}
+    assert not {name for name in files if f"`{name}`" not in text}
