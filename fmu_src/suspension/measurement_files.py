@@ -184,9 +184,10 @@ def _kind(unit: str) -> str:
 
 
 def encoding_of(path: str | PathLike[str]) -> str:
-    """Return the encoding of a text file: UTF-8, UTF-16 with its mark, or else Latin-1.
+    """Return the encoding of a text file: UTF-8, UTF-16, or else Latin-1.
 
-    Spreadsheets write all three. In Latin-1 every byte is a letter, such as that of m/s².
+    Spreadsheets write all three. UTF-16 has a mark, or a zero byte in its first letter, which none of the
+    others has; in Latin-1 every byte is a letter, such as that of m/s².
 
     Raises
     ------
@@ -194,9 +195,12 @@ def encoding_of(path: str | PathLike[str]) -> str:
     """
     decoder = getincrementaldecoder("utf-8")()
     with open(path, "rb") as file:  # in parts, as results may be large
-        marked = file.read(2) in (BOM_UTF16_LE, BOM_UTF16_BE)
-        if marked and file.seek(0, SEEK_END) % 2 == 0:
-            return "utf-16"
+        first = file.read(2)
+        if file.seek(0, SEEK_END) % 2 == 0:
+            if first in (BOM_UTF16_LE, BOM_UTF16_BE):
+                return "utf-16"
+            if b"\0" in first:
+                return "utf-16-be" if first[0] == 0 else "utf-16-le"
         file.seek(0)
         try:
             while part := file.read(_PART):
