@@ -136,6 +136,7 @@ class Drawing:
     end : points and readings at the end, as a step of no duration; None if unknown
     ways : points of the known motion over each step, equally many, for each plane; empty if the motion
         is that of the rule
+    rule : name of the step rule by which the points are found
     """
 
     title: str
@@ -145,6 +146,7 @@ class Drawing:
     frames: StoredFrames = field(repr=False)
     end: Frame | None = field(default=None, repr=False)
     ways: tuple[Sequence[Sequence[complex]], ...] = field(default=(), repr=False)
+    rule: str = ""
 
     def __post_init__(self) -> None:
         """Store the frames as columns."""

@@ -170,6 +170,7 @@ def drawing(
         construction.curves(made) + angles,
         {mode: rule.drawn_after(scheme, planes) for mode, scheme in construction.schemes.items()},
         made,
+        rule=rule.name,
     )
 
 

@@ -89,5 +89,5 @@ def refuse_unsuited(figure: str, drawing: Drawing) -> None:
     if not (suits and has):
         lacks = f"which {title} {'has not' if suits else 'is not'}"
         raise ValueError(f"{name} shows {need.shows}, {lacks}; try the scene {need.scene}")
-    if need.rule and f"rule {need.rule.replace('_', ' ')}," not in drawing.title:
+    if need.rule and need.rule != drawing.rule:
         raise ValueError(f"{name} needs the rule {need.rule}; given: {title}")

@@ -31,7 +31,9 @@ def test_units_decimal_comma_and_comments(file):
     assert columns == [pytest.approx([-0.0105, 0.0, 0.02]), pytest.approx([-1220.0, 30.0, 2530.0])]
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "utf-16", "utf-16-le", "utf-16-be"])
+@pytest.mark.parametrize(
+    "encoding", ["utf-8", "utf-8-sig", "latin-1", "utf-16", "utf-16-le", "utf-16-be"]
+)
 def test_whatever_a_spreadsheet_writes_is_read(encoding, tmp_path):
     path = tmp_path / "rig.csv"
     path.write_text("Prüfzeit,Beschl.\ns,m/s²\n0,0.5\n1,-1\n", encoding=encoding)
