@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
-from phaseplane.suspension.session import Session
+from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.variables import MODELS, variables
 
 Packer = Callable[..., Path]
@@ -184,6 +185,27 @@ def test_a_road_set_on_a_built_in_road_is_warned_of(
     said = capfd.readouterr().out
     warning = "road_elevation = 0.01 has no effect, as road.shape is 'bump' and not 'input'"
     assert said.count("has no effect") == said.count(warning) == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_run_that_will_not_reach_the_stop_time_fails_as_a_session_does(
+    fmi: int, native_fmu: Packer, capfd: Any
+) -> None:
+    """Of the steps to come within one communication step there were never too many."""
+    light: dict[str, Any] = {"sprung_mass": 1e-10, "road.shape": "bump", "speed": 20.0}
+    session = Session("QuarterCar", light, stop_time=1.0)
+    steps = (session.advance(1e-3 * k) for k in range(1, 1001))
+    with pytest.raises(SimulationError) as failure:
+        list(steps)
+    fmu = native_fmu("QuarterCar", ("road.shape", "bump"), fmi=fmi)
+    with nullcontext() if fmi == 2 else pytest.raises(FMICallException):  # 2.0 discards the step
+        simulate_fmu(
+            str(fmu), stop_time=1.0, output_interval=1e-3, start_values=light, debug_logging=True
+        )
+    cause = str(failure.value).partition(" (")[0]
+    assert "more than 30 million steps" in cause
+    assert cause in capfd.readouterr().out
 
 
 @pytest.mark.slow

@@ -25,7 +25,7 @@ typedef struct State {
     double inputs[VARIABLES];                      /* set before the end of initialisation */
     char is_set[VARIABLES];
     double row[ROW], fields[FIELDS], derived[DERIVED]; /* found from the parameters in use */
-    double start, tolerance;
+    double start, end, tolerance; /* the end is -UNBOUNDED if the host does not know it */
     double handed; /* end of the step for which the courses of the inputs were found, until one is set */
     int kept;      /* whether `behind` is of that step */
     int ready;       /* whether machine and conduct belong to the parameters */
@@ -142,6 +142,7 @@ static void reset_instance(Instance *one) {
     memset(now, 0, sizeof *now);
     for (int k = 0; k < VARIABLES; k++) now->parameters[k] = variables[k].start;
     now->ok = 1;
+    now->end = -UNBOUNDED;
     now->mode = INSTANTIATED;
     one->reason[0] = 0;
     one->quiet = one->idle = 0;
@@ -250,6 +251,7 @@ static int make_machine(Instance *one, Machine *machine, double time) {
     State *now = &one->now;
     machine_make(machine);
     enter_fields(now->fields, machine);
+    machine->integrator.pace->stop_time = now->end;
     if (Integrator_begin_row(&machine->integrator, now->row, 0, time) != 0) {
         return fail(one, "the mass matrix must be symmetric and positive definite; check masses and "
                     "inertias");
@@ -382,10 +384,11 @@ static int step(Instance *one, double until, int stop) {
                 integrator->fixed_step > 0.0 ? failures[status].of_fixed_steps : failures[status].remedy);
 }
 
-static void look_at_pace(Instance *one) {
+/* Start measuring the pace, unless it is measured across calls up to the end of the run. */
+static void look_at_pace(Instance *one, double until) {
     Pace *pace = one->now.machine.integrator.pace;
     pace->since_pause = 0;
-    Pace_look_at_pace(pace);
+    if (pace->stop_time < until) Pace_look_at_pace(pace);
 }
 
 /* Note the state of a machine. */
@@ -409,7 +412,7 @@ static int stop_here(Instance *one) {
     if (now->machine.integrator.state->time <= now->conduct.run.time) return 0;
     go_back(&now->machine, &now->behind);
     one->quiet = 1; /* what happened up to now was reported when it was first passed */
-    look_at_pace(one);
+    look_at_pace(one, now->conduct.run.time);
     status = step(one, now->conduct.run.time, 1);
     one->quiet = 0;
     Contacts_forget_waiting(now->conduct.run.contacts);
@@ -506,7 +509,7 @@ static int go_on(Instance *one, double until) {
     Integrator *integrator = &now->machine.integrator;
     double time, seen = run->time;
     now->switched = 0;
-    look_at_pace(one);
+    look_at_pace(one, until);
     for (;;) {
         if (one->early_return && take_due(one, until, &time)) {
             until = fmax(time, run->time);

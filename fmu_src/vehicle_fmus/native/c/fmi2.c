@@ -77,9 +77,9 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2R
         fmi2Real start, fmi2Boolean has_stop, fmi2Real stop) {
     Host *host = c;
     State *now = &host->instance.now;
-    (void) has_stop, (void) stop;
     if (misplaced(&host->instance, "fmi2SetupExperiment", INSTANTIATED)) return failed(host, fmi2Error);
     now->start = start;
+    now->end = has_stop ? stop : -UNBOUNDED;
     now->tolerance = has_tolerance ? tolerance : 0.0;
     now->ready = 0;
     return fmi2OK;

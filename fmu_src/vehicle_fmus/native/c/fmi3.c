@@ -98,9 +98,9 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance
         fmi3Float64 start, fmi3Boolean has_stop, fmi3Float64 stop) {
     Host *host = c;
     State *now = &host->instance.now;
-    (void) has_stop, (void) stop;
     if (misplaced(&host->instance, "fmi3EnterInitializationMode", INSTANTIATED)) return failed(host);
     now->start = start;
+    now->end = has_stop ? stop : -UNBOUNDED;
     now->tolerance = has_tolerance ? tolerance : 0.0;
     now->ready = 0;
     now->mode = INITIALIZATION;
