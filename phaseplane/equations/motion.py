@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from math import isnan, log2
+from math import isnan, log2, nan
 from typing import NamedTuple
 
 from phaseplane.equations.stepping import (
@@ -106,8 +106,10 @@ def _followed(
         mode = step.mode
         while due < len(times) and times[due] <= step.end:
             x, v = step.at(times[due])
-            a = system.acceleration(mode, v, x, times[due])
-            found.add(times[due], x, v, step.acceleration(times[due]) if isnan(a) else a)
+            a = nan if step.stiff else system.acceleration(mode, v, x, times[due])
+            if isnan(a):  # or f ends so close to the motion that the error of x is beyond it
+                a = step.acceleration(times[due])
+            found.add(times[due], x, v, a)
             due += 1
         yield step.end
 
@@ -115,8 +117,8 @@ def _followed(
 def _within_reach(steps: Iterable[Step], end: float) -> Iterator[Step]:
     """Yield steps to an end, s; raise an error as soon as it is out of reach.
 
-    An explicit method follows what grows and becomes stiff with ever shorter steps, which would only end
-    after minutes, and creeps up to where f ends with steps that do not move x.
+    What grows and becomes ever faster is followed with ever shorter steps, which would only end after
+    minutes; and where f ends, the motion creeps up to it with steps that do not move x.
     """
     marks: list[float] = []  # when the number of steps had doubled
     largest = grown = (0.0, 0.0)

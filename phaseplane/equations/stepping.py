@@ -1,16 +1,20 @@
 """The steps of a motion of x'' + f(x', x, t) = 0, which is followed through its switches.
 
-The method is that of Dormand and Prince (J. Comp. Appl. Math. 6 (1980) 19-26), of order 5 with an error
-of order 4. Between the ends of a step x is the polynomial of fifth degree with their x, x' and x''. A
-step ends on the first guard that it meets; there the motion goes through, slides or rests.
+The method is that of Dormand and Prince, or that of Radau where strong damping would keep steps short.
+Between the ends of a step x is the polynomial of fifth degree with their x, x' and x''. A step ends on
+the first guard that it meets; there the motion goes through, slides or rests.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from math import inf, isfinite, isnan, sqrt
 from typing import NamedTuple
 
+from phaseplane.equations.dormand_prince import dormand_prince
+from phaseplane.equations.made import Made
+from phaseplane.equations.radau import radau
 from phaseplane.equations.roots import root
 from phaseplane.equations.switching import Mode, Switching
 
@@ -32,6 +36,9 @@ _ULPS = 2.0**-50  # of the ends of a step: what rounding may move them
 _APART = 1e-3  # of the state: beyond this, a guard has not become zero but jumped
 _BEYOND = 1e-6  # of a step: how far beyond a jump the guards are read
 _STUBBORN = 8  # steps rejected in succession
+# In so many steps in succession x' would decay by e^-0.8 or more if it were not held by what x and t do:
+# then this decay, not the motion, keeps them short. Back to the explicit method when they are.
+_STIFF, _STIFFLY, _SOFTLY = 20, 0.8, 0.5
 # so many switches in so small a part of the motion: it has come to rest
 _CROWD, _CROWDED = 60, 1e-6
 # of the state: velocity, and distance from the guards, of a motion that comes to rest so
@@ -69,13 +76,17 @@ class TooManyStepsError(MotionError):
 
 
 class Step(NamedTuple):
-    """One step of a motion: times, and x, x', x'' at both ends, all within one mode."""
+    """One step of a motion: times, and x, x', x'' at both ends, all within one mode.
+
+    A stiff step is one whose damping would make large errors of x'' of small ones of x'.
+    """
 
     start: float
     end: float
     first: tuple[float, float, float]
     last: tuple[float, float, float]
     mode: Mode
+    stiff: bool = False
 
     def at(self, time: float) -> tuple[float, float]:
         """Return x and x' at a time within the step."""
@@ -83,14 +94,8 @@ class Step(NamedTuple):
         if h == 0.0:
             return self.last[:2]
         s = (time - self.start) / h
-        (x0, v0, a0), (x1, v1, a1) = self.first, self.last
-        # x' is the cubic of its own ends and slopes, and a hump that leads x to its end
-        turn, bend = v1 - v0 - h * a0, h * (a1 - a0)
-        c2, c3 = 3.0 * turn - bend, bend - 2.0 * turn
-        lack = (x1 - x0) / h - (v0 + h * (0.5 * a0) + c2 / 3.0 + c3 / 4.0)
-        if abs(lack) * h <= _ULPS * (abs(x0) + abs(v0 * self.start)):
-            lack = 0.0  # in a step so short, the rounding of its ends
-        hump = 30.0 * lack
+        x0, v0, a0 = self.first
+        c2, c3, hump = self._velocity(h)
         v = v0 + s * (h * a0 + s * (c2 + s * c3 + (1.0 - s) ** 2 * hump))
         x = x0 + h * s * (
             v0 + s * (0.5 * h * a0 + s * (c2 / 3.0 + s * c3 / 4.0
@@ -103,10 +108,28 @@ class Step(NamedTuple):
         return self.at(time)[1]
 
     def acceleration(self, time: float) -> float:
-        """Return x'' between those at both ends, for where `at` is beyond f's domain by its error."""
+        """Return x'' as the slope of x'."""
         h = self.end - self.start
-        part = (time - self.start) / h if h > 0.0 else 1.0
-        return self.first[2] + part * (self.last[2] - self.first[2])
+        if h == 0.0:
+            return self.last[2]
+        s = (time - self.start) / h
+        c2, c3, hump = self._velocity(h)
+        return self.first[2] + s / h * (
+            2.0 * c2 + 3.0 * s * c3 + 2.0 * (1.0 - s) * (1.0 - 2.0 * s) * hump
+        )
+
+    def _velocity(self, h: float) -> tuple[float, float, float]:
+        """Return x' over the step as coefficients of s^2, s^3 and s^2 (1 - s)^2, s being the part of it.
+
+        The first two make the cubic of the ends and slopes of x'; the last, a hump, leads x to its end.
+        """
+        (x0, v0, a0), (x1, v1, a1) = self.first, self.last
+        turn, bend = v1 - v0 - h * a0, h * (a1 - a0)
+        c2, c3 = 3.0 * turn - bend, bend - 2.0 * turn
+        lack = (x1 - x0) / h - (v0 + h * (0.5 * a0) + c2 / 3.0 + c3 / 4.0)
+        if abs(lack) * h <= _ULPS * (abs(x0) + abs(v0 * self.start)):
+            lack = 0.0  # in a step so short, the rounding of its ends
+        return c2, c3, 30.0 * lack
 
 
 def steps(
@@ -137,6 +160,8 @@ def steps(
     if not system.is_defined(mode, v, x, t):
         raise MotionError(t)
     h = min(longest, end - time)
+    method = _Method()
+    f = partial(system.acceleration, mode)
     recent: list[float] = []
     rejected = 0  # steps in succession
     left: int | None = None  # the guard at which the mode has just begun
@@ -148,13 +173,13 @@ def steps(
         if end - t <= least:
             return
         h = min(h, end - t, longest)
-        made = _step(system, mode, t, x, v, a, h)
+        made = method.step(f, t, x, v, a, h)
         error = _error(made, largest, (x, v), tolerance)
         if error <= 1.0:
             step = _ended(system, mode, t, (x, v, a), made, h)
             met = _first_end(system, step, rounding, left) if mode else None
             if met is not None:
-                made = _step(system, mode, t, x, v, a, met[1])
+                made = method.step(f, t, x, v, a, met[1])
                 step = _ended(system, mode, t, (x, v, a), made, met[1])
             if not system.is_defined(mode, step.last[1], step.last[0], step.end):
                 error, h = inf, step.end - t
@@ -170,6 +195,7 @@ def steps(
                 raise MotionError(t)
             continue
         yield step
+        method.learn(made[-1])
         t, (x, v, a) = step.end, step.last
         largest = max(largest[0], abs(x)), max(largest[1], abs(v))
         left = None
@@ -186,9 +212,26 @@ def steps(
             mode = _mode_after(system, step, left, _BEYOND * h)
             if 0 in mode:
                 v, x = system.project(mode, v, x, t)
-        a = system.acceleration(mode, v, x, t)
+        f = partial(system.acceleration, mode)
+        a = f(v, x, t)
         h = min(h, _first(t, x, v, a, end)) if h > 0.0 else _first(t, x, v, a, end)
     raise TooManyStepsError(t)
+
+
+class _Method:
+    """Dormand and Prince's method, or Radau's while damping would keep the steps of the former short."""
+
+    def __init__(self) -> None:
+        self.step = dormand_prince
+        self.stiff = 0  # steps in succession
+
+    def learn(self, decay: float) -> None:
+        """Take note of the decay of x' over a step; see `Made`."""
+        self.stiff = self.stiff + 1 if decay > _STIFFLY else 0
+        if self.stiff >= _STIFF:
+            self.step = radau
+        elif not decay > _SOFTLY:
+            self.step = dormand_prince
 
 
 def _mode_after(system: Switching, step: Step, k: int, ahead: float) -> Mode:
@@ -238,15 +281,15 @@ def _ended(
     mode: Mode,
     t: float,
     first: tuple[float, float, float],
-    made: tuple[float, float, float, float],
+    made: Made,
     h: float,
 ) -> Step:
     """Return a step that has been made, its end on the switch along which the motion slides, if any."""
-    x, v = made[:2]
+    x, v, a = made[:3]
     if 0 in mode:
         v, x = system.project(mode, v, x, t + h)
-    last = (x, v, system.acceleration(mode, v, x, t + h))
-    return Step(t, t + h, first, last, mode)
+        a = system.acceleration(mode, v, x, t + h)
+    return Step(t, t + h, first, (x, v, a), mode, stiff=made[-1] > _STIFFLY)
 
 
 def _first(t: float, x: float, v: float, a: float, end: float) -> float:
@@ -256,54 +299,20 @@ def _first(t: float, x: float, v: float, a: float, end: float) -> float:
     return max(1e-3 * scale, 1e-12 * (end - t)) if size > 0.0 else 0.01 * (end - t)
 
 
-def _step(
-    system: Switching, mode: Mode, t: float, x: float, v: float, a: float, h: float
-) -> tuple[float, float, float, float]:
-    """Return x and x' after a step by h, and their errors."""
-    f = system.acceleration
-    v2 = v + h * 0.2 * a
-    a2 = f(mode, v2, x + h * 0.2 * v, t + 0.2 * h)
-    v3 = v + h * (3 / 40 * a + 9 / 40 * a2)
-    a3 = f(mode, v3, x + h * (3 / 40 * v + 9 / 40 * v2), t + 0.3 * h)
-    v4 = v + h * (44 / 45 * a - 56 / 15 * a2 + 32 / 9 * a3)
-    a4 = f(mode, v4, x + h * (44 / 45 * v - 56 / 15 * v2 + 32 / 9 * v3), t + 0.8 * h)
-    v5 = v + h * (19372 / 6561 * a - 25360 / 2187 * a2 + 64448 / 6561 * a3 - 212 / 729 * a4)
-    x5 = x + h * (19372 / 6561 * v - 25360 / 2187 * v2 + 64448 / 6561 * v3 - 212 / 729 * v4)
-    a5 = f(mode, v5, x5, t + 8 / 9 * h)
-    v6 = v + h * (9017 / 3168 * a - 355 / 33 * a2 + 46732 / 5247 * a3 + 49 / 176 * a4
-                  - 5103 / 18656 * a5)  # fmt: skip
-    x6 = x + h * (9017 / 3168 * v - 355 / 33 * v2 + 46732 / 5247 * v3 + 49 / 176 * v4
-                  - 5103 / 18656 * v5)  # fmt: skip
-    a6 = f(mode, v6, x6, t + h)
-    v7 = v + h * (35 / 384 * a + 500 / 1113 * a3 + 125 / 192 * a4 - 2187 / 6784 * a5
-                  + 11 / 84 * a6)  # fmt: skip
-    x7 = x + h * (35 / 384 * v + 500 / 1113 * v3 + 125 / 192 * v4 - 2187 / 6784 * v5
-                  + 11 / 84 * v6)  # fmt: skip
-    a7 = f(mode, v7, x7, t + h)
-    return x7, v7, _lack(h, v, v3, v4, v5, v6, v7), _lack(h, a, a3, a4, a5, a6, a7)
-
-
-def _lack(h: float, k1: float, k3: float, k4: float, k5: float, k6: float, k7: float) -> float:
-    """Return the difference between the results of order 5 and 4."""
-    return h * (
-        71 / 57600 * k1 - 71 / 16695 * k3 + 71 / 1920 * k4 - 17253 / 339200 * k5
-        + 22 / 525 * k6 - k7 / 40
-    )  # fmt: skip
-
-
 def _error(
-    made: tuple[float, float, float, float],
+    made: Made,
     largest: tuple[float, float],
     state: tuple[float, float],
     tolerance: float,
 ) -> float:
     """Return the error of a step in tolerances, relative to the state or to a part of the largest."""
-    if not all(map(isfinite, made)):
+    x, v, _, x_error, v_error, _ = made
+    if not all(map(isfinite, (x, v, x_error, v_error))):
         return inf
-    errors = zip(made[2:], made[:2], state, largest, strict=True)
+    each = zip((x_error, v_error), (x, v), state, largest, strict=True)
     return max(
         abs(off) / (tolerance * max(abs(before), abs(after), _LEAST_SIZE * (most or 1.0), _TINIEST))
-        for off, after, before, most in errors
+        for off, after, before, most in each
     )
 
 

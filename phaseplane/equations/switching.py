@@ -112,9 +112,9 @@ class Switching:
         """Return the derivatives of a guard with respect to v, x and t."""
         guard = self.guards[k]
         return (
-            _slope(lambda v: guard(v, x, t, signs), v),
-            _slope(lambda x: guard(v, x, t, signs), x),
-            0.0 if self.autonomous else _slope(lambda t: guard(v, x, t, signs), t),
+            slope(lambda v: guard(v, x, t, signs), v),
+            slope(lambda x: guard(v, x, t, signs), x),
+            0.0 if self.autonomous else slope(lambda t: guard(v, x, t, signs), t),
         )
 
     def margins(self, mode: Mode, v: float, x: float, t: float) -> list[float]:
@@ -260,7 +260,7 @@ class Switching:
         return before[k] if before and before[k] else 1
 
 
-def _slope(of: Callable[[float], float], at: float) -> float:
+def slope(of: Callable[[float], float], at: float) -> float:
     """Return a derivative; one-sided at the edge of where the function is defined."""
     d = _NEAR * (1.0 + abs(at))
     below, above = of(at - d), of(at + d)

@@ -147,7 +147,7 @@ def _by(summary: Mapping[str, Any]) -> str:
     if summary["build_time"] is not None or summary["model"] != summary["fmu"]:
         return "with FMPy"
     return (
-        "by the method of Dormand and Prince"
+        "by the methods of Dormand, Prince and Radau"
         if "equation" in summary["parameters"]
         else "in this process"
     )

@@ -259,27 +259,21 @@ def test_a_motion_that_cannot_go_on_says_until_when():
     assert found.times[-1] == pytest.approx(0.5 * pi, abs=0.011)  # x' = tan t
 
 
-@pytest.mark.parametrize(
-    ("text", "reached", "end"),
-    [
-        ("x - x^3 + (x^2 - 1)*v", 3.0, 47.0),  # x' tends to x, and the damping grows as x^2
-        pytest.param("x^2 + 0.1*v*abs(v)", 4.5, 12.0, marks=pytest.mark.slow),
-    ],
-)
-def test_a_motion_that_grows_and_becomes_stiff_ends_before_all_its_steps(text, reached, end):
+@pytest.mark.parametrize(("text", "reached"), [("x^3 - v", 13.0), ("x^3 - 0.5*v", 23.0)])
+def test_a_motion_that_grows_ever_faster_ends_before_all_its_steps(text, reached):
     """It took all four million, minutes, and then said that no step is short enough."""
     made = count()
     found = motion(
-        Formula(text).switching, (-2.0, 0.0), np.linspace(0.0, end, 101).tolist(),
+        Formula(text).switching, (-2.0, 0.0), np.linspace(0.0, 50.0 * reached, 501).tolist(),
         lambda _time: next(made) < 300_000,
     )  # fmt: skip
-    assert next(made) < 100_000
+    assert next(made) < 200_000
     assert "more than 4 million steps" in found.complaint
     assert found.times[-1] > reached
 
 
 @pytest.mark.parametrize("text", ["x - cos(t)", "x - 1e-3*v", "x + x^3 - sin(t)*t"])
-def test_a_motion_that_grows_but_does_not_become_stiff_goes_on(text):
+def test_a_motion_that_grows_goes_on(text):
     """Its many steps are of one length, or as a power of time."""
     found = motion(Formula(text).switching, (1.0, 0.0), [0.0, 1500.0])
     assert found.complaint == ""
@@ -296,7 +290,6 @@ def test_a_motion_at_the_end_of_where_f_is_known_does_not_creep():
     assert "the acceleration is not a number there" in found.complaint
 
 
-@pytest.mark.slow
 def test_a_motion_that_is_held_for_a_while_goes_on():
     """It was given up, as if f ended there, while its damper was still too stiff for it to move."""
     found = motion(Formula("1e7*exp(-20*t)*v + x").switching, (1.0, 1.0), [0.0, 1.0, 10.0])

@@ -1,0 +1,106 @@
+"""A step by Radau's method IIA, as long as the motion itself allows, however strong its damping is.
+
+The accelerations a_i of its three stages, at c = (4 -+ sqrt(6)) / 10 and 1, fulfil the equation there,
+
+    v_i = v + h sum A_ij a_j,   x_i = x + h sum A_ij v_j,   a_i = F(v_i, x_i, t + c_i h),
+
+with an error of order 5.
+
+E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 1996, section IV.5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf, nan, sqrt
+
+import numpy as np
+
+from phaseplane.equations.made import Function, Made
+from phaseplane.equations.switching import slope
+
+_R = sqrt(6.0)
+_A = np.array(
+    [
+        [(88.0 - 7.0 * _R) / 360.0, (296.0 - 169.0 * _R) / 1800.0, (3.0 * _R - 2.0) / 225.0],
+        [(296.0 + 169.0 * _R) / 1800.0, (88.0 + 7.0 * _R) / 360.0, (-3.0 * _R - 2.0) / 225.0],
+        [(16.0 - _R) / 36.0, (16.0 + _R) / 36.0, 1.0 / 9.0],
+    ]
+)
+_A2 = _A @ _A
+_C: list[float] = _A.sum(axis=1).tolist()
+# numbers in lists are faster than such small arrays
+_TO_V: list[list[float]] = _A.tolist()
+_TO_X: list[list[float]] = _A2.tolist()
+_ITERATIONS = 12
+_CONVERGED = 1e-13  # of the velocity: the last correction
+_SETTLED = 1e-7  # the same, where rounding lets corrections decrease no further
+
+_FAILED = nan, nan, nan, inf, inf, nan
+
+
+def radau(f: Function, t: float, x: float, v: float, a: float, h: float) -> Made:
+    """Return the end of a step h from x, x' and x'', made in two halves.
+
+    The errors are those of one made as a whole; infinite if the iteration does not converge.
+    """
+    by_v = slope(lambda v: f(v, x, t), v)
+    by_x = slope(lambda x: f(v, x, t), x)
+    try:
+        whole, half = (
+            np.linalg.inv(np.eye(3) - s * by_v * _A - s * s * by_x * _A2).tolist()
+            for s in (h, 0.5 * h)
+        )
+    except np.linalg.LinAlgError:
+        return _FAILED
+    once = _end(f, t, x, v, a, h, whole)
+    middle = once and _end(f, t, x, v, a, 0.5 * h, half)
+    end = middle and _end(f, t + 0.5 * h, *middle, 0.5 * h, half)
+    if not (once and end):
+        return _FAILED
+    return *end, once[0] - end[0], once[1] - end[1], -h * by_v
+
+
+def _end(
+    f: Function,
+    t: float,
+    x: float,
+    v: float,
+    a: float,
+    h: float,
+    inverse: Sequence[Sequence[float]],
+) -> tuple[float, float, float] | None:
+    """Return x, x' and x'' at the end, which is the last stage; None if Newton's method fails.
+
+    Parameters
+    ----------
+    inverse : of the derivatives of a_i - F, 3 by 3, at the start
+    """
+    times = [t + h * c for c in _C]
+    found = [a, a, a]
+    before = inf
+    for _ in range(_ITERATIONS):
+        speeds = [v + h * rise for rise in _times(_TO_V, found)]
+        places = [
+            x + h * (v * c + h * rise) for c, rise in zip(_C, _times(_TO_X, found), strict=True)
+        ]
+        lacks = [f(*at) - a for *at, a in zip(speeds, places, times, found, strict=True)]
+        changes = _times(inverse, lacks)
+        found = [a + change for a, change in zip(found, changes, strict=True)]
+        size, speed = h * max(map(abs, changes)), max(map(abs, (v, *speeds)))
+        if size <= _CONVERGED * speed or 0.5 * before <= size <= _SETTLED * speed:
+            return (
+                x + h * (v + h * _times(_TO_X, found)[2]),
+                v + h * _times(_TO_V, found)[2],
+                found[2],
+            )
+        if not size < before:
+            return None
+        before = size
+    return None
+
+
+def _times(matrix: Sequence[Sequence[float]], vector: Sequence[float]) -> list[float]:
+    """Return the product of a matrix 3 by 3 and a vector."""
+    p, q, r = vector
+    return [one * p + two * q + three * r for one, two, three in matrix]
