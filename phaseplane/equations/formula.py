@@ -30,9 +30,14 @@ def _sign(u: float) -> float:
     return math.copysign(1.0, u) if u else 0.0
 
 
-def _signed(copysign: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
-    """Return copysign of numbers or of arrays; 0 counts as positive, as does the -0 of a product."""
-    return lambda a, b: copysign(a, b + 0.0)
+def _signed(
+    copysign: Callable[[Any, Any], Any], atan2: Callable[[Any, Any], Any]
+) -> dict[str, Callable[..., Any]]:
+    """Return functions of numbers or of arrays in which 0 is positive, as is the -0 of a product."""
+    return {
+        "atan2": lambda u, w: atan2(u + 0.0, w + 0.0),
+        "copysign": lambda a, b: copysign(a, b + 0.0),
+    }
 
 
 def _wide(
@@ -62,7 +67,7 @@ _NUMBERS: dict[str, Any] = {
     "__builtins__": {},
     **{name: getattr(math, name) for name in SMOOTH},
     "abs": math.fabs,  # of complex numbers it has no value, as all others have none
-    "copysign": _signed(math.copysign),
+    **_signed(math.copysign, math.atan2),
     "max": max,
     "min": min,
     "sign": _sign,
@@ -238,12 +243,12 @@ def _guarded(made: Callable[..., Any]) -> Callable[..., float]:
 def _arrays() -> dict[str, Any]:
     import numpy as np  # noqa: PLC0415  (formulas of numbers do without it)
 
-    inverse = {name: f"arc{name[1:]}" for name in ("acos", "asin", "atan", "atan2")}
+    inverse = {name: f"arc{name[1:]}" for name in ("acos", "asin", "atan")}
     plain = (*SMOOTH, "abs", "sign")
     return {
         "__builtins__": {},
         **{name: getattr(np, inverse.get(name, name)) for name in plain},
-        "copysign": _signed(np.copysign),
+        **_signed(np.copysign, np.arctan2),
         "max": lambda *of: functools.reduce(np.maximum, of),
         "min": lambda *of: functools.reduce(np.minimum, of),
         **_wide(np.sign, np.minimum, np.maximum),

@@ -4,6 +4,7 @@
 relay(u, d) = (s(u - d) + s(u + d)) / 2   saturation(u, l) = (u (s - r) + l (s + r)) / 2
 dead_zone(u, d) = u - saturation(u, d)    with s = s(u + l) and r = s(u - l)
 backlash(u, g) = dead_zone(u, g / 2)      copysign(a, b) = |a| s(b)
+atan2(u, w) = s (pi / 2 - r pi / 4) + atan2(r u - s w, r w + s u)   with s = s(u) and r = s(w)
 
 Each is exactly the branch that holds: as (a + b + |a - b|) / 2, a large b would leave no digits of a.
 """
@@ -14,6 +15,7 @@ import ast
 import functools
 from collections import Counter
 from collections.abc import Callable, Mapping
+from math import pi
 
 from phaseplane.equations.reading import PIECES
 
@@ -52,7 +54,7 @@ class Pieces(ast.NodeTransformer):
         name = node.func.id  # type: ignore[attr-defined]
         if name in PIECES and not _varies(node):
             return _number(self._value(node))
-        self.jumps = self.jumps or name in ("sign", "relay", "copysign")
+        self.jumps = self.jumps or name in ("sign", "relay", "copysign", "atan2")
         given = [copied(argument) for argument in node.args]
         arguments = [self.visit(argument) for argument in node.args]
         match name, arguments:
@@ -61,10 +63,9 @@ class Pieces(ast.NodeTransformer):
             case "abs", [u]:
                 return self._size(u)
             case "copysign", [a, b]:
-                sense = self._sign(b)
-                if isinstance(sense, ast.Constant | ast.Call):  # no guard's: 0 counts as positive
-                    sense = _signum(_sum(_product(ast.Constant(2.0), sense), _ONE))
-                return _product(self._size(a), sense)
+                return _product(self._size(a), self._side(b))
+            case "atan2", [u, w] if (_varies(u) or _varies(w)) and not _is_positive(w):
+                return self._angle(node.func, u, w)
             case "max" | "min", [first, *others]:
                 larger = functools.partial(self._larger, name)
                 return functools.reduce(larger, others, first)
@@ -141,6 +142,23 @@ class Pieces(ast.NodeTransformer):
         """Return the sign of an expression, 1 of one that is never negative."""
         return _ONE if _is_never_negative(u) else self._sign(u)
 
+    def _side(self, u: ast.expr) -> ast.expr:
+        """Return the sign of an expression; 0 that is no guard's counts as positive."""
+        sign = self._sign(u)
+        if isinstance(sign, ast.Constant | ast.Call):
+            return _signum(_sum(_product(ast.Constant(2.0), sign), _ONE))
+        return sign
+
+    def _angle(self, atan2: ast.expr, u: ast.expr, w: ast.expr) -> ast.expr:
+        """Return the angle from the middle of its quadrant: it jumps only on the opposite side."""
+        s, r = self._side(u), self._side(w)
+        middle = _product(s, _product(ast.Constant(0.25 * pi), _difference(ast.Constant(2.0), r)))
+        across, along = (
+            _difference(_product(r, u), _product(s, w)),
+            _sum(_product(r, w), _product(s, u)),
+        )
+        return _sum(middle, ast.Call(atan2, [across, along], []))
+
     def _size(self, u: ast.expr) -> ast.expr:
         return u if _is_never_negative(u) else _product(u, self._sign(u))
 
@@ -213,6 +231,11 @@ def _is_never_negative(u: ast.expr) -> bool:
         case ast.Call(ast.Name("sqrt" | "exp" | "cosh" | "hypot")):
             return True
     return False
+
+
+def _is_positive(u: ast.expr) -> bool:
+    """Return whether an expression is recognised as one above 0, or 0 at single instants."""
+    return _is_never_negative(u) and not (isinstance(u, ast.Constant) and u.value == 0.0)
 
 
 def _varies(node: ast.expr) -> bool:

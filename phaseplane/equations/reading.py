@@ -8,12 +8,11 @@ import re
 from phaseplane.suspension.units import counted, nearest
 
 SMOOTH = (
-    "acos", "asin", "atan", "atan2", "cos", "cosh", "exp", "hypot", "log", "sin", "sinh", "sqrt",
-    "tan", "tanh",
+    "acos", "asin", "atan", "cos", "cosh", "exp", "hypot", "log", "sin", "sinh", "sqrt", "tan", "tanh",
 )  # fmt: skip
 PIECES = {  # least and most arguments
-    "abs": (1, 1), "backlash": (2, 2), "copysign": (2, 2), "dead_zone": (2, 2), "max": (2, 99),
-    "min": (2, 99), "relay": (1, 2), "saturation": (2, 2), "sign": (1, 1),
+    "abs": (1, 1), "atan2": (2, 2), "backlash": (2, 2), "copysign": (2, 2), "dead_zone": (2, 2),
+    "max": (2, 99), "min": (2, 99), "relay": (1, 2), "saturation": (2, 2), "sign": (1, 1),
 }  # fmt: skip
 FUNCTIONS = tuple(sorted((*SMOOTH, *PIECES)))
 """The functions of a formula."""
@@ -126,7 +125,7 @@ def _checked(node: ast.expr, text: str, names: tuple[str, ...], section: str) ->
 
 
 def _check_count(name: str, count: int, text: str) -> None:
-    least, most = PIECES.get(name, (2, 2) if name in ("atan2", "hypot") else (1, 1))
+    least, most = PIECES.get(name, (2, 2) if name == "hypot" else (1, 1))
     if not least <= count <= most:
         wanted = counted(least, "value") if least == most else f"{least} or {most} values"
         wanted = "at least 2 values" if most > 2 else wanted

@@ -31,7 +31,8 @@ def test_pieces_are_what_they_are_called(x, v, d):
     st.sampled_from([
         "relay(x, 0.5)*v + saturation(v, 1)", "max(x, v, 0.1) - min(x, 2*v)", "abs(x)*abs(v)",
         "dead_zone(x - abs(v), 0.3)", "copysign(x, v) + sign(sign(x) + 0.5*v)", "backlash(x, 1)^3",
-        "copysign(x, 0) + copysign(x, relay(v, 1))",
+        "copysign(x, 0) + copysign(x, relay(v, 1))", "atan2(v, x)*atan2(v, x - 1)",
+        "atan2(v, -1) + atan2(v, 0) + atan2(0, v)", "atan2(x - 1, v^2)", "atan2(sign(x), sign(x))",
     ]),
     number, number,
 )  # fmt: skip
@@ -65,7 +66,7 @@ def test_drawn_formulas_by_their_signs_are_the_formulas(text, x, v, t):
 @pytest.mark.parametrize("zero", [0.0, -0.0])
 def test_zero_counts_as_positive_whatever_its_sign(zero):
     """As a controller or at the start of a motion, copysign(2, -v) was -2 at rest."""
-    formula = Formula("copysign(2, -x) + copysign(2, x)")
+    formula = Formula("copysign(2, -x) + copysign(2, x) + atan2(0, x) + atan2(0, -x)")
     assert formula.function(0.0, zero, 0.0) == 4.0
     assert formula.on_arrays(np.zeros(1), np.array([zero]), np.zeros(1)) == [4.0]
 

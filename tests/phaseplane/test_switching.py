@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib import import_module
 from itertools import count, islice, pairwise
-from math import cos, exp, isnan, pi, sin, sqrt
+from math import cos, exp, isnan, log, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -257,6 +257,15 @@ def test_a_motion_that_cannot_go_on_says_until_when():
     found = motion(Formula("-v^2 - 1").switching, (0.0, 0.0), np.linspace(0, 3, 301).tolist())
     assert "grows without bound" in found.complaint
     assert found.times[-1] == pytest.approx(0.5 * pi, abs=0.011)  # x' = tan t
+
+
+def test_a_motion_lands_on_the_jump_of_an_angle():
+    """atan2(x, -1) jumps by 2 pi at x = 0; no energy is lost there."""
+    found = motion(Formula("atan2(x, -1)").switching, (1.0, 0.0), np.linspace(0.0, 50.0, 401))
+    x, v = np.abs(found.displacements), np.array(found.velocities)
+    energy = 0.5 * v**2 + pi * x - x * np.arctan(x) + 0.5 * np.log1p(x**2)
+    assert energy == pytest.approx(pi - 0.25 * pi + 0.5 * log(2.0), abs=2e-9)
+    assert np.diff(found.switches) == pytest.approx(2.0 * found.switches[0], abs=1e-8)
 
 
 @pytest.mark.parametrize(("text", "reached"), [("x^3 - v", 13.0), ("x^3 - 0.5*v", 23.0)])
