@@ -4,7 +4,8 @@
 relay(u, d) = (s(u - d) + s(u + d)) / 2   saturation(u, l) = (u (s - r) + l (s + r)) / 2
 dead_zone(u, d) = u - saturation(u, d)    with s = s(u + l) and r = s(u - l)
 backlash(u, g) = dead_zone(u, g / 2)      copysign(a, b) = |a| s(b)
-atan2(u, w) = s (pi / 2 - r pi / 4) + atan2(r u - s w, r w + s u)   with s = s(u) and r = s(w)
+atan2(u, w) = s (pi / 2 - r pi / 4) + atan2(r u - s w, r w + s u)
+                                          with s = s(u) and r = s(w), if u and w have no pieces
 
 Each is exactly the branch that holds: as (a + b + |a - b|) / 2, a large b would leave no digits of a.
 """
@@ -64,7 +65,7 @@ class Pieces(ast.NodeTransformer):
                 return self._size(u)
             case "copysign", [a, b]:
                 return _product(self._size(a), self._side(b))
-            case "atan2", [u, w] if (_varies(u) or _varies(w)) and not _is_positive(w):
+            case "atan2", [u, w] if not (_is_positive(w) or any(map(_has_signs, arguments))):
                 return self._angle(node.func, u, w)
             case "max" | "min", [first, *others]:
                 larger = functools.partial(self._larger, name)
@@ -152,6 +153,8 @@ class Pieces(ast.NodeTransformer):
     def _angle(self, atan2: ast.expr, u: ast.expr, w: ast.expr) -> ast.expr:
         """Return the angle from the middle of its quadrant: it jumps only on the opposite side."""
         s, r = self._side(u), self._side(w)
+        if not (_has_signs(s) or _has_signs(r)):  # both are zero everywhere
+            return ast.Call(atan2, [u, w], [])
         middle = _product(s, _product(ast.Constant(0.25 * pi), _difference(ast.Constant(2.0), r)))
         across, along = (
             _difference(_product(r, u), _product(s, w)),
@@ -202,12 +205,16 @@ def _within_domain(u: ast.expr, given: ast.expr) -> ast.expr:
     ----------
     given : the same without the signs, which may be negative itself
     """
-    signs = any(isinstance(node, ast.Subscript) for node in ast.walk(u))
-    return ast.Call(ast.Name(BEYOND, ast.Load()), [u, given], []) if signs else u
+    return ast.Call(ast.Name(BEYOND, ast.Load()), [u, given], []) if _has_signs(u) else u
 
 
 def at_least_zero(u: float, given: float) -> float:
     return max(u, 0.0) if given >= 0.0 else given
+
+
+def _has_signs(u: ast.expr) -> bool:
+    """Return whether an expression contains the sign of a guard."""
+    return any(isinstance(node, ast.Subscript) for node in ast.walk(u))
 
 
 def _is_whole(node: ast.expr) -> bool:

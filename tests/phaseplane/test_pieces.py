@@ -50,6 +50,7 @@ def test_pieces_by_their_signs_are_the_pieces(text, x, v):
 @example("copysign(x, 0*t)", 0.5, 0.0, -1.0)  # -0 is not negative
 @example("min(x, exp(100))", 0.5, 0.0, 0.0)  # a large number leaves no digits of x in a sum
 @example("x^dead_zone(t, 9.81)", 0.0, 0.0, 2.3)  # exactly 0
+@example("atan2(0*x, 0*v)", 0.5, 0.5, 0.0)  # 0, though 0 counts as positive
 @given(FORMULAS, part, part, part)
 def test_drawn_formulas_by_their_signs_are_the_formulas(text, x, v, t):
     try:
