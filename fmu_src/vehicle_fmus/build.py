@@ -24,7 +24,7 @@ from . import systems
 from .archives import digest_of, write_into, zipped
 from .content import SLAVES, hashed, picture_file, production, suspension_name, suspension_sources
 from .manual import DOCUMENTATION, page
-from .model_description import description, written
+from .model_description import STOP_TIME, description, written
 from .reference import accepted_parameters, reference_files
 from .slaves.vehicle_slave import START_VALUES
 from .versions import installed
@@ -40,6 +40,7 @@ def build(
     *,
     parameters: Mapping[str, Mapping[str, object]] | None = None,
     own: Mapping[str, Path] | None = None,
+    stop_times: Mapping[str, float] | None = None,
     references: bool = False,
     ssp: bool = False,
 ) -> list[Path]:
@@ -53,6 +54,7 @@ def build(
     folder : output folder; created if it is missing
     parameters : start values for each model that replace the defaults, as accepted by `Session`
     own : the file of each user-defined system that has been loaded
+    stop_times : stop time of the default experiment of each model, s; 1 s where it is not given
     references : whether to write a reference result beside each FMU
     ssp : whether to write a system `<model>.ssp` for each vehicle that is not user-defined, in which the
         FMU `Road` provides its road
@@ -67,29 +69,32 @@ def build(
     RuntimeError : pythonfmu could not build an FMU (the message includes its output), or its library
         for Linux is not a known one that lets a process exit cleanly.
     """
-    own = own or {}
+    own, stop_times = own or {}, stop_times or {}
     files: dict[str, bytes] = {}
     roads: dict[str, bytes] = {}  # one may serve several systems
     for model, start, accepted in accepted_parameters(models, parameters or {}, own):
-        files[f"{model}.fmu"] = _packed(model, start, own.get(model))
+        stop_time = stop_times.get(model, STOP_TIME)
+        files[f"{model}.fmu"] = _packed(model, start, stop_time, own.get(model))
         if references:
             files |= reference_files(model, start)
         if ssp and model not in own and systems.connections(model):
-            files[f"{model}.ssp"] = _system(model, accepted, roads)
+            files[f"{model}.ssp"] = _system(model, accepted, stop_time, roads)
     return write_into(folder, files)
 
 
-def _system(model: str, parameters: Mapping[str, Value], roads: dict[str, bytes]) -> bytes:
+def _system(
+    model: str, parameters: Mapping[str, Value], stop_time: float, roads: dict[str, bytes]
+) -> bytes:
     """Return the SSP archive of a vehicle on its road; `roads` caches packed roads by parameters."""
     road, vehicle = systems.shared_out(model, parameters)
-    key = json.dumps(road, sort_keys=True)
+    key = json.dumps([road, stop_time], sort_keys=True)
     if key not in roads:
-        roads[key] = _packed(systems.ROAD, road)
+        roads[key] = _packed(systems.ROAD, road, stop_time)
     return zipped(
         {
-            "SystemStructure.ssd": systems.description(model),
+            "SystemStructure.ssd": systems.description(model, stop_time),
             f"resources/{systems.ROAD}.fmu": roads[key],
-            f"resources/{model}.fmu": _packed(model, vehicle),
+            f"resources/{model}.fmu": _packed(model, vehicle, stop_time),
         }
     )
 
@@ -177,7 +182,9 @@ def _run_pythonfmu(script: Path, beside: Sequence[Path], target: Path) -> None:
         raise RuntimeError(f"pythonfmu could not build {target.name}:\n{done.stderr.strip()}")
 
 
-def _packed(model: str, start: dict[str, Value], own: Path | None = None) -> bytes:
+def _packed(
+    model: str, start: dict[str, Value], stop_time: float, own: Path | None = None
+) -> bytes:
     """Return the archive of one FMU."""
     with TemporaryDirectory() as work:
         stage, raw = Path(work, "stage"), Path(work, f"{model}.fmu")
@@ -194,7 +201,7 @@ def _packed(model: str, start: dict[str, Value], own: Path | None = None) -> byt
         "documentation/externalDependencies.txt": _text("externalDependencies.txt"),
         "documentation/licenses/license.txt": _text("license.txt"),
     }
-    described = description(model, start, about)
+    described = description(model, start, about, stop_time=stop_time)
     members["modelDescription.xml"] = ElementTree.tostring(described)
     described.set("guid", str(UUID(hex=digest_of(members)[:32])))
     members["modelDescription.xml"] = written(described)

@@ -21,7 +21,9 @@ _CATEGORIES = {
 }
 _DISCARDED = {"logStatusDiscard": "Steps that failed."}
 _FAILED = {"logStatusError": "Calls and values that were refused, and steps that failed."}
-_EXPERIMENT = {"startTime": "0.0", "stopTime": "1.0", "tolerance": "1e-06", "stepSize": "0.001"}
+STOP_TIME = 1.0
+"""Stop time, s, of the default experiment of an FMU that is not packed from a scene."""
+_EXPERIMENT = {"tolerance": "1e-06", "stepSize": "0.001"}
 _TYPES = {float: "Real", int: "Integer", bool: "Boolean", str: "String"}
 _MAKERS = {"author": "The phaseplane developers", "license": "MIT",
            "copyright": "(c) 2026 The phaseplane developers"}  # fmt: skip
@@ -40,6 +42,7 @@ def description(
     about: Mapping[str, str],
     token: str = "",
     *,
+    stop_time: float = STOP_TIME,
     fixed: Collection[str] = (),
     native: bool = False,
 ) -> Element:
@@ -51,6 +54,7 @@ def description(
     start : parameters whose start values are not the defaults
     about : version of the model, tool and date; empty ones are left out
     token : the GUID
+    stop_time : of the default experiment, s
     fixed : names of the parameters that keep the values with which the FMU is packed
     native : whether the FMU has sources in C and needs no Python
     """
@@ -61,7 +65,7 @@ def description(
     if native:
         SubElement(SubElement(kind, "SourceFiles"), "File", name="all.c")
     root.append(unit_definitions(declared))
-    append_categories(root, discards=True)
+    append_categories(root, stop_time, discards=True)
     held = SubElement(root, "ModelVariables")
     for k, variable in enumerate(declared):
         said = role(k, variable, variable.name in fixed, isinstance(variable.start, float))
@@ -81,17 +85,19 @@ def begun(model: str, given: Mapping[str, str], about: Mapping[str, str]) -> Ele
     )
 
 
-def append_categories(root: Element, *, discards: bool) -> None:
+def append_categories(root: Element, stop_time: float, *, discards: bool) -> None:
     """Append the categories of log messages and the default experiment.
 
     Parameters
     ----------
+    stop_time : of the default experiment, s
     discards : whether steps that failed are discarded, rather than errors
     """
     categories = SubElement(root, "LogCategories")
     for name, text in (_CATEGORIES | (_DISCARDED if discards else _FAILED)).items():
         SubElement(categories, "Category", name=name, description=text)
-    SubElement(root, "DefaultExperiment", _EXPERIMENT)
+    times = {"startTime": "0.0", "stopTime": repr(stop_time)}
+    SubElement(root, "DefaultExperiment", {**times, **_EXPERIMENT})
 
 
 def role(k: int, variable: Variable, fixed: bool, continuous: bool) -> dict[str, str]:

@@ -18,7 +18,7 @@ _SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 _SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 _OMS = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"
 _TYPES = {float: "Real", bool: "Boolean", int: "Integer"}
-_STOP_TIME, _STEP = "1", "0.001"  # s
+_STEP = "0.001"  # s
 
 # outputs of the road -> inputs of the vehicle: with one axle, and of a half car
 _CONNECTIONS = (
@@ -58,11 +58,12 @@ def shared_out(
     return road, {**changed, "road.shape": "input"}
 
 
-def description(model: str) -> bytes:
+def description(model: str, stop_time: float) -> bytes:
     """Return SystemStructure.ssd: both components with their outputs, and their connections.
 
     Start values are in the FMUs, because not every tool reads them from here. Unconnected inputs are
-    left out: FMPy's reader would connect them with the last output it connected.
+    left out: FMPy's reader would connect them with the last output it connected. The default experiment
+    ends at `stop_time`, s.
     """
     links = connections(model)
     ElementTree.register_namespace("ssd", _SSD)
@@ -86,7 +87,7 @@ def description(model: str) -> bytes:
             endElement="vehicle", endConnector=inlet)  # fmt: skip
     _openmodelica(system)
     _units(root, model)
-    _in(root, "DefaultExperiment", startTime="0", stopTime=_STOP_TIME)
+    _in(root, "DefaultExperiment", startTime="0", stopTime=repr(stop_time))
     return written(root)
 
 

@@ -75,7 +75,8 @@ def build(
     """Pack the given MODELs, or all models, as FMUs.
 
     MODEL can also be a scene or the file of a system; the start values of the FMU are then the
-    parameters of the scene. Its controller is not packed. A reference result is written next to each FMU.
+    parameters of the scene, and its default experiment has the scene's duration. Its controller is not
+    packed. A reference result is written next to each FMU.
     """
     if native and ssp:
         raise InputError("--ssp: a system is packed from FMUs that run Python; leave out --native")
@@ -150,7 +151,12 @@ def build_models(
             given = {**scene.start_values, **starts.get(model, {})}
             with TemporaryDirectory() as work:
                 made = pack(
-                    [model], Path(work), parameters={model: given}, own=own, references=True
+                    [model],
+                    Path(work),
+                    parameters={model: given},
+                    own=own,
+                    stop_times={model: scene.duration},
+                    references=True,
                 )
                 files += write_into(
                     folder,

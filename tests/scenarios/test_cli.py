@@ -13,10 +13,12 @@ from importlib import import_module
 from pathlib import Path
 from subprocess import CompletedProcess
 from typing import Any
+from zipfile import ZipFile
 
 import pytest
 from click import Command, Context
 from command_line import BARE, complaint, phaseplane, printed, reported, settings, written
+from fmpy import read_model_description
 from fmpy.util import read_csv
 from hosting import HANGS, PROGRAM, started, wait_until
 from phaseplane.scenarios import commands
@@ -475,6 +477,23 @@ def test_a_packed_scene_says_what_it_leaves_out() -> None:
     assert "skyhook: the FMU is packed without the scene's controller" in done.stderr
     assert "connect one with actuator_force" in done.stderr
     assert all(Path(file).exists() for file in done.stdout.split())
+
+
+@pytest.mark.parametrize("options", [
+    "", *(pytest.param(o, marks=pytest.mark.slow) for o in ("--native", "--native --fmi 3", "--ssp"))
+])  # fmt: skip
+def test_the_default_experiment_of_a_packed_scene_ends_with_it(options: str) -> None:
+    """It ended after 1 s: a host that asks for no other time drove 20 m of a road of 400 m."""
+    Path("scene.toml").write_text('extends = "ap57"\nduration = "2.5 s"\n')
+    assert phaseplane(f"build scene.toml -o fmus {options}").exit_code == 0
+    assert read_model_description("fmus/scene.fmu").defaultExperiment.stopTime == "2.5"
+    if options == "--ssp":
+        with ZipFile("fmus/scene.ssp") as archive:
+            assert b'stopTime="2.5"' in archive.read("SystemStructure.ssd")
+            for part in ("QuarterCar", "Road"):
+                with archive.open(f"resources/{part}.fmu") as packed:
+                    experiment = read_model_description(packed).defaultExperiment
+                assert experiment.stopTime == "2.5"
 
 
 def test_scenes_of_the_same_name_do_not_replace_each_other_in_a_folder() -> None:

@@ -26,8 +26,11 @@ def description(
     in_c: Translation,
     about: Mapping[str, str],
     token: str,
+    stop_time: float,
 ) -> Element:
     """Return the model description; `in_c` tells what is fixed and what changes continuously.
+
+    The default experiment ends at `stop_time`, s.
 
     Value references are those of FMI 2.0; after them follow the time and the clocks of the tyres.
     """
@@ -41,7 +44,7 @@ def description(
         hasEventMode="true", providesDirectionalDerivatives="true",
     )  # fmt: skip
     root.append(unit_definitions(declared))
-    append_categories(root, discards=False)
+    append_categories(root, stop_time, discards=False)
     held, structure = SubElement(root, "ModelVariables"), SubElement(root, "ModelStructure")
     for k, variable in enumerate(declared):
         value = start.get(variable.name, variable.start)

@@ -14,7 +14,7 @@ from phaseplane.suspension.variables import Value
 from ..archives import digest_of, write_into, zipped
 from ..content import picture_file, production
 from ..manual import DOCUMENTATION, page
-from ..model_description import description, written
+from ..model_description import STOP_TIME, description, written
 from ..reference import accepted_parameters, declared_inside, reference_files
 from . import description3
 from .compilers import FLAGS, Platform, chosen, compiled
@@ -48,6 +48,7 @@ def build(
     platforms: Sequence[str] = (),
     parameters: Mapping[str, Mapping[str, object]] | None = None,
     own: Mapping[str, Path] | None = None,
+    stop_times: Mapping[str, float] | None = None,
     references: bool = False,
 ) -> list[Path]:
     """Pack models as native co-simulation FMUs, `<model>.fmu` each.
@@ -63,6 +64,7 @@ def build(
     parameters : start values for each model that replace the defaults, as accepted by `Session`; texts,
         switches and what decides on the structure cannot be changed in the FMU
     own : the file of each user-defined system that has been loaded
+    stop_times : stop time of the default experiment of each model, s; 1 s where it is not given
     references : whether to write a reference result beside each FMU, and into it
 
     Returns
@@ -75,14 +77,15 @@ def build(
     ValueError : unknown version or platform, or a platform without a compiler.
     RuntimeError : a compiler failed (the message includes its output).
     """
-    own = own or {}
+    own, stop_times = own or {}, stop_times or {}
     if fmi not in VERSIONS:
         raise ValueError(f"FMI {fmi}: native FMUs are packed for {' or '.join(map(str, VERSIONS))}")
     targets = chosen(platforms)
     files: dict[str, bytes] = {}
     for model, start, _ in accepted_parameters(models, parameters or {}, own):
         reference = reference_files(model, start) if references else {}
-        members = _members(model, start, fmi, targets, own.get(model))
+        stop_time = stop_times.get(model, STOP_TIME)
+        members = _members(model, start, fmi, targets, own.get(model), stop_time)
         inside = declared_inside(reference) if references else {}
         files[f"{model}.fmu"] = zipped({**members, **inside})
         files |= reference
@@ -90,7 +93,12 @@ def build(
 
 
 def _members(
-    model: str, start: Mapping[str, Value], fmi: int, targets: Sequence[Platform], own: Path | None
+    model: str,
+    start: Mapping[str, Value],
+    fmi: int,
+    targets: Sequence[Platform],
+    own: Path | None,
+    stop_time: float,
 ) -> dict[str, bytes]:
     """Return the files of one FMU."""
     in_c = model_in_c(model, start)
@@ -101,15 +109,17 @@ def _members(
     sources["model.c"] = in_c.text.encode()
     about = production()
     about["generationTool"] = about["generationTool"].partition(" with ")[0]
-    what = {**sources, "about": json.dumps([about, model, dict(start)]).encode()}
+    what = {**sources, "about": json.dumps([about, model, dict(start), stop_time]).encode()}
     token = f"{{{UUID(hex=digest_of(what)[:32])}}}"
     flags = " ".join(flag for flag in FLAGS if flag != "-w")
     sources["all.c"] = _ALL.format(model=model, flags=flags, token=token, layer=layer[0]).encode()
     picture = picture_file(model).read_bytes()
     described = (
-        description3.description(model, start, in_c, about, token)
+        description3.description(model, start, in_c, about, token, stop_time)
         if fmi == 3
-        else description(model, start, about, token, fixed=in_c.fixed, native=True)
+        else description(
+            model, start, about, token, stop_time=stop_time, fixed=in_c.fixed, native=True
+        )
     )
     members = {
         "modelDescription.xml": written(described),
