@@ -31,6 +31,7 @@ from .server import listens
 _INTERVAL = 0.1  # s of wall time between two batches
 _MOST_ROWS = 250  # in a batch
 _PATIENCE = 20.0  # longest wait for a viewer before and after a run, s
+_LOOK = 1.0  # s between two looks whether a viewer that does not answer is still there
 _UNLIMITED = 1e7  # s: no machine is so busy
 
 
@@ -161,8 +162,13 @@ class Live:
             self._thread.join()
 
     def _expect(self, otherwise: str) -> None:
-        if not self.problem and not self._answered(self.patience):
-            self._fail(otherwise)
+        """Wait for the answer of the drawer, unless the viewer is gone and there is no file to write."""
+        end = monotonic() + self.patience
+        while not self.problem and not self._answered(max(0.0, min(_LOOK, end - monotonic()))):
+            if monotonic() >= end:
+                self._fail(otherwise)
+            elif self.url and not self.path and not listens(self.url):
+                self._fail(self._silent)
 
     def _answered(self, patience: float) -> bool:
         """Return whether the drawer did the last order in time."""

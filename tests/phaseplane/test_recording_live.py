@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import signal
 import socket
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from subprocess import Popen
 from urllib.parse import urlsplit
 from urllib.request import urlopen
 
@@ -205,6 +207,20 @@ def test_a_viewer_that_is_killed() -> None:
         drive(live, at_half=lambda: server.process.send_signal(signal.SIGKILL))
         live.complete(WHOLE)
         assert live.problem
+
+
+@pytest.mark.slow
+def test_a_viewer_that_is_gone_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It was given the patience of a slow one: a run began 20 s late, without a viewer."""
+    silent = [sys.executable, "-c", "import sys; sys.stdin.buffer.read()"]  # as rerun in its place
+    monkeypatch.setattr(
+        "phaseplane.recording.live.subprocess.Popen", lambda _, **more: Popen(silent, **more)
+    )
+    with socket.create_server(("127.0.0.1", 0)) as viewer:
+        url = f"rerun+http://127.0.0.1:{viewer.getsockname()[1]}/proxy"
+        live = Live(BEFORE, url, patience=5.0)
+    with live:
+        assert live.problem == f"the viewer at {url} no longer answers"
 
 
 @pytest.mark.slow
