@@ -67,6 +67,7 @@ CONDITIONS: Mapping[str, tuple[Condition, ...]] = {
     "rebound_stop.stiffness": (Without(("rebound_stop.table",)),),
     "rebound_stop.gap": (Given(("rebound_stop.stiffness", "rebound_stop.table")),),
     "tyre.stiffness": (Without(("tyre.table",)),),
+    "tyre.damping": (Without(("tyre.damping_table",)),),
     "tyre.interpolation": (Given(("tyre.table",)),),
     "lift_off": (Given(("gravity",)),),
     "contact": (Given(("lift_off",)),),

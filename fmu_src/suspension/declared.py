@@ -80,6 +80,9 @@ WHEEL = (
               "straight lines, or smoothly without overshoot", choices=INTERPOLATIONS, tunable=True),
     parameter("tyre.damping", 100 * KGF, "radial damping of the tyre", "N.s/m",
                display="kN.s/m", minimum=0.0, tunable=True),
+    parameter("tyre.damping_table", "", "damping force of the tyre as 'rate:force, ...' in m/s and N, "
+              "extension positive, through 0:0, joined by straight lines; replaces damping",
+              tunable=True),
 )  # fmt: skip
 
 

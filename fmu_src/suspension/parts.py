@@ -284,7 +284,7 @@ def tyre_element(
         f"{prefix}tyre",
         direction,
         spring=_tyre(p, of),
-        damper=characteristics.linear(number(p, f"{of}tyre.damping")),
+        damper=_tyre_damper(p, of),
         road=f"{prefix}road",
         limit=static_load if p["lift_off"] and static_load > 0.0 else inf,
         contact=str(p["contact"]),
@@ -315,6 +315,17 @@ def _unloaded_tyre(p: Mapping[str, Value], of: str) -> Characteristic:
                 f"{force:g}"
             )
     return through_zero(table, f"{of}tyre.table")
+
+
+def _tyre_damper(p: Mapping[str, Value], of: str) -> Characteristic:
+    """Return the damper of a tyre (phi of AP57 eq. 1)."""
+    name = f"{of}tyre.damping_table"
+    text = str(p[name])
+    if not text:
+        return characteristics.linear(number(p, f"{of}tyre.damping"))
+    with blaming(name):
+        table = characteristics.table(points(name, text))
+    return _braking(through_zero(table, name), name)
 
 
 def tyre_stiffness(p: Mapping[str, Value], axle: str = "") -> float:

@@ -29,6 +29,7 @@ _UNITS = {
     "damper.table": ("m/s", "N"),
     "damper.deflection_table": ("m", "1"),
     "tyre.table": ("m", "N"),
+    "tyre.damping_table": ("m/s", "N"),
 }
 
 

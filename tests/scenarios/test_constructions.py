@@ -87,6 +87,7 @@ def test_every_model_is_constructed_on_any_road(model, road):
     "laws",
     [
         {"tyre.table": "-0.05:-9000, 0:0, 0.02:2600"},
+        {"tyre.damping_table": "-1:-900, -0.1:-250, 0:0, 0.1:150, 1:400"},
         {"damper.rebound_limit": 600.0, "damper.bump_limit": 300.0},
         {"damper.saturation_force": 700.0},
         {"damper.deflection_table": "-0.05:2, 0:1, 0.05:1.5"},

@@ -64,6 +64,7 @@ def test_a_run_over_a_measured_road(scene: str) -> None:
         ("QuarterCar", "damper.table", "v,F", ["mm/s", "N"], "0.0:0.0, 0.1:2.0"),
         ("HalfCar", "front.spring.table", "y,F", ["cm", "N"], "0.0:0.0, 1.0:2.0"),
         ("OneDof", "damper.deflection_table", "y,f", ["m", "%"], "0.0:0.0, 100.0:0.02"),
+        ("HalfCar", "rear.tyre.damping_table", "v,F", ["mm/s", "N"], "0.0:0.0, 0.1:2.0"),
     ],
 )
 def test_forces_and_characteristics_stand_in_files_alike(

@@ -37,6 +37,7 @@ TABLES = {  # and another one for each
     "bump_stop.table": ("0:0, 0.005:100, 0.02:1200", "0:0, 0.02:400"),
     "rebound_stop.table": ("0:0, 0.005:100, 0.02:1200", "0:0, 0.02:400"),
     "tyre.table": ("-0.1:-30000, -0.01:-900, 0:0, 0.1:25000", "-0.1:-30000, 0:0, 0.1:25000"),
+    "tyre.damping_table": ("-1:-900, -0.1:-250, 0:0, 1:400", "-1:-900, 0:0, 1:400"),
     "road.table": ("0:0, 0.5:0.03, 1:0, 3:-0.02, 4:0", "0:0, 0.5:0.02, 1:0"),
     "road.sequence": ("bump 0.05 1, gap 1, plank 0.03 0.5", "bump 0.04 1, gap 1, plank 0.03 0.5"),
     "force.table": ("0:0, 0.1:50, 0.2:0", "0:0, 0.1:70, 0.2:0"),
@@ -56,6 +57,7 @@ SETTINGS: dict[str, dict[str, Value]] = {
         "spring.table": SPRING, "damper.table": DAMPER, "tyre.table": TYRE, **STOPS, **BLOW_OFF,
         "spring.cubic": 2e6, "damper.saturation_force": 100.0,
     },
+    "a tyre damped by a table": {"tyre.damping_table": TABLES["tyre.damping_table"][0]},
     "progressive stops": {
         "bump_stop.table": "0:0, 0.005:100, 0.02:1200", **STOPS,
         "rebound_stop.table": "0:0, 0.005:100, 0.02:1200",

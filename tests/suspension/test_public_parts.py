@@ -134,11 +134,22 @@ def test_tyre_by_a_table_leaves_the_road_where_its_force_is_the_load() -> None:
     assert max(map(abs, found["energy_residual"])) < 1e-3
 
 
+def test_a_tyre_may_be_damped_by_a_table() -> None:
+    """As phi of AP57 eq. 1, which need not be linear; see `test_every_kind` for its motion."""
+    tyre = element("tyre", tyre__damping_table="-1:-900, -0.1:-250, 0:0, 1:400", payload=80.0)
+    rates = (-2.0, -1.0, -0.05, 0.0, 0.5, 2.0)
+    wanted = [-900.0 - 6500.0 / 9.0, -900.0, -125.0, 0.0, 200.0, 800.0]
+    assert [tyre.damper.force(w) for w in rates] == pytest.approx(wanted)
+    assert tyre.spring.tangent(0.0) == pytest.approx(147_099.75)
+
+
 @pytest.mark.parametrize(
     ("parameters", "complaint"),
     [
         ({"tyre.table": "-0.1:-3e4, 0:0, 0.1:0"}, "must rise"),
         ({"tyre.table": "-0.1:-3e4, 0.1:1e4"}, "through 0:0"),
+        ({"tyre.damping_table": "-1:-300, 1:400"}, "through 0:0"),
+        ({"tyre.damping_table": "-1:-300, 0:0, 1:-40"}, "adds energy"),
         ({"damper.deflection_table": "0:-1, 0.1:1"}, "must not be negative"),
         ({"damper.deflection_table": "0.1:1, 0:1"}, "must ascend"),
         ({"damper.saturation_force": 100.0, "damper.bump_rate": 0.0}, "must be greater than 0"),

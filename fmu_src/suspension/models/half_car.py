@@ -157,7 +157,8 @@ are two <code>QuarterCar</code>.</p>
 <td>front_spring_force + front_bump_stop_force + front_rebound_stop_force + front_friction_force;
 front_damper_force; rear likewise</td></tr>
 <tr><td>T; c&#8322;, k&#8322;</td><td>tyre force; its stiffness and damping</td>
-<td>front_tyre_force; front.tyre.stiffness, front.tyre.damping; rear likewise</td></tr>
+<td>front_tyre_force; front.tyre.stiffness, front.tyre.damping; or front.tyre.table,
+front.tyre.damping_table; rear likewise</td></tr>
 <tr><td>v, g, p</td><td>speed; gravitational acceleration; upward force on the body at its centre of
 gravity</td><td>speed, gravity, body_force + body_force.table</td></tr>
 <tr><td>f&#8321;, f&#8322;</td><td>forces of actuators, push the body up and the wheels down</td>

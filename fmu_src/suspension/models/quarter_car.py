@@ -115,7 +115,7 @@ whenever <i>N</i> is positive (AP57 eqs. 26 to 28). In flight (AP57 eq. 29):</p>
 <tr><td>F, &Phi;</td><td>spring with end stops and dry friction; damper</td>
 <td>spring_force + bump_stop_force + rebound_stop_force + friction_force; damper_force</td></tr>
 <tr><td>c&#8322;, k&#8322;</td><td>tyre stiffness and damping</td>
-<td>tyre.stiffness, tyre.damping</td></tr>
+<td>tyre.stiffness, tyre.damping; or tyre.table, tyre.damping_table</td></tr>
 <tr><td>N, g</td><td>contact force; gravitational acceleration</td>
 <td>contact_force, gravity</td></tr>
 <tr><td>p</td><td>external force on the body, upwards</td><td>body_force + body_force.table</td></tr>

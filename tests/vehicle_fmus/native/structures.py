@@ -85,7 +85,8 @@ STRUCTURES: dict[str, Structure] = {
     "without the energy ledger": Structure("QuarterCar", {"solver.energy": False}),
     "with stops, friction and a sampled road": Structure(
         "QuarterCar",
-        {"road.shape": "input", "bump_stop.stiffness": 2e5, "bump_stop.gap": 0.03, "friction": 40.0},
+        {"road.shape": "input", "bump_stop.stiffness": 2e5, "bump_stop.gap": 0.03, "friction": 40.0,
+         "tyre.damping_table": "-1:-900, 0:0, 1:400"},
     ),
     "curved, on a random road": Structure(
         "QuarterCar",
