@@ -13,7 +13,7 @@ _NO_UNITS = ("", "1", "count")
 _DIGITS, _DECIMALS = 4, 3  # fewest significant digits, and fewest decimals
 _LONGEST = 1e9
 _ROUNDING = 1e-12  # of the size of a quantity: smaller values are rounding errors of what cancels
-_LONG = 10.0  # s: times from here on are given in seconds
+_LONG = 10.0  # s: instants from here on are given in seconds
 
 
 def shown_in(unit: str) -> tuple[str, float]:
@@ -103,8 +103,8 @@ def reading(measured: Mapping[str, Any], size: float = 0.0, width: int = 0, unit
 
 
 def span(time: float) -> str:
-    """Return a time as it was given, in ms or, if it is long, in s."""
-    return f"{1e3 * time:g} ms" if time < _LONG else f"{time:g} s"
+    """Return how long something lasts, in ms or, from a second on, in s."""
+    return f"{1e3 * time:g} ms" if time < 1.0 else f"{time:g} s"
 
 
 def _instant(time: float) -> str:

@@ -12,6 +12,7 @@ from .. import simulate
 from ..errors import one_line
 from ..measures import Measure, Reading, Run, take
 from ..measures.solution import Solution, apart, instants, refinement, simulated, solved
+from ..results.quantities import span
 from ..scene.equation import EQUATION
 
 if TYPE_CHECKING:
@@ -75,12 +76,12 @@ def evaluate(scene: Scene, rows: Columns, own: Solution | None = None) -> Measur
         run = Run(own.columns, parameters, model, own.details)
     if scene.controller is not None:
         remarks.append(
-            f"measures under a controller are taken from points {1e3 * interval:g} ms apart; a smaller "
+            f"measures under a controller are taken from points {span(interval)} apart; a smaller "
             "output_interval shows what is between them"
         )
     elif own is None and not scene.fmu.is_ours:
         remarks.append(
-            f"measures are taken at the communication points, every {1e3 * interval:g} ms; extremes "
+            f"measures are taken at the communication points, every {span(interval)}; extremes "
             "between them are not detected"
         )
     remarks += _too_coarse(over_time, interval)
@@ -115,6 +116,6 @@ def _too_coarse(measures: list[Measure], interval: float) -> Iterator[str]:
     for measure in measures:
         if interval > measure.longest_interval * (1.0 + 1e-9):
             yield (
-                f"{measure.name} is taken from points {1e3 * interval:g} ms apart; it needs points at "
-                f"most {1e3 * measure.longest_interval:g} ms apart"
+                f"{measure.name} is taken from points {span(interval)} apart; it needs points at "
+                f"most {span(measure.longest_interval)} apart"
             )

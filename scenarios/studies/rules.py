@@ -20,6 +20,7 @@ from .. import simulate as simulating
 from ..draw.constructions import draw_construction
 from ..draw.planes import planes_of
 from ..errors import InputError, one_line
+from ..results.quantities import span
 from ..scene.equation import EQUATION
 
 if TYPE_CHECKING:
@@ -175,7 +176,7 @@ def _lines(scene: Scene, results: Sequence[RuleResult]) -> Iterator[str]:
     factor, unit = (1.0, "") if scene.fmu.model == EQUATION else (1e3, " in mm")
     heads = [f"{name.replace('_', ' '):>9}" for name in names]
     yield (
-        f"largest error{unit} with steps of {1e3 * scene.construction.step:g} ms over "
+        f"largest error{unit} with steps of {span(scene.construction.step)} over "
         f"{scene.construction_time:g} s, and the order measured by halving them twice"
     )
     yield ""

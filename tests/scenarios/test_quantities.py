@@ -33,7 +33,8 @@ def test_a_value_has_its_unit(value: object, unit: str, text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("time", "text"), [(1e-3, "1 ms"), (2.5e-7, "0.00025 ms"), (9.5, "9500 ms"), (1e5, "100000 s")]
+    ("time", "text"),
+    [(1e-3, "1 ms"), (2.5e-7, "0.00025 ms"), (1.0, "1 s"), (9.5, "9.5 s"), (1e5, "100000 s")],
 )
 def test_long_spans_are_in_seconds(time: float, text: str) -> None:
     assert span(time) == text
