@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import sqrt
+from math import pi, sqrt
 from time import perf_counter
 from typing import Any
 
@@ -84,6 +84,13 @@ _STOPS = {
     "rebound_stop.gap": 0.02, "rebound_stop.stiffness": 1e9,
 }  # fmt: skip
 _UNDAMPED = {"damper.rebound_rate": 0.0, "damper.bump_rate": 0.0, "tyre.damping": 0.0}
+# two masses of 1 kg on a base that moves by sin 1.2 t: K. J. Bathe, G. Noh, Insight into an implicit time
+# integration scheme for structural dynamics, Computers and Structures 98-99 (2012) 1-6
+_SOFT_ON_STIFF = {
+    "sprung_mass": 1.0, "spring.rate": 1.0, "unsprung_mass": 1.0, "tyre.stiffness": 1e7, **_UNDAMPED,
+    "lift_off": False,
+    "road.shape": "sine", "road.height": 2.0, "road.length": 2.0 * pi / 1.2, "speed": 1.0,
+}  # fmt: skip
 _OVERDAMPED = {"damper.rebound_rate": 1e4 * _CRITICAL, "damper.bump_rate": 1e4 * _CRITICAL}
 
 CASES = (
@@ -104,6 +111,7 @@ CASES = (
         | {f"damper.{side}_limit": 100.0 for side in ("rebound", "bump")},
     ),
     Extreme("no damping at all", _UNDAMPED),
+    Extreme("a spring of 1 N/m on one of 10 MN/m", _SOFT_ON_STIFF, 10.0),
     Extreme("zero mass", {"unsprung_mass": 0.0}, refused=True),
     Extreme("negative spring rate", {"spring.rate": -1.0}, refused=True),
     Extreme("friction of 2 kN on a wheel of 1 g", {"friction": 2000.0, "unsprung_mass": 1e-3},
