@@ -25,6 +25,7 @@ _ARM = 0.2  # shortest arm of the turn angles, as a fraction of the planes' widt
 _BELOW = 0.06  # gap between the planes and the turn angles, as a fraction of the planes' height
 _FLATTEST = 0.25  # of the longer side: there is room for the letters beside a motion along one axis
 _AT_REST = 0.1  # m of paper shown around a motion at rest
+_START = 0.1  # of the size of all starts and the own motion: room beyond them for the other motions
 
 
 def frame_at(drawing: Drawing, index: int | None) -> Frame:
@@ -172,15 +173,22 @@ def _marked(plane: Plane, motion: Points, axes: Sequence[Axis]) -> Points:
     return np.append(motion[np.isfinite(motion)], [plane.displacement.origin, *values])
 
 
+def _grown(points: Points, share: float) -> Points:
+    """Return the corners of the box around points, each side moved outwards by a share of its size."""
+    low, high = corners(points)
+    size = high - low or 2.0 * _AT_REST * (1 + 1j)
+    return np.array([low - share * size, high + share * size])
+
+
 def _with_others(drawing: Drawing, own: Points) -> Points:
     """Add the motions from other starts, kept to twice the size of the construction's own.
 
-    A pendulum that goes round and round would leave no room for one that swings.
+    A pendulum that goes round and round would leave no room for one that swings. All starts are there,
+    with room for what their motions do at first.
     """
     others = [np.array(curve.vertices) for curve in drawing.curves if curve.role == "trail"]
     z = np.concatenate([np.zeros(0, complex), *others])
-    low, high = corners(own)
-    size = high - low or 2.0 * _AT_REST * (1 + 1j)
-    low, high = low - size / 2, high + size / 2
+    starts = np.append(own, [vertices[0] for vertices in others])
+    low, high = corners(np.append(_grown(own, 0.5), _grown(starts, _START)))
     kept = np.clip(z.real, low.real, high.real) + 1j * np.clip(z.imag, low.imag, high.imag)
     return np.append(own, kept)

@@ -497,6 +497,22 @@ def test_the_axes_reach_over_motions_from_further_starts():
     assert {"1", "2"} <= {text.get_text() for text in figure.findobj(Text)}
 
 
+def test_every_start_is_in_view_however_small_the_own_motion_is():
+    """They were kept to twice its size: of this family, two starts of four were outside."""
+    starts = [(2.0, 0.0), (-2.5, 1.0), (0.0, 2.2)]
+    pendulum = EquationPlane(lambda v, x, t: np.sin(x) + 0.2 * v, initial_displacement=1.0)
+    drawing = family(pendulum, starts, step=0.1, duration=20.0)
+    (axes,) = phase_planes(drawing).axes
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    motions = [np.array(curve.vertices) for curve in drawing.curves if curve.role == "trail"]
+    assert len(motions) == len(starts)
+    for motion in motions:
+        assert left < motion.real.min()
+        assert motion.real.max() < right
+        assert bottom < motion.imag.min()
+        assert motion.imag.max() < top
+
+
 def test_the_tip_of_an_axis_is_in_view():
     """Further starts whose motions reach as far as the sheet: an arrow out of view is not drawn."""
     vanderpol = EquationPlane(lambda v, x, t: (x * x - 1.0) * v + x, initial_displacement=0.5)
