@@ -45,6 +45,7 @@ def read_table(path: Path) -> Table:
     """
     check_ending(path)
     try:
+        path.open("rb").close()  # some libraries do not say why they cannot open a file
         columns, text = _FORMS[path.suffix][1](path)
         if not columns or not all(len(column) for column in columns.values()):
             raise ValueError("no rows")

@@ -81,6 +81,13 @@ def test_a_file_that_is_no_table_is_told_in_one_line(
     assert str(caught.value).isprintable()
 
 
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_file_that_is_not_there_is_told_so(tmp_path: Path, ending: str) -> None:
+    """Of Parquet and MAT the message gave the name of the file twice, or what a reader needs."""
+    with pytest.raises(InputError, match=f"results{ending}: No such file or directory$"):
+        read_table(tmp_path / f"results{ending}")
+
+
 def test_endings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InputError, match=r"must end in \.csv, .*did you mean '\.parquet'"):
         read_table(tmp_path / "x.parket")
