@@ -13,6 +13,7 @@ import re
 import runpy
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from contextlib import redirect_stdout
 from dataclasses import dataclass
@@ -214,6 +215,14 @@ def test_the_touchdowns_under_a_controller_on_the_page_are_those_found() -> None
         (found,) = run.measures["touchdowns"]
         later = run["contact_force"][run["time"] >= found]
         assert (f"{1e3 * found:.3f}", f"{later.max():.0f}") == (touchdown, force)
+
+
+def test_the_version_is_the_same_everywhere() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    citation = (ROOT / "CITATION.cff").read_text("utf-8")
+    headings = re.findall(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE)
+    assert re.findall(r"^version: (.+)$", citation, re.MULTILINE) == [project["version"]]
+    assert headings[0] == project["version"]
 
 
 def test_the_readme_is_short() -> None:
