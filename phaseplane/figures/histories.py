@@ -274,6 +274,8 @@ def runs(
             style = {**look.palette.curve(number), "linestyle": DASHES[number % len(DASHES)]}
             scaled = factor * np.asarray(column, float)
             (drawn[label],) = axes.plot(time, scaled, linewidth=1.3, label=label, **style)
+        if not unit and all(np.isin(column, (0.0, 1.0)).all() for _, column in curves.values()):
+            axes.set(ylim=(-0.1, 1.1), yticks=(0, 1))  # true or false, such as airborne
     if len(labels) > 1:  # all of them, though a panel may have but one
         figure.key([drawn[label] for label in labels])
     return figure.finished(title)

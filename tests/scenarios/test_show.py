@@ -77,6 +77,16 @@ def test_all_columns_are_drawn(folders):
         np.testing.assert_array_equal(drawn[name], column)
 
 
+def test_what_is_true_or_false_has_no_values_between():
+    """A wheel that never leaves the road was drawn between -0.04 and 0.04."""
+    time = np.linspace(0.0, 1.0, 5)
+    columns = {"airborne": np.zeros(5), "touches": np.array([0.0, 1.0, 1.0, 0.0, 0.0])}
+    figure = figures.runs({name: {"": (time, column)} for name, column in columns.items()}, {})
+    for axes in figure.axes:
+        assert axes.get_yticks().tolist() == [0, 1]
+        assert axes.get_ylim() == (-0.1, 1.1)
+
+
 def test_small_lengths_are_shown_in_centimetres_or_millimetres():
     time, small, rate = [0.0, 1.0], [0.0, 0.004], [0.0, 0.5]
     columns = {"lift": {"a": (time, small), "b": (time, [0.0, 0.05])}, "rate": {"a": (time, rate)}}
