@@ -7,7 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from phaseplane.suspension.units import nearest
+from phaseplane.suspension.units import counted, nearest
 
 from phaseplane import figures
 
@@ -65,7 +65,7 @@ class Table(Mapping[str, "npt.NDArray[Any]"]):
 
     def __repr__(self) -> str:
         named = ", ".join(f"{n} [{u}]" if u not in ("", "1") else n for n, u in self.units.items())
-        return f"<{type(self).__name__}: {self.rows} rows of {named}>"
+        return f"<{type(self).__name__}: {counted(self.rows, 'row')} of {named}>"
 
     # -- other libraries -----------------------------------------------------------------------------
 

@@ -8,7 +8,7 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from phaseplane.suspension.units import nearest
+from phaseplane.suspension.units import counted, nearest
 
 from phaseplane import figures
 
@@ -148,7 +148,7 @@ def format_contents(data: Mapping[str, Any], what: Path) -> str:
     heading = ("column", "unit", "first", "last", "smallest", "largest")
     of_run = bool(data["summary"])  # of another table nothing is known, and it is told as it is
     rows = [(name, c["unit"], *_read_off(c, of_run)) for name, c in data["columns"].items()]
-    lines += [f"{data['rows']} rows", *aligned([heading, *rows])]
+    lines += [counted(data["rows"], "row"), *aligned([heading, *rows])]
     return "\n".join([*lines, *data.get("files", ())])
 
 

@@ -142,6 +142,8 @@ def test_a_table_that_is_not_of_a_run_is_told_as_it_is() -> None:
     Path("errors.csv").write_text("tolerance,error\n1e-14,1e-20\n1e-3,2\n")
     (line,) = (one for one in printed("show errors.csv").splitlines() if one.startswith("error"))
     assert line.split() == ["error", "1e-20", "2", "1e-20", "2"]
+    Path("errors.csv").write_text("tolerance,error\n1e-14,1e-20\n")
+    assert printed("show errors.csv").startswith("1 row\n")
 
 
 def test_measures_stand_side_by_side(folders):
