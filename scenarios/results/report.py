@@ -63,7 +63,7 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[Line]:
         yield "road", road
     if solver:
         yield "solver", solver
-    yield from _under("note", summary.get("remarks", ()))
+    yield from _under("note", summary["remarks"])
     yield (
         "duration",
         f"{summary['duration']:g} s, {counted(summary['rows'], 'row')}, "

@@ -222,7 +222,7 @@ class Scene:
     @property
     def shown(self) -> Show:
         """What is shown; without planes, those that the description of an FMU suggests."""
-        if self.show.planes or self.fmu.is_ours or not self.fmu.rates:
+        if self.show.planes:
             return self.show
         pairs = tuple(pair for pair in self.fmu.rates if {*pair} <= {*self.columns})
         return replace(self.show, planes=pairs)

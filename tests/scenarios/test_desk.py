@@ -245,8 +245,15 @@ def test_the_report_names_what_ran(bump):
     assert "lift-off" in bump._repr_html_()
 
 
-def test_one_lift_off_is_counted_once():
-    report = phaseplane.run("ap57", measures=["lift_off_count"]).report()
+def test_a_report_has_peaks_contact_and_other_measures_each_once():
+    measures = ["suspension_travel", "lift_off_count", "peak.body_displacement", "energy_residual",
+                "smallest_contact_force", "step_count"]  # fmt: skip
+    report = phaseplane.run("ap57", measures=measures).report()
+    names = re.findall(r"^(\S.*?)  +\S", report, re.MULTILINE)
+    assert names == [
+        "model", "road", "solver", "duration",
+        "body displacement", "lift-off", "contact", "energy", "suspension travel", "run", "expected",
+    ]  # fmt: skip
     assert re.search("^lift-off +1 time$", report, re.MULTILINE)
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import written
+from phaseplane.scenarios.design.fit import fit, read_task
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.results.folder import read_summary
 from phaseplane.scenarios.results.signals import read_signals
@@ -74,6 +75,23 @@ def test_a_fit_finds_the_parameters_within_its_confidence(noise):
     assert found.summary["residual"]["body_acceleration"] < (1e-6 if noise == 0.0 else 0.5)
     assert read_summary(found.folder)["values"] == found.values
     assert found.summary["samples"] == 301
+
+
+def test_of_several_starts_the_one_nearest_to_the_signals_is_followed(monkeypatch):
+    """The sum of squares has another minimum at 8 m/s, beyond a jump; there the signals lie below."""
+
+    def signals(plan, task):
+        for (speed,) in plan.points:
+            off = 0.1 * (speed - 18.0) if speed > 13.0 else -1.0 - 0.02 * (speed - 8.0) ** 2
+            yield len(task.time) * [1.0 + off]
+
+    monkeypatch.setattr("phaseplane.scenarios.design.fit._signals_of", signals)
+    rows = "".join(f"{0.1 * k:.1f},1\n" for k in range(9))
+    written("time,body_acceleration\n" + rows, "rig.csv")
+    task = read_task(Path(study(
+        "[vary]\nspeed = { from = 5, to = 20 }\n[measured]\nfile = 'rig.csv'\n[search]\nstarts = 8\n"
+    )))  # fmt: skip
+    assert fit(task, Path("journal")).values == [pytest.approx(18.0)]
 
 
 @pytest.mark.parametrize("control", ["", 'actuator_force = "-500 * body_velocity"'])

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from command_line import reported, settings
 from phaseplane.scenarios.scene.fmus import find_fmu
+from phaseplane.scenarios.scene.loading import load_scene
 from rerun.chunk import RrdReader
 
 OUTPUTS = {
@@ -67,6 +68,12 @@ def test_its_units_and_rates_are_read(foreign: Path) -> None:
         "h": "m", "w": "m/s", "F": "N", "s": "m",
     }  # fmt: skip
     assert found.rates == (("h", "w"),)
+
+
+def test_its_planes_are_those_of_its_rates_unless_others_are_given(foreign: Path) -> None:
+    assert load_scene(str(foreign)).shown.planes == (("h", "w"),)
+    for given, planes in (("show.outputs=['h']", ()), ("show.planes=['s,F']", (("s", "F"),))):
+        assert load_scene(str(foreign), [given]).shown.planes == planes
 
 
 @pytest.mark.slow

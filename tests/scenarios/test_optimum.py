@@ -103,6 +103,20 @@ def test_a_trade_off_of_peaks_is_one_of_their_magnitudes():
     assert np.abs(np.diff(sizes)).max() < 0.4 * np.ptp(sizes)
 
 
+def test_the_points_of_a_trade_off_are_evenly_spaced_in_the_second_measure(monkeypatch):
+    def measured(plan):
+        for (speed,) in plan.points:
+            yield (speed - 8.0) ** 2, (speed - 16.0) ** 2
+
+    monkeypatch.setattr("phaseplane.scenarios.design.optimum._measures_of", measured)
+    problem = read_problem(Path(study(
+        "minimise = 'rms.body_acceleration'\nagainst = 'suspension_travel'\n[vary]\n"
+        "speed = { from = 5, to = 20 }\n[search]\npopulation = 1\ngenerations = 0\ntrade_offs = 5\n"
+    )))  # fmt: skip
+    _, front = solve(problem, Path("journal")).front
+    np.testing.assert_allclose(front[:, 1], [64.0, 48.0, 32.0, 16.0, 0.0], rtol=1e-3, atol=1e-6)
+
+
 def test_the_best_run_is_found_wherever_the_search_meets_it(monkeypatch):
     """The second measure is least in a dip of the first that the search for the first has missed."""
 

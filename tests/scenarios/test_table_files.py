@@ -87,7 +87,7 @@ def test_the_columns_of_a_file_with_two_need_no_names() -> None:
     assert load_scene(path).parameters["damper.table"] == "-0.1:-2.0, 0.1:2.0"
     written("v,F,T\n-100,-2,20\n", "table.csv")
     with pytest.raises(
-        InputError, match=r"columns is missing; give the names of two columns of 'v'"
+        InputError, match=r"columns is missing; give the names of two columns of 'v', 'F', 'T'$"
     ):
         load_scene(path)
     written("v;F\n-100;-2\n", "table.csv")
