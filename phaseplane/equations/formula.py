@@ -222,11 +222,11 @@ def check_name(name: str) -> None:
     ------
     ValueError : a name that is not an identifier, or has another meaning in a formula.
     """
-    taken = (*VARIABLES, *_CONSTANTS, *FUNCTIONS, "s")
-    if not name.isidentifier() or name.startswith("_") or name in taken:
+    taken = (*VARIABLES, *_CONSTANTS, "s")
+    if not name.isidentifier() or name.startswith("_") or name in (*taken, *FUNCTIONS):
         raise ValueError(
-            f"{name!r} cannot name a parameter of an equation: use letters, digits and _, "
-            f"but not {', '.join(taken[:5])} or the name of a function"
+            f"{name!r} cannot name a parameter of an equation: use letters, digits and _ behind a "
+            f"letter, but not {', '.join(taken)} or the name of a function"
         )
 
 

@@ -178,11 +178,11 @@ def simulated(
             found = stepped(model, given, time, outputs.union(ends), going_on)
             yield _refined(found, hidden, solve)
         return
+    outputs = outputs or {next(iter(outputs_over_time(model)))}  # tells how far a run has come
 
     def solution(run: Outcome) -> Solution:
         # a run that could not start has no columns
-        all_rows = 0 if run.failure else len(time)
-        reached = min((len(column) for column in run.columns.values()), default=all_rows)
+        reached = min(map(len, run.columns.values()), default=0)
         columns = {"time": time[:reached], **run.columns}
         return Solution(
             columns, run.at_end, run.failure, run.switches, run.joints, run.closer or None

@@ -68,7 +68,7 @@ def equation_variables(given: object = None) -> tuple[Variable, ...]:
             (unit_of(value) if isinstance(value, str) else "") or "1",
         )
         for name, value in given.items()
-        if name in words and name not in _OWN and _may_name(name)
+        if name in words and name not in _OWN
     ]
     return (*_variables(unit if unit in _UNITS else "1"), *named)
 
@@ -99,14 +99,6 @@ def outputs_of_starts(variables: Iterable[Variable], count: int) -> tuple[Variab
         for number in range(2, count + 2)
         for v in outputs
     )
-
-
-def _may_name(name: str) -> bool:
-    try:
-        equations.check_name(name)
-    except ValueError:
-        return False
-    return True
 
 
 def formula_of(parameters: Mapping[str, Value]) -> equations.Formula:

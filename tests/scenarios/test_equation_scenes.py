@@ -73,6 +73,7 @@ def test_named_parameters_are_si_and_part_of_the_scene(pendulum: str, tmp_path: 
     ("setting", "message"),
     [
         ("m=1", "Equation has no parameter 'm'"),
+        ("x=1", "'x' cannot name a parameter of an equation: .* but not v, x, t, pi, s or"),
         ("equation=k*g*l*R*x", "'k' is not known.*give its value in .parameters., such as k = 1.0"),
         ("l=5 parsec", "unit 'parsec' does not fit"),
         ("unit=ft", "unit = 'ft': must be one of 1, m, rad"),

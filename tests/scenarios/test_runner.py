@@ -18,7 +18,7 @@ from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.schema import Scene
 from phaseplane.scenarios.simulate.driver import Drive, OpenFmu, opened
 from phaseplane.scenarios.simulate.interrupts import deferred_interrupt
-from phaseplane.scenarios.simulate.runner import Interrupted, run, run_with
+from phaseplane.scenarios.simulate.runner import Interrupted, run, run_with, solve
 from phaseplane.suspension.session import simulate
 from vehicle_reference import solved
 
@@ -115,6 +115,18 @@ def test_a_diverging_run_keeps_what_it_had() -> None:
     own = simulate("QuarterCar", scene.parameters, times.tolist(), ["wheel_displacement"])
     assert own["wheel_displacement"] == results.columns["wheel_displacement"].tolist()
     assert results.summary["measures"]["step_count"]["value"] > 10
+
+
+def test_a_run_of_which_nothing_is_shown_tells_how_far_it_has_come() -> None:
+    """One that diverged was said not to have started."""
+    bare = [*UNDRAWN, "show.outputs=[]", "show.measures=[]"]
+    whole = solve(load_scene("ap57", bare, expect=False))
+    assert whole.columns["time"].tolist() == [0.0, 1.0]
+    diverging = ("spring.cubic=-1e9", "road.height=0.3")
+    stopped = solve(load_scene("ap57", [*bare, *diverging], expect=False)).stopped
+    assert stopped is not None
+    assert stopped["time"] == pytest.approx(0.018)
+    assert "diverged at 0.018" in stopped["reason"]
 
 
 def test_what_only_the_end_tells_is_read_there(monkeypatch: pytest.MonkeyPatch) -> None:
