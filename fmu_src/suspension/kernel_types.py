@@ -188,7 +188,7 @@ class _Kernel:
             elif isinstance(node, ast.ClassDef):
                 found.records[node.name] = Record(
                     node.name,
-                    self._base(node),
+                    _base(node),
                     self._fields_of(node.name),
                     self.methods[node.name],
                     frozenset(name for name, _ in _annotated(node) if not name.startswith("_")),
@@ -248,27 +248,23 @@ class _Kernel:
             return kind
         return "object" if kind in _ANY_OBJECT else ""
 
-    def _base(self, node: ast.ClassDef) -> str:
-        bases = [ast.unparse(base) for base in node.bases]
-        return next((base for base in bases if base in self.classes), "")
-
     def _all_methods(self, owner: str) -> dict[str, Routine]:
         """Return the methods of a class and its bases; none if it is no class of the kernel."""
         if owner not in self.classes:
             return {}
-        return {**self._all_methods(self._base(self.classes[owner])), **self.methods[owner]}
+        return {**self._all_methods(_base(self.classes[owner])), **self.methods[owner]}
 
     def _all_fields(self, owner: str) -> dict[str, str]:
         """Return the fields of a class, its bases first; none if the kernel has no such class."""
         if owner not in self.classes:
             return {}
-        return {**self._all_fields(self._base(self.classes[owner])), **self._fields_of(owner)}
+        return {**self._all_fields(_base(self.classes[owner])), **self._fields_of(owner)}
 
     def _fields_of(self, owner: str) -> dict[str, str]:
         """Return the fields that a class itself defines, in the order in which it names them."""
         if owner not in self._fields:
             node = self.classes[owner]
-            inherited = self._all_fields(self._base(node))
+            inherited = self._all_fields(_base(node))
             own = self._fields[owner] = {
                 name: self._annotation(kind) for name, kind in _annotated(node)
             }
@@ -326,6 +322,11 @@ class _Kernel:
 
     def _result(self, routines: Mapping[str, Routine], name: str) -> str:
         return routines[name].returns if name in routines else "object"
+
+
+def _base(node: ast.ClassDef) -> str:
+    """Return the name of the class that a class extends, or ""."""
+    return next(map(ast.unparse, node.bases), "")
 
 
 def _annotated(node: ast.ClassDef) -> Iterator[tuple[str, ast.expr]]:

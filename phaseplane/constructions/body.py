@@ -27,7 +27,7 @@ class BodyMasses:
     coupling_mass: float
 
     def __post_init__(self) -> None:
-        check(self, positive=("front_mass", "rear_mass"), finite=("coupling_mass",))
+        check(self, positive=("front_mass", "rear_mass"))
         if not self.determinant > 0.0:
             raise ValueError(
                 f"coupling_mass = {self.coupling_mass:g} kg: its square must be below front_mass times "

@@ -123,6 +123,7 @@ def test_a_misread_point_does_not_spoil_the_step_after_it(task, change, words):
         ("no_curve", "the auxiliary curve was not used"),
         ("no_delta", "delta was omitted"),
         ("sign", "sign of the velocity is wrong"),
+        ("side", "sign of the displacement is wrong"),
         ("exchanged", "displacement and velocity are interchanged"),
     ],
 )
@@ -148,7 +149,10 @@ def test_the_rule_that_was_broken_is_named(task, mistake, words):
         wrong = turned(state[0], foot(middle), turn)
     else:
         right = stepper.step("contact", state, window)[1][0]
-        wrong = {"sign": right.conjugate(), "exchanged": complex(right.imag, right.real)}[mistake]
+        wrong = {
+            "sign": right.conjugate(), "side": -right.conjugate(),
+            "exchanged": complex(right.imag, right.real),
+        }[mistake]  # fmt: skip
     points.append(wrong)
     follow(construction, drawing, points, 8)
     marks = judged(construction, drawing, points)
@@ -261,6 +265,42 @@ def test_mistakes_in_the_planes_of_a_car_are_named(senses, unit, words):
     read = tuple(o + unit * (p - o) for o, p in zip(origins, made, strict=True))
     start = Reading(0, construction.initial)
     (found,) = mark(construction, DELTA, drawing, [start, Reading(1, read)]).marks
+    assert (found.verdict, found.said) == (METHOD, words)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        (lambda origin, a, _: a, "the excitation was omitted: D was placed at A*"),
+        (lambda origin, a, d: a - (d - a), "the excitation was laid off in the wrong direction"),
+        (
+            lambda origin, a, d: origin - (d - origin),
+            "delta was laid off on the wrong side of the axis: D mirrored about the origin",
+        ),
+        (lambda origin, a, d: origin, "D was placed at the origin: delta was omitted"),
+    ],
+)
+def test_a_mistake_with_the_feet_in_the_planes_of_a_car_is_named(wrong, words):
+    """The origin of plane 2 is not that of the sheet."""
+    construction = ap57()
+    drawing = construct_motion(construction, DELTA, step=2.5e-3, steps=8)
+    planes, last = construction.planes, drawing.frames[-1]
+
+    def misplaced(mode, states, window):
+        points = construction.points(mode, states, window)
+        return points | {
+            plane.foot: wrong(
+                plane.displacement.origin, points[f"A{plane.number}*"], points[plane.foot]
+            )
+            for plane in planes
+        }
+
+    states = [tuple(f.points[p.state] for p in planes) for f in drawing.frames]
+    stepper = Stepper(construction, DELTA, make_points=misplaced)
+    _, made = stepper.step("contact", states[-1], Window(last.time, last.duration))
+    read = [Reading(i, points) for i, points in enumerate([*states, made])]
+    *others, found = mark(construction, DELTA, drawing, read).marks
+    assert {m.verdict for m in others} == {RIGHT}
     assert (found.verdict, found.said) == (METHOD, words)
 
 

@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 from math import pi, sqrt
+from pathlib import Path
 
 import numpy as np
 import pyarrow
@@ -13,6 +14,8 @@ from command_line import complaint, printed, written
 from hosting import in_python
 from phaseplane.scenarios.desk import run as module
 from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.results.report import report
+from phaseplane.suspension import engine
 from phaseplane.suspension.session import simulate
 from small_sweep import sweep_file
 
@@ -242,26 +245,31 @@ def test_a_picture_is_as_wide_as_asked(bump):
 
 def test_the_report_names_what_ran(bump):
     assert "in this process" in bump.report()
+    assert ("uncompiled" in bump.report()) is not engine.compiled
+    for through_fmu in ({"build_time": 0.2}, {"fmu": "fmus/QuarterCar.fmu"}):
+        assert " with FMPy" in report(
+            {**bump.summary, "drawn": None, "problems": [], **through_fmu}, Path()
+        )
     assert "lift-off" in bump._repr_html_()
 
 
 def test_a_report_has_peaks_contact_and_other_measures_each_once():
     measures = ["suspension_travel", "lift_off_count", "peak.body_displacement", "energy_residual",
                 "smallest_contact_force", "step_count"]  # fmt: skip
-    report = phaseplane.run("ap57", measures=measures).report()
-    names = re.findall(r"^(\S.*?)  +\S", report, re.MULTILINE)
+    text = phaseplane.run("ap57", measures=measures).report()
+    names = re.findall(r"^(\S.*?)  +\S", text, re.MULTILINE)
     assert names == [
         "model", "road", "solver", "duration",
         "body displacement", "lift-off", "contact", "energy", "suspension travel", "run", "expected",
     ]  # fmt: skip
-    assert re.search("^lift-off +1 time$", report, re.MULTILINE)
+    assert re.search("^lift-off +1 time$", text, re.MULTILINE)
 
 
 def test_the_columns_of_a_report_are_aligned():
     """Beside long names of wheels and long units, too."""
-    report = phaseplane.run("full_car").report()
-    (model,) = re.findall("^model +", report, re.MULTILINE)
-    lift_offs = re.findall("^.* lift-off +(?=\\d|none)", report, re.MULTILINE)
+    text = phaseplane.run("full_car").report()
+    (model,) = re.findall("^model +", text, re.MULTILINE)
+    lift_offs = re.findall("^.* lift-off +(?=\\d|none)", text, re.MULTILINE)
     assert {len(name) for name in lift_offs} == {len(model)}
     measures = ["peak.body_acceleration", "peak.pitch_acceleration", "peak.body_displacement"]
     pitching = phaseplane.run("half_car_pitch", measures=measures, expect=False).report()

@@ -75,15 +75,16 @@ def test_a_bound_on_a_peak_is_one_on_its_magnitude():
 
 @pytest.mark.parametrize(("most", "kept"), [(15, False), (40, True)])
 def test_the_scene_found_has_the_road_of_the_study(most, kept):
-    """A random road depends on its length, which all runs of a study share."""
+    """A random road depends on its length, which all runs of a study share; it extends their scene."""
     written(
         'fmu = "QuarterCar"\nduration = "12 s"\n[parameters]\nroad.shape = "random"\n', "car.toml"
     )
     space = read_problem(Path(study(
         f'minimise = "suspension_travel"\n[vary]\nspeed = {{ from = 10, to = {most} }}\n'
     ))).space  # fmt: skip
-    written(_scene(space, {"speed": 12.0}, Path()), "found.toml")
-    found = load_scene("found.toml")
+    Path("out").mkdir()
+    written(_scene(space, {"speed": 12.0}, Path("out")), "out/found.toml")
+    found = load_scene("out/found.toml")
     assert ("road.profile_length" in found.parameters) is kept
     assert found.all_parameters["road.profile_length"] == space.plan.road_length
 

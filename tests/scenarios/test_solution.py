@@ -18,6 +18,7 @@ from phaseplane.scenarios.measures.road import roughness_index
 from phaseplane.scenarios.measures.solution import (
     Solution,
     apart,
+    hiding_places,
     instants,
     refinement,
     solved,
@@ -72,6 +73,16 @@ def test_measures_do_not_depend_on_the_output_interval(case: str) -> None:
         close = 1e-4 if name.startswith(("peak.", "amplitude.")) or "travel" in name else 1e-3
         if name != "roughness_index" or case == "iso8608_c":  # an index of long roads
             assert value == pytest.approx(found[1][name], rel=close), name
+
+
+def test_between_switches_that_are_close_together_times_are_close_too() -> None:
+    """Whatever happens between two hits of a stop may be over within a fraction of an interval."""
+    time = np.linspace(0.0, 0.1, 101)
+    still = Solution({"time": time, "x": 0.0 * time}, switches=[0.0521, 0.0533, 0.09])
+    places = hiding_places(still, {("x", "range")})
+    within = places[(places > 0.0521) & (places < 0.0533)]
+    assert np.diff([0.0521, *within, 0.0533]).max() < 1.1e-4
+    assert not ((places > 0.0534) & (places < 0.0899)).any()
 
 
 @pytest.mark.parametrize("name", ["rms.tyre_force", "rms.wheel_acceleration"])

@@ -307,7 +307,5 @@ def _affine(offset: int, step: int) -> str:
     """Return offset + step k in C."""
     if step == 0:
         return str(offset)
-    if step < 0:
-        return f"{offset} - {'' if step == -1 else f'{-step} * '}k"
     course = "k" if step == 1 else f"{step} * k"
-    return course if offset == 0 else f"{course} {'+' if offset > 0 else '-'} {abs(offset)}"
+    return course if offset == 0 else f"{offset} + {course}"
