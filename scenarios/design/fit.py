@@ -25,7 +25,7 @@ from ..toml_files import read_content
 from .files import FitFile, SearchOfFit, read_study
 from .space import Points, Runs, Space, differences, journaled
 
-_LEVEL = 0.95
+LEVEL = 0.95  # of confidence
 _STEPS, _USUAL_STEPS = 60, 10  # of the least squares, at most and as a rule
 _ALIKE = 0.95  # correlation above which two parameters are hardly distinguished
 _LOST = 1e-3  # of the largest change of the signals: less is within the error of its differences
@@ -179,7 +179,7 @@ def fit(task: Task, journal: Path, progress: Progress = silent) -> Fit:
         fitted = _apart(runs.at(found.x)[0], task)
         return Fit(
             task, space.values(found.x),
-            float(t.ppf(0.5 + 0.5 * _LEVEL, freedom)) * deviations * space.widths,
+            float(t.ppf(0.5 + 0.5 * LEVEL, freedom)) * deviations * space.widths,
             correlation, fitted,
             {
                 name: float(np.sqrt(np.mean(np.square(fitted[name] - x)) / np.mean(np.square(x))))

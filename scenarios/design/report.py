@@ -18,7 +18,7 @@ from ..results.quantities import quantity, shown_in, sizes, with_unit
 from ..results.report import aligned
 from ..scene.expectations import Bounds
 from ..sweeps.job import picture_of
-from .fit import Fit
+from .fit import LEVEL, Fit
 from .optimum import Optimum
 from .space import Space
 
@@ -173,7 +173,7 @@ def fit_data(found: Fit) -> dict[str, Any]:
     keys = found.task.space.plan.keys
     return {
         "half_widths": dict(zip(keys, found.errors.tolist(), strict=True)),
-        "confidence": 0.95,
+        "confidence": LEVEL,
         "correlation": found.correlation.tolist(),
         "residual": dict(found.residual),
         "at_bound": list(found.at_bound),
@@ -186,7 +186,9 @@ def format_fit(found: Fit) -> list[str]:
     """Return the report of a fit, in lines."""
     space = found.task.space
     given: Mapping[str, Value] = space.plan.scene.all_parameters
-    rows: list[tuple[str, ...]] = [("parameter", "before", "fitted", "within (95 %)")]
+    rows: list[tuple[str, ...]] = [
+        ("parameter", "before", "fitted", f"within ({100.0 * LEVEL:g} %)")
+    ]
     for k, key in enumerate(space.plan.keys):
         unit, size = space.plan.shown[k]
         within = with_unit(f"+- {found.errors[k] / size:.2g}", unit)

@@ -10,7 +10,7 @@ from typing import Any
 
 def as_json(data: object) -> str:
     """Return plain data as JSON; a number that is not finite becomes null."""
-    return json.dumps(_finite(data), indent=1, ensure_ascii=False, allow_nan=False)
+    return json.dumps(_finite(data), indent=1, ensure_ascii=False)
 
 
 def _finite(data: Any) -> Any:

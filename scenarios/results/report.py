@@ -272,7 +272,7 @@ def _number(value: object) -> str:
         return "none"
     if isinstance(value, list | tuple):
         return ", ".join(map(_number, value)) or "none"
-    return f"{value:.8g}" if isinstance(value, float) else str(value)
+    return f"{value:.8g}"
 
 
 def _bounds(expectation: Mapping[str, Any]) -> str:

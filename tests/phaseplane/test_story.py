@@ -98,12 +98,14 @@ def test_a_story_laid_over_a_motion_tells_by_how_much_a_step_misses_it() -> None
         assert "missed by" in text
 
 
-def test_the_empty_sheet_tells_scales_and_frequencies() -> None:
+def test_the_empty_sheet_tells_scales_and_frequencies_and_the_whole_motion_where_it_ends() -> None:
     made = construct_motion(ap57(), delta, step=0.0025, steps=30)
-    _, (first, *_) = sheet_and_story(made)
+    _, (first, *_, end) = sheet_and_story(made)
     one, two = (f"{plane.angular_frequency:.4g}" for plane in made.planes)
     scales = "Scales: y₁ 1 : 1 (a), y₂ 2.5 : 1 (b)"
     assert f"{scales}; Ω₁ = {one} rad/s, Ω₂ = {two} rad/s." in first.text
+    assert "body" in end.text
+    assert "from its forces" not in end.text  # the check of the body's motion has no room there
 
 
 def test_a_story_tells_the_jump_of_a_road_and_no_rest() -> None:

@@ -11,7 +11,14 @@ from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.measures.reading import Reading
 from phaseplane.scenarios.results.folder import read_results
 from phaseplane.scenarios.results.tables import read_table, write_table
-from phaseplane.scenarios.scene.expectations import Bounds, During, judged_measures, remarks
+from phaseplane.scenarios.scene.expectations import (
+    Bounds,
+    During,
+    Reference,
+    ReferenceTable,
+    judged_measures,
+    remarks,
+)
 from phaseplane.scenarios.scene.fields import read_table as table
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.schema import Scene
@@ -52,6 +59,16 @@ def test_bounds_within_a_time(said: dict[str, object], holds: bool, value: float
     judged = table(During, said).judged(OUTPUTS, COLUMNS["time"], column)
     assert judged["holds"] is holds
     assert judged["value"] == value
+
+
+@pytest.mark.parametrize("common", [False, True])
+def test_what_one_side_lacks_is_a_difference_unless_only_the_common_counts(common: bool) -> None:
+    settings = table(Reference, {"file": "reference.csv", "common": common})
+    shorter = {name: column[:3] for name, column in COLUMNS.items()}
+    judged = ReferenceTable(settings, Path("reference.csv"), shorter).judged(COLUMNS)
+    assert judged["value"] == 0.0
+    assert judged["holds"] is common
+    assert bool(judged["reason"]) is not common
 
 
 def scene(fmu: Path, expect: str) -> Scene:

@@ -74,6 +74,7 @@ def test_a_fit_finds_the_parameters_within_its_confidence(noise):
         assert width < (1e-2 if noise == 0.0 else 200.0)
     assert found.summary["residual"]["body_acceleration"] < (1e-6 if noise == 0.0 else 0.5)
     assert read_summary(found.folder)["values"] == found.values
+    assert (found.folder / "study.png").is_file()
     assert found.summary["samples"] == 301
 
 

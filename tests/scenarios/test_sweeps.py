@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from math import inf
 from pathlib import Path
 
 import pytest
@@ -334,6 +335,22 @@ def test_of_runs_that_fail_one_by_one_no_measure_counts(
     assert words in rows()[1]["reason"]
     assert rows()[1]["rms.displacement"] == ""
     assert json.loads(result.stdout)["measures"]["rms.displacement"]["run_of_max"] == 0
+
+
+@pytest.mark.parametrize(
+    ("ours", "theirs", "apart"),
+    [
+        ((2.0, None), (2.0, None), 0.0),
+        ((2.0, 1), (1.5, 1), 0.25),
+        ((-2.0, 0.0), (2.0, 0.0), 2.0),
+        ((2.0, None), (2.0, 0.1), inf),
+    ],
+)
+def test_the_disagreement_is_relative_and_infinite_where_only_one_knows_a_measure(
+    ours: tuple, theirs: tuple, apart: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(running, "run_chunk", lambda *_: [Row(0, ours)])
+    assert running._disagreement(load_plan(sweep_file()), [Row(0, theirs)]) == apart
 
 
 @pytest.mark.slow

@@ -226,9 +226,8 @@ class Expressions:
         kind = "int" if part.kind == "bint" else part.kind
         if kind not in NUMBERS:
             raise self._wrong(node, "only a number has a sign")
-        text = part.within(_UNARY)
-        return replace(part, text=f"-({text})" if text[0] == "-" else f"-{text}", kind=kind,
-                       level=_UNARY)  # fmt: skip
+        # above its own level, as C reads -- as another operator
+        return replace(part, text=f"-{part.within(_PRIMARY)}", kind=kind, level=_UNARY)
 
     def _of_binop(self, node: ast.BinOp) -> C:
         if type(node.op) not in BINARY:

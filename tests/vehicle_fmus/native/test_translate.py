@@ -23,7 +23,7 @@ CONSTRUCTS = {
     "whole division": (
         "k = 3 * (7 * i // (j + 1)) * j\nm = 3 * (9 * i % (j + 1)) * j\nreturn k + 100 * m"
     ),
-    "signs": "return -x - -y + -(-x * y) - -(i - 7)",
+    "signs": "return -x - -y + -(-x * y) - -(i - 7) + -(-y)",
     "constants": "return 1e300 * x + 0.1 + _FACTOR * y + _COUNT",
     "maths": "return sqrt(fabs(x)) + exp(-y * y) + tanh(x) + log1p(x * x) + sin(x) * cos(y)",
     "more maths": "return floor(x) + ceil(y) + pow(fabs(x), 0.3) + sinh(y) + isfinite(x)",
