@@ -263,13 +263,12 @@ def _refine(problem: Problem, runs: Runs, start: Points) -> None:
         "fun": lambda x: margins(x)[0],
         "jac": lambda x: differences(margins, x),
     }
-    found = minimize(
+    minimize(
         lambda x: float(costs(x)[0]), start, jac=lambda x: differences(costs, x),
         bounds=[(0.0, 1.0)] * len(start), method="SLSQP",
         constraints=[constraint] if problem.bounds else [],
         options={"maxiter": _STEPS, "ftol": _TOLERANCE},
     )  # fmt: skip
-    runs.at(np.clip(found.x, 0.0, 1.0))
     runs.end_stage()
 
 

@@ -251,8 +251,6 @@ def hiding_places(solution: Solution, hidden: Collection[tuple[str, str]]) -> Co
     hidden : names of outputs and where to refine them; see `Measure.details`
     """
     time = solution.columns["time"]
-    if len(time) < 3:
-        return time[:0]
     cells = sorted({
         cell
         for name, extreme in hidden

@@ -55,7 +55,7 @@ def contents(
         raise InputError(f"{what}: {DAMAGED}")
     data = {
         "file": str(what),
-        "summary": dict(results.summary),
+        "summary": results.summary,
         "rows": len(next(iter(results.columns.values()))),
         "columns": {
             name: {

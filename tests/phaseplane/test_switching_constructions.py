@@ -22,6 +22,7 @@ from phaseplane.constructions import (
     family,
     rule_named,
 )
+from phaseplane.constructions.two_planes_schemes import axle_scheme
 from phaseplane.equations import Formula, motion
 
 
@@ -106,6 +107,19 @@ def test_a_force_that_switches_at_the_end_of_a_step_does_so_there(at, step):
     drawing = construct_motion(EquationPlane(formula.switching), step=step, duration=3.0)
     expected = [0.7 * (1.0 - cos(max(f.time - at, 0.0))) for f in drawing]
     assert [f.readings["displacement"] for f in drawing] == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize("linear_tyre", [True, False])
+def test_of_a_strut_that_is_held_d1_is_known_and_a1_is_found(linear_tyre: bool):
+    held, free = (
+        " ".join(axle_scheme(flies=False, linear_tyre=linear_tyre, sticks=sticks).stages)
+        for sticks in (True, False)
+    )
+    assert "D1 = Q1" in held
+    assert "the y1 axis in A1*" in held
+    assert "gives D1" not in held
+    assert "Down to the axes: A1*" in free
+    assert "Q2 through C2 gives D1" in free
 
 
 def test_a_car_with_dry_friction_sticks_and_slips_in_its_plane():

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from phaseplane.scenarios.design.job import _scene
 from phaseplane.scenarios.design.optimum import read_problem, solve, undominated
+from phaseplane.scenarios.design.report import format_optimum, optimum_data
 from phaseplane.scenarios.scene.loading import load_scene
 from studied_car import CAR, SEARCH, SHORT, study
 
@@ -112,10 +113,31 @@ def test_the_points_of_a_trade_off_are_evenly_spaced_in_the_second_measure(monke
     monkeypatch.setattr("phaseplane.scenarios.design.optimum._measures_of", measured)
     problem = read_problem(Path(study(
         "minimise = 'rms.body_acceleration'\nagainst = 'suspension_travel'\n[vary]\n"
-        "speed = { from = 5, to = 20 }\n[search]\npopulation = 1\ngenerations = 0\ntrade_offs = 5\n"
+        "speed = { from = 5, to = 20 }\n[search]\npopulation = 1\ngenerations = 0\ntrade_offs = 3\n"
     )))  # fmt: skip
-    _, front = solve(problem, Path("journal")).front
-    np.testing.assert_allclose(front[:, 1], [64.0, 48.0, 32.0, 16.0, 0.0], rtol=1e-3, atol=1e-6)
+    found = solve(problem, Path("journal"))
+    _, front = found.front
+    np.testing.assert_allclose(front[:, 1], [64.0, 32.0, 0.0], rtol=1e-3, atol=1e-6)
+    assert len(found.envelope) > len(front)  # of runs of which none beats another
+
+
+@pytest.mark.parametrize(
+    ("sense", "speed", "words"), [("minimise", 8.0, "least"), ("maximise", 20.0, "largest")]
+)
+def test_an_optimum_is_told_with_its_sense(sense, speed, words, monkeypatch):
+    monkeypatch.setattr(
+        "phaseplane.scenarios.design.optimum._measures_of",
+        lambda plan: [((speed - 8.0) ** 2,) for (speed,) in plan.points],
+    )
+    problem = read_problem(Path(study(
+        f"{sense} = 'suspension_travel'\n[vary]\nspeed = {{ from = 5, to = 20 }}\n"
+        "[search]\npopulation = 1\ngenerations = 0\n"
+    )))  # fmt: skip
+    found = solve(problem, Path("journal"))
+    assert problem.space.values(found.best) == pytest.approx([speed], abs=1e-3)
+    assert optimum_data(found)["sense"] == sense
+    (row,) = [line for line in format_optimum(found) if line.startswith("suspension_travel")]
+    assert row.endswith(words)
 
 
 def test_the_best_run_is_found_wherever_the_search_meets_it(monkeypatch):

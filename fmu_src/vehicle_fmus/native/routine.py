@@ -157,8 +157,7 @@ class Routine(Expressions):
     def _while(self, node: ast.While) -> None:
         if node.orelse:
             raise self._wrong(node, "a loop has no else")
-        always = isinstance(node.test, ast.Constant) and node.test.value is True
-        self._write("for (;;) {" if always else f"while ({self._truth(node.test).text}) {{")
+        self._write(f"while ({self._truth(node.test).text}) {{")
         self._repeated(node)
         self._write("}")
 
