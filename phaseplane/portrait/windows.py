@@ -68,9 +68,8 @@ def window_of(
     """
     places = np.reshape(np.array(starts or [(0.0, 0.0)], float), (-1, 2))
     found = _of_width(system, reach, places)
-    tall = max(-found.bottom, found.top)
     ends = [
-        _domain(_across(system, x), float(places[0, 1]), tall)
+        _domain(_across(system, x), float(places[0, 1]), found.top)
         for x in (found.left, float(places[0, 0]), found.right)
     ]
     low, high = min(low for low, _ in ends), max(high for _, high in ends)
@@ -83,7 +82,7 @@ def window_of(
 
 
 def _of_width(system: PhaseSystem, reach: float, places: Grid) -> Window:
-    """Return a window that fits along the x axis."""
+    """Return a window that fits along the x axis, as high above it as below."""
     least = 1.1 * float(np.abs(places[:, 0]).max())
     reach = max(reach, least)
     low, high = _domain(_along(system), float(places[0, 0]), _ROOM * reach)

@@ -83,6 +83,14 @@ def test_a_window_holds_limit_cycles_and_starts() -> None:
     assert window.top == -window.bottom == pytest.approx(12.5)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_window_ends_at_the_velocity_from_which_on_f_is_undefined(side: float) -> None:
+    window = window_of(of(lambda v, x: x + 0.1 * np.sqrt(1.0 - side * v)), 3.0)
+    up, down = (window.top, -window.bottom)[:: int(side)]
+    assert 0.98 < up < 1.0
+    assert down > 3.0
+
+
 @pytest.mark.slow
 def test_a_window_ends_at_a_pole_across_the_plane() -> None:
     damped = of(lambda v, x: np.exp(x) - 1.0 + np.tan(v))
