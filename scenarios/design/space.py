@@ -76,12 +76,12 @@ class Space:
             measures,
         )
         for key, low, high in zip(plan.keys, *plan.points, strict=True):
-            if isinstance(low, int) and not isinstance(low, bool):
+            if isinstance(low, int):
                 raise InputError(
                     f"{path}: vary.{key}: takes whole numbers only, which a study cannot vary; use a "
                     "sweep"
                 )
-            if isinstance(low, bool | str) or isinstance(high, bool | str) or not low < high:
+            if not float(low) < float(high):
                 raise InputError(
                     f"{path}: vary.{key}: from = {shown(low)} must be below to = {shown(high)}"
                 )

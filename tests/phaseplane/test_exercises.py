@@ -173,6 +173,10 @@ def test_protocols_of_two_planes_tell_each_point_in_its_plane():
     for number, plane in zip("12", drawing.planes, strict=True):
         y = 100.0 * plane.displacement.read(frame.points[f"P{number}"])
         assert f"= {y:.4g} cm" in entries[typeset(f"P{number}")].value
+    for start, end in (("P1", "A1"), ("P2", "A2"), ("A2*", "B2")):  # several to a stage
+        way = 100.0 * abs(frame.points[end] - frame.points[start])
+        assert entries[typeset(end)].length == pytest.approx(way)
+    assert entries[typeset("P1")].length is entries[typeset("C1")].length is None
 
 
 def test_in_flight_b0_is_in_the_plane_of_the_wheel():

@@ -73,6 +73,17 @@ def test_zero_counts_as_positive_whatever_its_sign(zero):
 
 
 @pytest.mark.parametrize(
+    ("text", "switches"),
+    [
+        ("abs(x*x)", 0), ("abs(x^2/(1 + v^4))", 0), ("abs(exp(x)*v^2)", 0), ("abs(sqrt(x) + 2)", 0),
+        ("abs(x*v)", 1), ("abs(x^3)", 1), ("abs(x^2 - v^2)", 1), ("abs(0.5 - x^2)", 1),
+    ],
+)  # fmt: skip
+def test_what_cannot_change_its_sign_is_no_switch(text: str, switches: int):
+    assert len(Formula(text).switching.guards) == switches
+
+
+@pytest.mark.parametrize(
     "text", ["dead_zone(x, -1)", "saturation(x, -2)", "relay(x, -d)", "backlash(x, d - 1)"]
 )
 def test_negative_widths_are_refused(text: str):

@@ -305,6 +305,7 @@ def test_a_file_in_utf_8_may_begin_with_a_mark() -> None:
         ("show.outputs=body", ["show.outputs = 'body'", '"all"']),
         ("show.planes='a,b'", ['a list of pairs of outputs, such as ["suspension_deflection, ']),
         ("show.planes=['a']", ['must be two outputs, such as "suspension_deflection, ']),
+        ("show.output_interval=2", ["show.output_interval = 2 s is longer than the duration, 1 s"]),
         ("show.output_interval=1e-9", ["show.output_interval = 1e-09", "rows", "at least"]),
         ("construction.step=1e-7", ["construction.step = 1e-07", "steps"]),
         ("construction.rule=detla", ["'detla'", "osculating_circle", "did you mean 'delta'?"]),
