@@ -248,6 +248,20 @@ def test_pages_carry_the_construction_and_an_exercise_not_its_solution():
     assert successor not in sheet
 
 
+@pytest.mark.parametrize("rest", [3.0, -3.0])
+def test_the_axes_of_a_page_reach_around_the_motion_and_zero(rest):
+    """An oscillation about a place away from zero."""
+    drawing = construct_motion(plane_of(f"x - {rest}"), DELTA, step=STEP, steps=40)
+    (axes,) = sheet_data(drawing)["axes"]
+    points = [100.0 * f.points[name] for f in drawing for name in ("P", "P'", "D")]
+    across, up = axes["x"], axes["v"]
+    for axis, found in ((across, [z.real for z in points]), (up, [z.imag for z in points])):
+        low, high = sorted(x + y for x, y in axis["ends"])  # in the axis that is not across, 0
+        assert low < min(0.0, *found)
+        assert high > max(0.0, *found)
+        assert "0" in [text for *_, text in axis["ticks"]]
+
+
 def test_on_a_page_the_turn_angle_lies_just_below_the_planes():
     drawing = construct_motion(plane_of("(x^2 - 1)*v + x"), DELTA, step=STEP, steps=6)
     told = sheet_data(drawing)

@@ -117,6 +117,12 @@ def test_a_diverging_run_keeps_what_it_had() -> None:
     assert results.summary["measures"]["step_count"]["value"] > 10
 
 
+def test_what_the_fmu_says_of_its_steps_is_a_remark(fmu: Path) -> None:
+    coarse = scene_of(fmu, "solver.method=tangent", "solver.step=200 ms")
+    (said,) = run(coarse).summary["remarks"]
+    assert "solver.step = 0.2 s is not stable from 0 s on" in said
+
+
 def test_a_run_of_which_nothing_is_shown_tells_how_far_it_has_come() -> None:
     """One that diverged was said not to have started."""
     bare = [*UNDRAWN, "show.outputs=[]", "show.measures=[]"]
