@@ -275,13 +275,26 @@ def test_a_short_trail_stays_in_full_while_the_run_goes_on(
         assert (shown["range"]["start"] is None) == all_in_full
 
 
-def test_normals_end_in_feet_and_states(recorded: Recorded) -> None:
+def test_the_points_lines_and_arcs_of_a_step_are_where_they_are_constructed(
+    recorded: Recorded,
+) -> None:
     for k in (0, 24, 40, 59):
-        row = recorded.shown("/sheet/steps/contact/lines", "step", k)
-        assert row is not None
+        lines, dots, arcs = (
+            recorded.shown(f"/sheet/steps/contact/{part}", "step", k)
+            for part in ("lines", "points", "arcs3")
+        )
+        assert lines is not None
+        assert dots is not None
+        assert arcs is not None
         points = drawing().frames[k].points
         expected = [[points["D1"], points["P1"]], [points["D2"], points["P2"]]]
-        np.testing.assert_allclose(paper(row["LineStrips2D:strips"]), expected, atol=1e-7)
+        np.testing.assert_allclose(paper(lines["LineStrips2D:strips"]), expected, atol=1e-7)
+        marked = [points[name] for name in ("P1", "P2", "D1", "D2")]
+        np.testing.assert_allclose(paper(dots["Points2D:positions"]), marked, atol=1e-7)
+        for n, way in zip("12", paper(arcs["LineStrips2D:strips"]), strict=True):
+            d, p = points[f"D{n}"], points[f"P{n}"]
+            assert way[0] == pytest.approx(p, abs=1e-7)
+            np.testing.assert_allclose(abs(way - d), abs(p - d), atol=1e-6)
     static = recorded.static["/sheet/steps/contact/lines"]
     assert static["LineStrips2D:colors"] == [rgba(style_of("normal").hue)] * 2
 
