@@ -68,6 +68,8 @@ def test_its_units_and_rates_are_read(foreign: Path) -> None:
         "h": "m", "w": "m/s", "F": "N", "s": "m",
     }  # fmt: skip
     assert found.rates == (("h", "w"),)
+    assert "rms.F" in found.measures()
+    assert not {"natural_frequencies", "magnification", "lift_off_count"} & found.measures().keys()
 
 
 def test_its_planes_are_those_of_its_rates_unless_others_are_given(foreign: Path) -> None:
