@@ -90,6 +90,7 @@ def test_where_a_formula_has_no_value_it_is_not_a_number():
         ("x + 0.1*t", None),
         ("x + t*sin(t)", None),
         ("x + sin(t^2)", None),
+        ("x + sin(t - t^2)", None),
         ("x + sin(x*t)", None),
         ("x + sin(t) + sin(pi*t)", None),
     ],

@@ -251,6 +251,8 @@ def test_what_is_measured_on_the_model_alone_is_said_so():
     measures = ["peak.body_acceleration", "natural_frequencies", "magnification"]
     run = phaseplane.run("skyhook", duration=0.1, expect=False, measures=measures)
     assert "without the controller: natural_frequencies, magnification" in run.summary["remarks"]
+    bare = phaseplane.run("speed_bump", duration=0.1, expect=False, measures=measures)
+    assert bare.summary["remarks"] == []
 
 
 def test_a_recording_shows_no_energies_of_another_motion(tmp_path):

@@ -133,7 +133,9 @@ def test_an_optimum_is_told_with_its_sense(sense, speed, words, monkeypatch):
         f"{sense} = 'suspension_travel'\n[vary]\nspeed = {{ from = 5, to = 20 }}\n"
         "[search]\npopulation = 1\ngenerations = 0\n"
     )))  # fmt: skip
-    found = solve(problem, Path("journal"))
+    found = solve(problem, Path("journal"), progress=(seen := []).append)
+    assert seen == sorted(seen)
+    assert seen.index(1.0) == len(seen) - 1 > found.made
     assert problem.space.values(found.best) == pytest.approx([speed], abs=1e-3)
     assert optimum_data(found)["sense"] == sense
     (row,) = [line for line in format_optimum(found) if line.startswith("suspension_travel")]

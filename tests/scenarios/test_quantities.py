@@ -11,8 +11,9 @@ from phaseplane.scenarios.results.quantities import number, quantity, reading, s
     [
         (16.152345, "16.152"), (-21.58, "-21.580"), (0.0, "0"), (3158.3847, "3158.385"),
         (0.15507574, "0.1551"), (0.0045205, "0.004521"), (-1.23456e-7, "-1.235e-07"),
-        (4.5e12, "4.500e+12"), (-4.547e-12, "-4.547e-12"), (1e-15, "1.000e-15"),
-        (float("nan"), "nan"), (float("inf"), "inf"), (7, "7"),
+        (4.5e12, "4.500e+12"), (-4.5e12, "-4.500e+12"), (-4.547e-12, "-4.547e-12"),
+        (1e-15, "1.000e-15"), (float("nan"), "nan"), (float("inf"), "inf"), (float("-inf"), "-inf"),
+        (7, "7"),
     ],
 )  # fmt: skip
 def test_four_digits_and_three_decimals_at_least(value: float, text: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from math import inf
+from math import inf, nan
 from pathlib import Path
 
 import pytest
@@ -12,6 +12,7 @@ from command_line import complaint, phaseplane, printed, written
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.scene.names import SWEEPS, sweep_titles
 from phaseplane.scenarios.sweeps import running
+from phaseplane.scenarios.sweeps.job import picture_of
 from phaseplane.scenarios.sweeps.plan import load_plan
 from phaseplane.scenarios.sweeps.report import format_sweep, summary_of, table_of
 from phaseplane.scenarios.sweeps.running import Row, run_chunk, sweep
@@ -20,6 +21,8 @@ from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
 from small_sweep import GRID, HEAD, SCENE, rows, sweep_file
 from transfer import transfer
+
+from phaseplane import figures
 
 pytestmark = pytest.mark.usefixtures("scene_of_a_sweep")
 
@@ -398,6 +401,26 @@ def test_parquet_and_refusals(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not list(Path().glob(".x*"))  # no journal of what has not begun
 
 
+def test_a_picture_has_values_in_their_units_and_words_as_they_are_written(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    drawn: list[tuple] = []
+    monkeypatch.setattr(figures, "sweep", lambda *of, **more: drawn.append((*of, more)))
+    varied = '[vary]\nlift_off = [true, false]\nspeed = ["36 km/h", "72 km/h"]\n'
+    plan = load_plan(sweep_file(f"{HEAD}{varied}"))
+    picture_of(plan, plan.points, {"peak.body_displacement": [-0.001, None, 0.002, -0.003]})
+    ((keys, measured, more),) = drawn
+    assert keys == {
+        "lift_off": ("", ["true", "true", "false", "false"]),
+        "speed": ("km/h", pytest.approx([36.0, 72.0, 36.0, 72.0])),
+    }
+    assert measured == {
+        "magnitude of peak.body_displacement":
+            ("mm", pytest.approx([1.0, nan, 2.0, 3.0], nan_ok=True)),
+    }  # fmt: skip
+    assert more == {"title": "sweep"}
+
+
 def test_a_picture_that_cannot_be_drawn_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: object, **__: object) -> None:
         raise OSError("no space left")
@@ -493,6 +516,9 @@ def test_runs_that_fail_are_not_among_all_runs() -> None:
     })  # fmt: skip
     told = format_sweep(plan, table_of(plan, rows), summary, Path("out"))
     assert told.count("all runs with a value") == 2 * len(values)
+    assert "interruption" not in told
+    told = format_sweep(plan, table_of(plan, rows), {**summary, "made": 1}, Path("out"))
+    assert "; 2 from before the interruption" in told
 
 
 def test_a_run_that_is_small_as_a_whole_is_told() -> None:
