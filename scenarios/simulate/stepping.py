@@ -179,7 +179,7 @@ def _make(calls: Sequence[_Call]) -> None:
 
 def is_fmi3(description: ModelDescription) -> bool:
     """Return whether an FMU is one of FMI 3.0."""
-    return str(description.fmiVersion).startswith("3.")
+    return description.fmiVersion.startswith("3.")
 
 
 def _outputs(

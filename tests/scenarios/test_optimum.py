@@ -10,7 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from phaseplane.scenarios.design.job import _scene
 from phaseplane.scenarios.design.optimum import read_problem, solve, undominated
-from phaseplane.scenarios.design.report import format_optimum, optimum_data
+from phaseplane.scenarios.design.report import (
+    draw_optimum,
+    format_optimum,
+    optimum_data,
+    optimum_runs,
+)
 from phaseplane.scenarios.scene.loading import load_scene
 from studied_car import CAR, SEARCH, SHORT, study
 
@@ -140,6 +145,8 @@ def test_an_optimum_is_told_with_its_sense(sense, speed, words, monkeypatch):
     assert optimum_data(found)["sense"] == sense
     (row,) = [line for line in format_optimum(found) if line.startswith("suspension_travel")]
     assert row.endswith(words)
+    axes = draw_optimum(found, optimum_runs(found)).axes[0]
+    assert "suspension travel" in axes.get_ylabel()
 
 
 def test_the_best_run_is_found_wherever_the_search_meets_it(monkeypatch):
