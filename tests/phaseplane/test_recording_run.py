@@ -49,6 +49,25 @@ def test_a_live_run_shows_nothing_that_is_still_to_come(tmp_path: Path) -> None:
     assert fps * speed == speed == 1.0  # the story, once it is there, is not over in two seconds
 
 
+@pytest.mark.parametrize("constructed", [False, True])
+def test_axes_follow_a_live_run_unless_they_are_of_a_construction(
+    constructed: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    time = np.linspace(0.0, 0.1, 11)
+    pair = ("body_displacement", "body_velocity")
+    before = Content(
+        "a run", drawing() if constructed else None,
+        dict.fromkeys(("time", *pair), time[:0]), pairs=(pair,), live=True,
+    )  # fmt: skip
+    drawer = Drawer(Begin(before, "", str(tmp_path / "f.rrd"), ""))
+    reaches: list[dict] = []
+    monkeypatch.setattr(drawer.recorder, "redraw", lambda reach: reaches.append({**reach}))
+    for size in (1.0, -4.0, 0.5):  # the last goes no farther than those before
+        drawer.take({"time": time, pair[0]: size * time, pair[1]: 0.0 * time})
+    found = [reach[pair[0]].tolist() for reach in reaches]
+    assert found == ([] if constructed else [[0.0, 0.1], [-0.4, 0.1]])
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("live", "views"),
