@@ -56,6 +56,7 @@ class Solution:
     switches : times at which an element changes its branch, s, ascending
     joints : times at which a road or load may have a corner, s, ascending
     details : `time` and the outputs at the refined times
+    notices : what may make it less accurate than was asked for
     """
 
     columns: Columns
@@ -64,6 +65,7 @@ class Solution:
     switches: Sequence[float] = ()
     joints: Sequence[float] = ()
     details: Columns | None = None
+    notices: Sequence[str] = ()
 
     def ends(self) -> Columns:
         """Return `time` and outputs at the end, each as a column of one row."""
@@ -185,7 +187,13 @@ def simulated(
         reached = min(map(len, run.columns.values()), default=0)
         columns = {"time": time[:reached], **run.columns}
         return Solution(
-            columns, run.at_end, run.failure, run.switches, run.joints, run.closer or None
+            columns,
+            run.at_end,
+            run.failure,
+            run.switches,
+            run.joints,
+            run.closer or None,
+            run.notices,
         )
 
     def places(run: Outcome) -> list[float]:
@@ -239,7 +247,8 @@ def stepped(
     if session is None:
         return Solution(columns, ends, failure)
     switches = sorted(event.time for event in session.events)
-    return Solution(columns, ends, failure, switches, session.system.joints)
+    said = [text for category, text in session.messages if category == "info"]
+    return Solution(columns, ends, failure, switches, session.system.joints, notices=said)
 
 
 def hiding_places(solution: Solution, hidden: Collection[tuple[str, str]]) -> Column:

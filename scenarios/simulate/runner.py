@@ -200,7 +200,8 @@ def _driven(
         if name in rows
     }
     seconds = perf_counter() - started
-    return Drive(rows, seconds, own.failure, uncompiled=not engine.compiled), own
+    said = tuple(own.notices)
+    return Drive(rows, seconds, own.failure, not engine.compiled, said), own
 
 
 def _times(scene: Scene) -> tuple[Column, int]:

@@ -121,6 +121,10 @@ def test_what_the_fmu_says_of_its_steps_is_a_remark(fmu: Path) -> None:
     coarse = scene_of(fmu, "solver.method=tangent", "solver.step=200 ms")
     (said,) = run(coarse).summary["remarks"]
     assert "solver.step = 0.2 s is not stable from 0 s on" in said
+    for outputs in ("[]", "['kinetic_energy']"):  # the latter only a session has
+        scene = load_scene("ap57", ["show.output_interval=200 ms", f"show.outputs={outputs}",
+                                    *UNDRAWN, "solver.method=tangent", "solver.step=200 ms"])  # fmt: skip
+        assert solve(scene).summary["remarks"] == run(scene).summary["remarks"] == [said]
 
 
 def test_a_run_of_which_nothing_is_shown_tells_how_far_it_has_come() -> None:

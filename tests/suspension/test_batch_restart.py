@@ -26,7 +26,9 @@ def restart(used: Any, system: System, start: float) -> bool:
     row = array("d", used.row(system, rest, rest))
     rows = RunQueue(Filling(used, array("d", [start]), array("d", rest)), True)
     rows.take(row, start)
-    assert rows.go(0, 1) == [(0, 1, start, 0, 0)]
+    ((*ended, _since, _stable, overruns),) = rows.go(0, 1)
+    assert ended == [0, 1, start, 0, 0]
+    assert overruns == 0
     return True
 
 
@@ -202,7 +204,7 @@ def test_a_run_is_marked_at_most_once_in_a_step() -> None:
     used, times = Integrator(system), array("d", [5e-5 * k for k in range(2001)])
     rows = RunQueue(Filling(used, times, array("d", [0.0] * 4002)), True, 8)
     rows.take(array("d", used.row(system, (0.0, 0.0), (0.0, 0.0))), 0.0)
-    ((_, _, _, steps, _),) = rows.go(0, 1)
+    ((_, _, _, steps, *_),) = rows.go(0, 1)
     marked = [time for time, _ in rows.marks[0]]
     assert marked == sorted(set(marked))
     assert 4 <= len(marked) <= steps

@@ -21,13 +21,14 @@ from ..declared import solver_settings
 from ..engine import Integrator
 from ..equilibrium import start_state
 from ..models import MODELS, SOURCES, build, cached
+from ..notices import of_overruns, of_unstable
 from ..outputs import reading_of
 from ..reasons import why_raised, why_stopped
 from ..systems import System
 from ..variable import Variable
 from ..variables import ParameterError, checked_parameters, refuse_unknown, variables
 from ..variables import outputs as outputs_of
-from .series import RESIDUAL, Series, is_at_end, is_over_time
+from .series import RESIDUAL, Ended, Series, is_at_end, is_over_time
 
 if TYPE_CHECKING:
     from .slots import Slots
@@ -49,6 +50,7 @@ class Outcome(NamedTuple):
     switches : times at which an element changed its branch, s, ascending, if corners are requested
     joints : times at which the course of a road or load may have a corner, likewise
     closer : values at the times that `closer` has returned, with `time`; empty if the run failed
+    notices : what may make it less accurate than was asked for
     """
 
     columns: Mapping[str, npt.NDArray[np.float64]]
@@ -57,6 +59,7 @@ class Outcome(NamedTuple):
     switches: Sequence[float] = ()
     joints: Sequence[float] = ()
     closer: Mapping[str, npt.NDArray[np.float64]] = {}
+    notices: Sequence[str] = ()
 
     @property
     def ok(self) -> bool:
@@ -369,10 +372,14 @@ class _Bench:
             ended = series.go(first, columns)
             for k, one in enumerate(ended):
                 values = of_runs[first + k]
-                bends = (series.switches(k), systems[first + k].joints) if corners else ((), ())
+                switches, joints = (
+                    (series.switches(k), systems[first + k].joints) if corners else ((), ())
+                )
+                said = [*_notices(one, step)]
                 if one.status == 0:
                     found = dict(zip(names, values, strict=True))
-                    outcome = Outcome(found, "", series.ends(k, one), *bends)
+                    ends = series.ends(k, one)
+                    outcome = Outcome(found, "", ends, switches, joints, notices=said)
                     if closer is not None and (more := array("d", closer(outcome))):
                         there = zip(names, series.again(first + k, k, more), strict=True)
                         outcome = outcome._replace(closer={"time": np.array(more), **dict(there)})
@@ -384,8 +391,21 @@ class _Bench:
                     why = why_raised(failure, where)
                 else:
                     why = why_stopped(one.status, where, fixed=step > 0.0)
-                yield Outcome(found, why, {}, *bends)
+                yield Outcome(found, why, {}, switches, joints, notices=said)
             first += len(ended)
+
+
+def _notices(one: Ended, step: float) -> Iterator[str]:
+    """Yield what a run says at its end; see `Notices`.
+
+    Parameters
+    ----------
+    step : the fixed step, s; 0 if there is none
+    """
+    if step > 0.0 and one.beyond_step > 0.0:
+        yield of_unstable(step, one.beyond_since, one.beyond_step)
+    if one.overruns:
+        yield of_overruns(one.time)
 
 
 def _is_number(variable: Variable | None) -> bool:

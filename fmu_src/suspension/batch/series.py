@@ -68,6 +68,8 @@ class Ended(NamedTuple):
     time : at which it ended, s
     steps : number of steps taken
     log_end : index at which its switches end in the log of the batch
+    beyond_since, beyond_step : since when its fixed step was too long, and the stable step then, s
+    overruns : number of switches without time between them
     """
 
     status: int
@@ -75,6 +77,9 @@ class Ended(NamedTuple):
     time: float
     steps: int
     log_end: int
+    beyond_since: float
+    beyond_step: float
+    overruns: float
 
 
 class Series:

@@ -41,6 +41,8 @@ class RunQueue:
         self.status, self.filled = memory.marks(most), memory.marks(most)
         self.steps, self.log_end = memory.marks(most), memory.marks(most)
         self.time, self.limited = memory.zeros(most), memory.zeros(most * max(self.contacts, 1))
+        # since when a fixed step was too long, and the stable step then, s; overruns
+        self.doubts = memory.zeros(3 * most)
 
     @of_python
     def take(self, numbers: Lendable, start: float) -> None:
@@ -63,7 +65,9 @@ class RunQueue:
         self.rows: Size = len(numbers) // self.width
 
     @open_to_python
-    def go(self, first: Size, last: Size) -> list[tuple[int, int, float, int, int]]:
+    def go(
+        self, first: Size, last: Size
+    ) -> list[tuple[int, int, float, int, int, float, float, float]]:
         """Make the runs from `first` up to `last`, or as many of them as fit; at least one.
 
         At most as many fit as into the arrays; with a log, the next run starts only while three quarters
@@ -72,7 +76,9 @@ class RunQueue:
         Returns
         -------
         For each run 0 or the key in `outcomes.FAILURES` of the reason why it ended early, the number of
-        instants reached, time (s) and number of steps at its end, and the end of its switches in `log`.
+        instants reached, time (s) and number of steps at its end, the end of its switches in `log`, since
+        when a fixed step was too long and the stable step then (s; 0 if it never was), and the number of
+        overruns.
 
         Raises
         ------
@@ -107,7 +113,16 @@ class RunQueue:
                 self._end(status)
         one.raise_failure(0)  # an interrupt alone
         return [
-            (self.status[k], self.filled[k], self.time[k], self.steps[k], self.log_end[k])
+            (
+                self.status[k],
+                self.filled[k],
+                self.time[k],
+                self.steps[k],
+                self.log_end[k],
+                self.doubts[3 * k],
+                self.doubts[3 * k + 1],
+                self.doubts[3 * k + 2],
+            )
             for k in range(self.made)
         ]
 
@@ -164,6 +179,9 @@ class RunQueue:
         k = self.made
         self.status[k], self.filled[k] = status, self.filling.filled
         self.time[k], self.steps[k] = self.integrator.state.time, self.integrator.state.step_count
+        self.doubts[3 * k] = self.integrator.state.beyond_since
+        self.doubts[3 * k + 1] = self.integrator.state.beyond_step
+        self.doubts[3 * k + 2] = self.integrator.state.overruns
         self.log_end[k] = self.integrator.noted.flushed + self.integrator.noted.logged
         for i in range(self.integrator.limited.count):
             self.limited[k * self.contacts + i] = self.integrator.limited_time_at(
