@@ -34,7 +34,6 @@ _TO_V: list[list[float]] = _A.tolist()
 _TO_X: list[list[float]] = _A2.tolist()
 _ITERATIONS = 12
 _CONVERGED = 1e-13  # of the velocity: the last correction
-_SETTLED = 1e-7  # the same, where rounding lets corrections decrease no further
 
 _FAILED = nan, nan, nan, inf, inf, nan
 
@@ -42,7 +41,7 @@ _FAILED = nan, nan, nan, inf, inf, nan
 def radau(f: Function, t: float, x: float, v: float, a: float, h: float) -> Made:
     """Return the end of a step h from x, x' and x'', made in two halves.
 
-    The errors are those of one made as a whole; infinite if the iteration does not converge.
+    The errors are those of one made as a whole, and the last corrections of Newton's method.
     """
     by_v = slope(lambda v: f(v, x, t), v)
     by_x = slope(lambda x: f(v, x, t), x)
@@ -53,12 +52,11 @@ def radau(f: Function, t: float, x: float, v: float, a: float, h: float) -> Made
         )
     except np.linalg.LinAlgError:
         return _FAILED
-    once = _end(f, t, x, v, a, h, whole)
-    middle = once and _end(f, t, x, v, a, 0.5 * h, half)
-    end = middle and _end(f, t + 0.5 * h, *middle, 0.5 * h, half)
-    if not (once and end):
-        return _FAILED
-    return *end, once[0] - end[0], once[1] - end[1], -h * by_v
+    x_once, v_once, _, of_whole = _end(f, t, x, v, a, h, whole)
+    x, v, a, of_first = _end(f, t, x, v, a, 0.5 * h, half)
+    x, v, a, of_second = _end(f, t + 0.5 * h, x, v, a, 0.5 * h, half)
+    left = of_whole + of_first + of_second
+    return x, v, a, abs(x - x_once) + h * left, abs(v - v_once) + left, -h * by_v
 
 
 def _end(
@@ -69,8 +67,10 @@ def _end(
     a: float,
     h: float,
     inverse: Sequence[Sequence[float]],
-) -> tuple[float, float, float] | None:
-    """Return x, x' and x'' at the end, which is the last stage; None if Newton's method fails.
+) -> tuple[float, float, float, float]:
+    """Return x, x' and x'' at the end, which is the last stage, and the last correction of x'.
+
+    Corrections end where they no longer decrease: at the rounding of f, or where Newton's method fails.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def _end(
     """
     times = [t + h * c for c in _C]
     found = [a, a, a]
-    before = inf
+    size = inf
     for _ in range(_ITERATIONS):
         speeds = [v + h * rise for rise in _times(_TO_V, found)]
         places = [
@@ -87,17 +87,15 @@ def _end(
         lacks = [f(*at) - a for *at, a in zip(speeds, places, times, found, strict=True)]
         changes = _times(inverse, lacks)
         found = [a + change for a, change in zip(found, changes, strict=True)]
-        size, speed = h * max(map(abs, changes)), max(map(abs, (v, *speeds)))
-        if size <= _CONVERGED * speed or 0.5 * before <= size <= _SETTLED * speed:
-            return (
-                x + h * (v + h * _times(_TO_X, found)[2]),
-                v + h * _times(_TO_V, found)[2],
-                found[2],
-            )
-        if not size < before:
-            return None
-        before = size
-    return None
+        before, size = size, h * max(map(abs, changes))
+        if not _CONVERGED * max(map(abs, (v, *speeds))) < size < 0.5 * before:
+            break
+    return (
+        x + h * (v + h * _times(_TO_X, found)[2]),
+        v + h * _times(_TO_V, found)[2],
+        found[2],
+        size,
+    )
 
 
 def _times(matrix: Sequence[Sequence[float]], vector: Sequence[float]) -> list[float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import cos, exp, inf, isfinite, nan, pi, sin, sqrt
+from math import cos, exp, inf, nan, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -31,6 +31,22 @@ def test_a_stiff_damper_leaves_ten_digits_and_few_steps(damping, start):
         exact = of_slow * slow**n * np.exp(slow * times) + of_fast * fast**n * np.exp(fast * times)
         assert np.array(column[1:]) == pytest.approx(exact, rel=digits, abs=0.0)
     assert len(list(steps(switching, start, 0.0, 20.0))) < 1000
+
+
+@pytest.mark.parametrize(
+    ("f", "at_rest"),
+    [
+        ("1e4*v + 2e5*x - 1e5", 0.5),
+        ("8e3*x*v + 2e5*(x - 0.3)", 0.3),
+        ("3e4*x*v + 2e5*dead_zone(x, 0.258)", 0.258),
+        ("1e4*v + 1e6*sin(x) - 5e5", pi / 6.0),
+    ],
+)
+def test_a_stiff_motion_comes_to_rest_in_few_steps(f, at_rest):
+    """Newton's method gave up where only the rounding of forces in balance moves: 1000 steps a second."""
+    *_, last = steps(Formula(f).switching, (1.2, 0.0), 0.0, 30.0)
+    assert last.last[:2] == pytest.approx((at_rest, 0.0), abs=1e-12)
+    assert last.end - last.start > 0.5
 
 
 def test_a_relaxation_oscillation():
@@ -85,5 +101,5 @@ def test_the_order_of_a_step():
     ],
 )
 def test_a_step_that_does_not_converge_has_no_small_error(f):
-    *_, x_error, v_error, _ = radau(f, 0.0, 1.0, 1.0, -1.0, 0.5)
-    assert not (isfinite(x_error) and isfinite(v_error))
+    *_, v_error, _ = radau(f, 0.0, 1.0, 1.0, -1.0, 0.5)
+    assert not v_error < 0.1  # nor if it is not a number
