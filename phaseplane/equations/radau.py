@@ -14,24 +14,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf, nan, sqrt
 
-import numpy as np
-
 from phaseplane.equations.made import Function, Made
 from phaseplane.equations.switching import slope
 
+Matrix = Sequence[Sequence[float]]
+"""3 by 3. In lists so small, numbers are multiplied sooner than in arrays."""
+
 _R = sqrt(6.0)
-_A = np.array(
-    [
-        [(88.0 - 7.0 * _R) / 360.0, (296.0 - 169.0 * _R) / 1800.0, (3.0 * _R - 2.0) / 225.0],
-        [(296.0 + 169.0 * _R) / 1800.0, (88.0 + 7.0 * _R) / 360.0, (-3.0 * _R - 2.0) / 225.0],
-        [(16.0 - _R) / 36.0, (16.0 + _R) / 36.0, 1.0 / 9.0],
-    ]
-)
-_A2 = _A @ _A
-_C: list[float] = _A.sum(axis=1).tolist()
-# numbers in lists are faster than such small arrays
-_TO_V: list[list[float]] = _A.tolist()
-_TO_X: list[list[float]] = _A2.tolist()
+_A = [
+    [(88.0 - 7.0 * _R) / 360.0, (296.0 - 169.0 * _R) / 1800.0, (3.0 * _R - 2.0) / 225.0],
+    [(296.0 + 169.0 * _R) / 1800.0, (88.0 + 7.0 * _R) / 360.0, (-3.0 * _R - 2.0) / 225.0],
+    [(16.0 - _R) / 36.0, (16.0 + _R) / 36.0, 1.0 / 9.0],
+]
+_A2 = [[sum(a * b for a, b in zip(row, column, strict=True)) for column in zip(*_A, strict=True)]
+       for row in _A]  # fmt: skip
+_C = [sum(row) for row in _A]
 _ITERATIONS = 12
 _CONVERGED = 1e-13  # of the velocity: the last correction
 
@@ -46,11 +43,8 @@ def radau(f: Function, t: float, x: float, v: float, a: float, h: float) -> Made
     by_v = slope(lambda v: f(v, x, t), v)
     by_x = slope(lambda x: f(v, x, t), x)
     try:
-        whole, half = (
-            np.linalg.inv(np.eye(3) - s * by_v * _A - s * s * by_x * _A2).tolist()
-            for s in (h, 0.5 * h)
-        )
-    except np.linalg.LinAlgError:
+        whole, half = (_inverse(s * by_v, s * s * by_x) for s in (h, 0.5 * h))
+    except ZeroDivisionError:
         return _FAILED
     x_once, v_once, _, of_whole = _end(f, t, x, v, a, h, whole)
     x, v, a, of_first = _end(f, t, x, v, a, 0.5 * h, half)
@@ -66,7 +60,7 @@ def _end(
     v: float,
     a: float,
     h: float,
-    inverse: Sequence[Sequence[float]],
+    inverse: Matrix,
 ) -> tuple[float, float, float, float]:
     """Return x, x' and x'' at the end, which is the last stage, and the last correction of x'.
 
@@ -80,9 +74,9 @@ def _end(
     found = [a, a, a]
     size = inf
     for _ in range(_ITERATIONS):
-        speeds = [v + h * rise for rise in _times(_TO_V, found)]
+        speeds = [v + h * rise for rise in _times(_A, found)]
         places = [
-            x + h * (v * c + h * rise) for c, rise in zip(_C, _times(_TO_X, found), strict=True)
+            x + h * (v * c + h * rise) for c, rise in zip(_C, _times(_A2, found), strict=True)
         ]
         lacks = [f(*at) - a for *at, a in zip(speeds, places, times, found, strict=True)]
         changes = _times(inverse, lacks)
@@ -91,14 +85,33 @@ def _end(
         if not _CONVERGED * max(map(abs, (v, *speeds))) < size < 0.5 * before:
             break
     return (
-        x + h * (v + h * _times(_TO_X, found)[2]),
-        v + h * _times(_TO_V, found)[2],
+        x + h * (v + h * _times(_A2, found)[2]),
+        v + h * _times(_A, found)[2],
         found[2],
         size,
     )
 
 
-def _times(matrix: Sequence[Sequence[float]], vector: Sequence[float]) -> list[float]:
-    """Return the product of a matrix 3 by 3 and a vector."""
+def _inverse(damping: float, stiffness: float) -> Matrix:
+    """Return the inverse of 1 - damping A - stiffness A^2, by cofactors.
+
+    Raises
+    ------
+    ZeroDivisionError : there is none.
+    """
+    (a, b, c), (d, e, f), (g, h, i) = (
+        [(j == k) - damping * _A[j][k] - stiffness * _A2[j][k] for k in range(3)] for j in range(3)
+    )
+    rows = (
+        (e * i - f * h, c * h - b * i, b * f - c * e),
+        (f * g - d * i, a * i - c * g, c * d - a * f),
+        (d * h - e * g, b * g - a * h, a * e - b * d),
+    )
+    whole = a * rows[0][0] + b * rows[1][0] + c * rows[2][0]
+    return [[x / whole for x in row] for row in rows]
+
+
+def _times(matrix: Matrix, vector: Sequence[float]) -> list[float]:
+    """Return the product of a matrix and a vector."""
     p, q, r = vector
     return [one * p + two * q + three * r for one, two, three in matrix]
