@@ -49,6 +49,25 @@ def test_a_stiff_motion_comes_to_rest_in_few_steps(f, at_rest):
     assert last.end - last.start > 0.5
 
 
+def test_a_stiff_velocity_is_accurate_between_the_ends_of_steps():
+    """It had three digits there, and fourteen at the ends."""
+    damping, times = 2e6, np.linspace(0.1, 30.0, 301)
+    found = motion(
+        Formula("c*v + x - cos(7*t)", {"c": damping}).switching, (0.1, 0.0), [0.0, *times]
+    )
+    exact = _forced(damping, 7.0, 0.1, times)
+    assert np.abs(np.array(found.velocities[1:]) - exact).max() < 1e-6 * np.abs(exact).max()
+
+
+def _forced(c, w, start, t):
+    """Return x' of x'' + c x' + x = cos w t from a place at rest, without what decays as exp(-c t)."""
+    fast = -0.5 * c - sqrt(0.25 * c * c - 1.0)
+    slow = 1.0 / fast
+    one = 1.0 / complex(1.0 - w * w, c * w)  # x / e^iwt
+    of_slow = (-(1j * w * one).real - fast * (start - one.real)) / (slow - fast)
+    return (1j * w * one * np.exp(1j * w * t)).real + of_slow * slow * np.exp(slow * t)
+
+
 def test_a_relaxation_oscillation():
     """Van der Pol's, of mu = 1000, against scipy: which took a thousand times as many steps."""
     times = np.linspace(0.0, 1000.0, 41)
