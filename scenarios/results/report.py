@@ -147,7 +147,7 @@ def _by(summary: Mapping[str, Any]) -> str:
     if summary["build_time"] is not None or summary["model"] != summary["fmu"]:
         return "with FMPy"
     return (
-        "by the methods of Dormand, Prince and Radau"
+        "by the methods of Dormand and Prince, and of Radau"
         if "equation" in summary["parameters"]
         else "in this process"
     )

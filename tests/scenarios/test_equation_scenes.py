@@ -334,7 +334,7 @@ def test_an_equation_that_cannot_be_solved_on_keeps_what_it_has(equation, x, v, 
 @pytest.mark.slow
 def test_the_scene_of_van_der_pol():
     result = printed("run van_der_pol --set show.recording=false")
-    assert "by the methods of Dormand, Prince and Radau" in result
+    assert "by the methods of Dormand and Prince, and of Radau" in result
     summary = json.loads(Path("out/van_der_pol/summary.json").read_text(encoding="utf-8"))
     assert summary["drawn"]["steps"] == 200
     assert 0.0 < summary["drawn"]["drift"]["displacement"] < 0.3
