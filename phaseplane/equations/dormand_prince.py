@@ -6,7 +6,7 @@ J. R. Dormand, P. J. Prince, A family of embedded Runge-Kutta formulae, J. Comp.
 
 from __future__ import annotations
 
-from phaseplane.equations.made import Function, Made
+from phaseplane.equations.method import Function, Made
 
 
 def dormand_prince(f: Function, t: float, x: float, v: float, a: float, h: float) -> Made:

@@ -151,7 +151,7 @@ class Pieces(ast.NodeTransformer):
         return sign
 
     def _angle(self, atan2: ast.expr, u: ast.expr, w: ast.expr) -> ast.expr:
-        """Return the angle from the middle of its quadrant: it jumps only on the opposite side."""
+        """Return atan2(u, w) from the middle of its quadrant on: it jumps only on the opposite side."""
         s, r = self._side(u), self._side(w)
         if not (_has_signs(s) or _has_signs(r)):  # both are zero everywhere
             return ast.Call(atan2, [u, w], [])

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf, nan, sqrt
 
-from phaseplane.equations.made import Function, Made
+from phaseplane.equations.method import Function, Made
 from phaseplane.equations.switching import slope
 
 Matrix = Sequence[Sequence[float]]

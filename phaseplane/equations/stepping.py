@@ -13,7 +13,7 @@ from math import inf, isfinite, isnan, sqrt
 from typing import NamedTuple
 
 from phaseplane.equations.dormand_prince import dormand_prince
-from phaseplane.equations.made import Made
+from phaseplane.equations.method import Made
 from phaseplane.equations.radau import radau
 from phaseplane.equations.roots import root
 from phaseplane.equations.switching import Mode, Switching
@@ -166,7 +166,7 @@ def steps(
     rejected = 0  # steps in succession
     left: int | None = None  # the guard at which the mode has just begun
     rounding = _ROUNDING
-    a = system.acceleration(mode, v, x, t)
+    a = f(v, x, t)
     largest = abs(x), max(abs(v), sqrt(abs(x * a)) if isfinite(a) else 0.0)
     h = min(h, _first(t, x, v, a, end))
     for _ in range(MOST_STEPS):

@@ -186,14 +186,9 @@ def simulated(
         # a run that could not start has no columns
         reached = min(map(len, run.columns.values()), default=0)
         columns = {"time": time[:reached], **run.columns}
+        closer = run.closer or None
         return Solution(
-            columns,
-            run.at_end,
-            run.failure,
-            run.switches,
-            run.joints,
-            run.closer or None,
-            run.notices,
+            columns, run.at_end, run.failure, run.switches, run.joints, closer, run.notices
         )
 
     def places(run: Outcome) -> list[float]:

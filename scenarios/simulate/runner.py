@@ -200,8 +200,7 @@ def _driven(
         if name in rows
     }
     seconds = perf_counter() - started
-    said = tuple(own.notices)
-    return Drive(rows, seconds, own.failure, not engine.compiled, said), own
+    return Drive(rows, seconds, own.failure, not engine.compiled, tuple(own.notices)), own
 
 
 def _times(scene: Scene) -> tuple[Column, int]:

@@ -27,6 +27,20 @@ pytestmark = pytest.mark.usefixtures("studied_car")
 BOTH_RATES = (
     "damper = { rebound_rate = { from = 300, to = 6000 }, bump_rate = { from = 300, to = 6000 } }\n"
 )
+TRADE_OFF = "minimise = 'rms.body_acceleration'\nagainst = 'suspension_travel'"
+
+
+def best_speed(monkeypatch, measured, text, *, search="", progress=lambda _done: None):
+    """The problem of a speed from 5 to 20 m/s of which such measures are known, and its optimum."""
+    monkeypatch.setattr(
+        "phaseplane.scenarios.design.optimum._measures_of",
+        lambda plan: (measured(speed) for (speed,) in plan.points),
+    )
+    problem = read_problem(Path(study(
+        f"{text}\n[vary]\nspeed = {{ from = 5, to = 20 }}\n"
+        f"[search]\npopulation = 1\ngenerations = 0\n{search}"
+    )))  # fmt: skip
+    return problem, solve(problem, Path("journal"), progress)
 
 
 @pytest.mark.slow
@@ -111,16 +125,10 @@ def test_a_trade_off_of_peaks_is_one_of_their_magnitudes():
 
 
 def test_the_points_of_a_trade_off_are_evenly_spaced_in_the_second_measure(monkeypatch):
-    def measured(plan):
-        for (speed,) in plan.points:
-            yield (speed - 8.0) ** 2, (speed - 16.0) ** 2
-
-    monkeypatch.setattr("phaseplane.scenarios.design.optimum._measures_of", measured)
-    problem = read_problem(Path(study(
-        "minimise = 'rms.body_acceleration'\nagainst = 'suspension_travel'\n[vary]\n"
-        "speed = { from = 5, to = 20 }\n[search]\npopulation = 1\ngenerations = 0\ntrade_offs = 3\n"
-    )))  # fmt: skip
-    found = solve(problem, Path("journal"))
+    _, found = best_speed(
+        monkeypatch, lambda speed: ((speed - 8.0) ** 2, (speed - 16.0) ** 2), TRADE_OFF,
+        search="trade_offs = 3\n",
+    )  # fmt: skip
     _, front = found.front
     np.testing.assert_allclose(front[:, 1], [64.0, 32.0, 0.0], rtol=1e-3, atol=1e-6)
     assert len(found.envelope) > len(front)  # of runs of which none beats another
@@ -130,15 +138,10 @@ def test_the_points_of_a_trade_off_are_evenly_spaced_in_the_second_measure(monke
     ("sense", "speed", "words"), [("minimise", 8.0, "least"), ("maximise", 20.0, "largest")]
 )
 def test_an_optimum_is_told_with_its_sense(sense, speed, words, monkeypatch):
-    monkeypatch.setattr(
-        "phaseplane.scenarios.design.optimum._measures_of",
-        lambda plan: [((speed - 8.0) ** 2,) for (speed,) in plan.points],
-    )
-    problem = read_problem(Path(study(
-        f"{sense} = 'suspension_travel'\n[vary]\nspeed = {{ from = 5, to = 20 }}\n"
-        "[search]\npopulation = 1\ngenerations = 0\n"
-    )))  # fmt: skip
-    found = solve(problem, Path("journal"), progress=(seen := []).append)
+    problem, found = best_speed(
+        monkeypatch, lambda speed: ((speed - 8.0) ** 2,), f"{sense} = 'suspension_travel'",
+        progress=(seen := []).append,
+    )  # fmt: skip
     assert seen == sorted(seen)
     assert seen.index(1.0) == len(seen) - 1 > found.made
     assert problem.space.values(found.best) == pytest.approx([speed], abs=1e-3)
@@ -152,16 +155,10 @@ def test_an_optimum_is_told_with_its_sense(sense, speed, words, monkeypatch):
 def test_the_best_run_is_found_wherever_the_search_meets_it(monkeypatch):
     """The second measure is least in a dip of the first that the search for the first has missed."""
 
-    def measured(plan):
-        for (speed,) in plan.points:
-            yield 0.0 if abs(speed - 18.3) < 0.01 else 1.0 + (speed - 8.0) ** 2, (speed - 18.3) ** 2
+    def measured(speed):
+        return 0.0 if abs(speed - 18.3) < 0.01 else 1.0 + (speed - 8.0) ** 2, (speed - 18.3) ** 2
 
-    monkeypatch.setattr("phaseplane.scenarios.design.optimum._measures_of", measured)
-    problem = read_problem(Path(study(
-        "minimise = 'rms.body_acceleration'\nagainst = 'suspension_travel'\n[vary]\n"
-        "speed = { from = 5, to = 20 }\n[search]\npopulation = 1\ngenerations = 0\n"
-    )))  # fmt: skip
-    found = solve(problem, Path("journal"))
+    _, found = best_speed(monkeypatch, measured, TRADE_OFF)
     assert found.numbers[0] == found.front[1][0, 0] == 0.0
 
 

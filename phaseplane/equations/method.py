@@ -1,4 +1,4 @@
-"""What a step of a motion is made from, and what it gives."""
+"""What a method of steps is given, and what it returns."""
 
 from __future__ import annotations
 
